@@ -180,7 +180,7 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
 
 def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Measurement) -> float:
     """Return the root mean square error [N] of friction along a fresh motion, without its noise."""
-    from stickslip.identification.force_map.bristle_integration import Path, follow
+    from stickslip.identification.estimation.bristle_integration import Path, follow
 
     t, x = np.asarray(fresh.time), np.asarray(fresh.values("position"))
     v = np.gradient(x, t)

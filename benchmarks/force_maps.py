@@ -21,8 +21,8 @@ from scipy.signal import lfilter
 from benchmarks.rigs import Array, Random, between
 from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck, select
 from stickslip.errors import StickslipError
-from stickslip.identification.force_map.bristle_integration import Path as Motion
-from stickslip.identification.force_map.bristle_integration import follow
+from stickslip.identification.estimation.bristle_integration import Path as Motion
+from stickslip.identification.estimation.bristle_integration import follow
 
 RESULTS = "force_maps.jsonl"
 FINE = 10

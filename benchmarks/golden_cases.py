@@ -15,8 +15,6 @@ from stickslip.drives import Square
 from stickslip.mechanisms import Torque
 from stickslip.quantities import vary
 
-__all__ = ["CASES", "Case", "Command"]
-
 PYTHON = "python"
 """First word of a command that is a script and not `stickslip`."""
 

@@ -1,20 +1,27 @@
-"""Random spring-block rigs with known friction: does selection on a few travels name the right law?
+"""Random rigs with known friction: is what a selection states about a few travels true?
 
-``python -m benchmarks.travel_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a file
-line by line, and a run that was killed goes on where it was. Of five rigs two have Coulomb, two
-Coulomb + viscous, and one Stribeck or Dahl friction.
+``nice python -m benchmarks.travel_truth --rigs 200 --seed 1``; results are appended to a file line
+by line, and a run that was killed goes on where it was. Rigs are a block on a spring that it leaves,
+one that stays fastened and swings before it rests, an axis that is pushed and a capsule, in turn;
+truths are those of `TRUTHS`, of which the last two are not among the candidates. A rig has three to
+eight settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges 40
+fastened blocks with Coulomb friction alone. ``--fault 0.05`` gives selection a stiffness, inertia or
+drive that is wrong by this share.
 
-A verdict is right if it names the true law, or a law with fewer parameters that predicts as well:
-its error on noise-free travels at settings that were not measured, within the measured range and up
-to 1.5 times beyond it, is at most one standard error of a reading above that of the best candidate.
-A law with parameters that were neither measured, given nor fitted is never right.
+A verdict is *right* if it names the true law, or says that the readings do not tell it from the one
+named, or names none, or names one that predicts as well: its error on noise-free travels at
+settings that were not measured, within the measured range and up to 1.5 times beyond it, is at most
+one standard error of a reading. It is a *false certainty* if the law that it names is not right, or
+if a parameter of the law that is named, which the truth has too, lies outside of the stated interval
+by more than half its width (four standard errors).
 """
 
 import argparse
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,47 +30,54 @@ import numpy as np
 from benchmarks.rigs import Array, Random, between
 from benchmarks.synthetic_truth import judged, run, share
 from stickslip import (
+    Axis,
+    Capsule,
     Coulomb,
     CoulombViscous,
-    Dahl,
+    DirectionDependent,
     FrictionLaw,
+    LuGre,
     Measurement,
+    Mechanism,
+    PowerViscous,
     SpringBlock,
     Stribeck,
     select,
     simulate,
 )
-from stickslip.drives import Pulse
+from stickslip.drives import Pulse, Square
 from stickslip.errors import StickslipError
+from stickslip.mechanisms import Torque, slip_of
 from stickslip.quantities import vary
 from stickslip.selection import TravelCandidate, TravelVerdict
 
 RESULTS = "travel_truth.jsonl"
 ROUTE = "travels"
-TRUTHS = ("coulomb", "coulomb-viscous", "coulomb", "coulomb-viscous", "stribeck")
-"""Truths of five rigs in turn; every other Stribeck law is a Dahl law instead."""
-MAIN = ("coulomb", "coulomb-viscous")
-PARAMETERS = {
-    "coulomb": 1, "viscous": 1, "coulomb-viscous": 2, "dahl": 2, "stribeck": 3, "lugre": 5,
-}  # fmt: skip
-"""What a law has to be given or fitted before it predicts."""
-LAWS = tuple(PARAMETERS)
+KINDS = ("free", "attached", "axis", "capsule")
+TRUTHS = (
+    "coulomb", "coulomb-viscous", "stribeck", "lugre", "power-viscous", "direction-dependent",
+)  # fmt: skip
+LAWS = ("coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre")
 FAST = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
 """Those without bristles, whose runs take a hundredth of the time."""
-PLAIN = ("coulomb", "coulomb-viscous")
-"""Those that are in question for most rigs, in a fifth of the time of the four."""
 GRAVITY = 9.81
-T_END = 10.0
 TARGET = 0.95
 BEYOND = 1.5
 """Largest setting that is predicted, over the largest that was measured."""
+OUTSIDE = 2.0
+"""Half widths of an interval from its middle beyond which a true value makes it false."""
+STEPS = {"free": "mechanism.stiffness", "attached": "mechanism.stiffness",
+         "axis": "mechanism.inertia", "capsule": "mechanism.drive.drive.high"}  # fmt: skip
+"""What is wrong where a mechanism is faulty."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TravelRig:
-    """A block, its friction, how it was set and how well its travels were read."""
+    """A mechanism, its friction, how it was set and how well its travels were read."""
 
-    block: SpringBlock
+    kind: str
+    """One of `KINDS`."""
+    mechanism: Mechanism
     law: FrictionLaw
     path: str
     """Parameter that was set."""
@@ -73,70 +87,107 @@ class TravelRig:
     """``"rounded"`` to 1 mm, ``"normal"`` errors of stated size, or ``"unstated"`` ones."""
     error: float
     """Standard error of a reading [m]."""
+    t_end: float
+    """Time after which a body counts as stopped [s]."""
 
     def travel(self, setting: float, law: FrictionLaw | None = None) -> float:
         """Return the travel [m] at a setting, of the true law if none is given."""
-        block = vary(self.block, "mechanism", {self.path: setting})
-        ends = simulate(block, law or self.law, t_end=T_END).at((0.0, T_END))["x"]
-        return float(ends[1] - ends[0])
+        rig = vary(self.mechanism, "mechanism", {self.path: setting})
+        ends = simulate(rig, law or self.law, t_end=self.t_end).at((0.0, self.t_end))
+        moved = ends[slip_of(rig)]
+        return float(moved[1] - moved[0])
 
 
-def truth_of(number: int) -> str:
-    """Return the name of the law of a rig."""
-    name = TRUTHS[number % len(TRUTHS)]
-    return "dahl" if name == "stribeck" and number % (2 * len(TRUTHS)) >= len(TRUTHS) else name
+def draw(random: Random, kind: str, truth: str, *, levels: bool = False) -> TravelRig:
+    """Return a random rig whose body moves at every setting.
 
-
-def draw(random: Random, truth: str) -> TravelRig:
-    """Return a random rig whose block moves at every setting."""
+    With `levels` a block has three settings that are near to each other, and swings up to four
+    times: the range in which levels of 1, 1/3 and 1/5 give the same travels is among them.
+    """
     mass, level = between(random, 0.2, 5.0), between(random, 0.08, 0.6)
-    weight = mass * GRAVITY
-    count = int(random.integers(3, 7))
+    count, t_end = int(random.integers(3, 9)), 10.0
     spread = float(random.uniform(1.6, 3.0))
     shares = np.sort(np.geomspace(1.0 / spread, 1.0, count) * random.uniform(0.96, 1.04, count))
-    pulled = random.uniform() < 1.0 / 3.0
     excess = float(random.uniform(1.5, 4.0)) * spread
-    if pulled:
-        largest, duration = excess * level * weight, between(random, 0.05, 0.3)
-        block = SpringBlock(mass=mass, drive=Pulse(level=largest, duration=duration))
-        path, speed = "mechanism.drive.level", (largest / mass - level * GRAVITY) * duration
+    if levels:
+        count, excess = 3, float(random.uniform(1.2, 8.0))
+        shares = np.sort(random.uniform(0.8, 1.0, count))
+    load = mass * GRAVITY
+    rig: Mechanism
+    if kind == "axis":
+        load, level = 1.0, level * mass * GRAVITY  # friction as a force [N]
+        largest, duration = excess * level, between(random, 0.05, 0.3)
+        rig = Axis(inertia=mass, drive=Pulse(level=largest, duration=duration))
+        path, speed = "mechanism.drive.level", (largest - level) / mass * duration
+        settings = tuple(float(f"{one * largest:.3g}") for one in shares)
+    elif kind == "capsule":
+        mass, level, t_end = between(random, 0.5, 1.5), between(random, 0.08, 0.25), 6.0
+        load = mass * GRAVITY
+        period = between(random, 0.25, 0.5)
+        wave = Square(high=excess * level * load, low=-0.3 * level * load, period=period, duty=0.3)
+        rig = Capsule(
+            capsule_mass=0.8 * mass, inner_mass=0.2 * mass, stiffness=80.0 * mass,
+            damping=0.8 * mass, drive=Torque(drive=wave),
+        )  # fmt: skip
+        path, speed = "mechanism.drive.drive.period", 0.3
+        settings = tuple(round(0.7 * one * period + 0.5 * period, 3) for one in shares)
     else:
         largest = float(random.uniform(0.06, 0.25))
-        stiffness = excess * level * weight / largest
-        attached = bool(random.uniform() < 1.0 / 3.0)
-        block = SpringBlock(mass=mass, stiffness=stiffness, compression=largest, attached=attached)
+        stiffness = excess * level * load / largest
+        rig = SpringBlock(
+            mass=mass, stiffness=stiffness, compression=largest, attached=kind == "attached"
+        )
         path, speed = "mechanism.compression", largest * math.sqrt(stiffness / mass)
-    rounding = 0.001
-    settings = tuple(
-        float(f"{share * largest:.3g}") if pulled else round(share * largest / rounding) * rounding
-        for share in shares
-    )
-    noise = str(random.choice(("rounded", "normal", "unstated"), p=(0.45, 0.4, 0.15)))
-    error = rounding / math.sqrt(12.0) if noise == "rounded" else between(random, 0.0005, 0.002)
+        settings = tuple(round(one * largest, 3) for one in shares)
+    noise = str(random.choice(("rounded", "normal", "unstated"), p=(0.3, 0.5, 0.2)))
     return TravelRig(
-        block=block,
-        law=_law(random, truth, level, weight, speed),
+        kind=kind,
+        mechanism=rig,
+        law=_law(random, truth, level, load, speed),
         path=path,
         settings=settings,
-        repeats=int(random.choice((1, 2, 3), p=(0.7, 0.2, 0.1))),
+        repeats=int(random.choice((1, 2), p=(0.8, 0.2))),
         noise=noise,
-        error=error,
+        error=0.001 / math.sqrt(12.0) if noise == "rounded" else between(random, 1e-4, 1e-3),
+        t_end=t_end,
     )
 
 
-def _law(random: Random, truth: str, level: float, weight: float, speed: float) -> FrictionLaw:
+def _law(random: Random, truth: str, level: float, load: float, speed: float) -> FrictionLaw:
     if truth == "coulomb":
         return Coulomb(kinetic_coefficient=level)
+    viscous = between(random, 0.05, 1.0) * level * load / speed
     if truth == "coulomb-viscous":
-        viscous = between(random, 0.05, 1.0) * level * weight / speed
         return CoulombViscous(kinetic_coefficient=level, viscous_coefficient=viscous)
-    if truth == "stribeck":
-        return Stribeck(
+    if truth == "power-viscous":
+        exponent = float(random.choice((0.5, 2.0)))
+        return PowerViscous(
             kinetic_coefficient=level,
-            static_coefficient=level * float(random.uniform(1.1, 1.4)),
-            stribeck_velocity=between(random, 0.01, 0.5) * speed,
+            viscous_coefficient=viscous * speed ** (1.0 - exponent),
+            exponent=exponent,
         )
-    return Dahl(kinetic_coefficient=level, bristle_stiffness=level / between(random, 1e-5, 1e-2))
+    if truth == "direction-dependent":
+        ratio = float(random.uniform(0.6, 0.9)) ** int(random.choice((-1, 1)))
+        return DirectionDependent(
+            forward_kinetic_coefficient=level, backward_kinetic_coefficient=ratio * level
+        )
+    stribeck = Stribeck(
+        kinetic_coefficient=level,
+        static_coefficient=level * float(random.uniform(1.1, 1.6)),
+        stribeck_velocity=between(random, 0.01, 0.7) * speed,
+        viscous_coefficient=viscous * float(random.choice((0.0, 1.0))),
+    )
+    if truth == "stribeck":
+        return stribeck
+    stiffness = level / between(random, 1e-5, 1e-3)
+    return LuGre(
+        kinetic_coefficient=level,
+        static_coefficient=stribeck.static_coefficient,
+        stribeck_velocity=stribeck.stribeck_velocity,
+        viscous_coefficient=stribeck.viscous_coefficient,
+        bristle_stiffness=stiffness,
+        bristle_damping=math.sqrt(stiffness / GRAVITY),
+    )
 
 
 def readings(rig: TravelRig, random: Random) -> Measurement:
@@ -166,39 +217,64 @@ def unseen(rig: TravelRig) -> Array:
 
 
 def judge(
-    seed: int, number: int, *, candidates: Sequence[str] = LAWS, route: str = ROUTE
+    seed: int,
+    number: int,
+    *,
+    candidates: Sequence[str] = LAWS,
+    route: str = ROUTE,
+    fault: float = 0.0,
+    levels: bool = False,
 ) -> dict[str, Any]:
     """Return what selection makes of the travels of one random rig."""
     random = np.random.default_rng([seed, number])
-    truth = truth_of(number)
+    kind = "attached" if levels else KINDS[number % len(KINDS)]
+    truth = "coulomb" if levels else TRUTHS[number // len(KINDS) % len(TRUTHS)]
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
-    rig = draw(random, truth)
-    began = time.perf_counter()
+    rig = draw(random, kind, truth, levels=levels)
+    began = time.process_time()
     try:
         measurement = readings(rig, random)
-        began = time.perf_counter()
-        verdict = select(rig.block, candidates, measurement, t_end=T_END)
+        given = _wrong(rig, fault)
+        began = time.process_time()
+        verdict = select(given, candidates, measurement, t_end=rig.t_end)
     except StickslipError as error:
-        return row | {"failed": str(error), "seconds": time.perf_counter() - began}
-    seconds = time.perf_counter() - began
+        return row | {"failed": str(error), "seconds": time.process_time() - began}
+    seconds = time.process_time() - began
     assert isinstance(verdict, TravelVerdict)
     best = verdict.best
-    row |= {
+    ties = [
+        c for c in verdict.candidates if c is not best and not c.dropped and not c.distinguished
+    ]
+    errors = {c.name: _error(rig, c) for c in (best, *ties) if c is not None}
+    intervals = _intervals(rig, best)
+    told = best is None or truth in (best.name, *(c.name for c in ties))
+    right = told or min(errors.values()) <= rig.error
+    false = (not right) or any(one["far"] for one in intervals)
+    return row | {
         "named": best.name if best else None,
+        "ties": [c.name for c in ties],
         "verdict": verdict.sentence,
-        "kind": "pulse" if rig.block.drive else "attached" if rig.block.attached else "free",
+        "kind": rig.kind,
         "noise": rig.noise,
         "error": rig.error,
         "settings": len(rig.settings),
         "repeats": rig.repeats,
         "law": repr(rig.law),
-        "errors": {c.name: _error(rig, c) for c in verdict.candidates},
-        "parameters": {c.name: len(c.fit.estimates) for c in verdict.candidates if c.fit},
-        "invented": [c.name for c in verdict.candidates if _invented(c)],
-        "intervals": _covered(rig, best) if best and best.name == truth else [],
+        "errors": errors,
+        "intervals": intervals,
         "seconds": seconds,
+        "right": right,
+        "false": false,
     }
-    return row | {"right": _right(row)}
+
+
+def _wrong(rig: TravelRig, fault: float) -> Mechanism:
+    """Return the mechanism as somebody gives it who is wrong by a share."""
+    from stickslip.quantities import parameters
+
+    path = STEPS[rig.kind]
+    known = {name: value for name, _, value in parameters(rig.mechanism, "mechanism")}
+    return vary(rig.mechanism, "mechanism", {path: (1.0 + fault) * known[path]})
 
 
 def _error(rig: TravelRig, candidate: TravelCandidate) -> float:
@@ -213,63 +289,77 @@ def _error(rig: TravelRig, candidate: TravelCandidate) -> float:
     return math.sqrt(float(np.mean(np.square(errors))))
 
 
-def _invented(candidate: TravelCandidate) -> bool:
-    """Whether a law has parameters that must be known and that nobody measured, gave or fitted."""
-    fitted = 0 if candidate.fit is None else len(candidate.fit.estimates)
-    return fitted < PARAMETERS[candidate.name]
-
-
-def _right(row: Mapping[str, Any]) -> bool:
-    named, errors = row["named"], row["errors"]
-    if named is None or named in row["invented"]:
-        return False
-    best = min(error for name, error in errors.items() if name not in row["invented"])
-    simpler = PARAMETERS[named] < PARAMETERS[row["truth"]]
-    return named == row["truth"] or (simpler and errors[named] <= best + row["error"])
-
-
-def _covered(rig: TravelRig, candidate: TravelCandidate) -> list[dict[str, Any]]:
-    """Return for each bounded estimate whether its interval holds the true value."""
+def _intervals(rig: TravelRig, best: TravelCandidate | None) -> list[dict[str, Any]]:
+    """Return for each bounded estimate that the truth has too whether its interval holds it."""
     rows = []
-    for estimate in candidate.fit.estimates if candidate.fit else ():
-        true = getattr(rig.law, estimate.path.rpartition(".")[2])
-        if estimate.bounded:
-            held = estimate.low <= true <= estimate.high
-            half = 0.5 * (estimate.high - estimate.low) / max(true, 1e-300)
-            rows.append({"path": estimate.path, "held": bool(held), "half": half})
+    for estimate in best.fit.estimates if best and best.fit else ():
+        name = estimate.path.rpartition(".")[2]
+        if isinstance(rig.law, DirectionDependent) and name == "kinetic_coefficient":
+            ends = rig.law.forward_kinetic_coefficient, rig.law.backward_kinetic_coefficient
+        elif isinstance(rig.law, PowerViscous) and name == "viscous_coefficient":
+            continue
+        else:
+            value = getattr(rig.law, name, None)
+            if value is None and name == "viscous_coefficient":
+                value = 0.0
+            if value is None:
+                continue
+            ends = value, value
+        if not estimate.bounded:
+            continue
+        low, high = min(ends), max(ends)
+        middle, half = 0.5 * (estimate.low + estimate.high), estimate.half_width
+        room = OUTSIDE * half + 1e-12
+        rows.append(
+            {
+                "path": estimate.path,
+                "held": bool(estimate.low <= high and low <= estimate.high),
+                "far": bool(low > middle + room or high < middle - room),
+                "half": half / max(abs(low), 1e-300),
+                "said": [estimate.low, estimate.high],
+                "true": [low, high],
+            }
+        )
     return rows
 
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the tables: right verdicts and coverage by truth, mechanism, readings and settings."""
+    """Yield the tables: right verdicts, false certainties and coverage."""
     failed = [row for row in rows if "failed" in row]
     rows = [row for row in rows if "failed" not in row]
-    main = [row for row in rows if row["truth"] in MAIN]
-    yield f"{len(rows)} rigs ({len(failed)} failed); target {100 * TARGET:.0f} % right"
-    yield f"truth Coulomb or Coulomb + viscous: {share([row['right'] for row in main])}"
-    yield f"  the true law itself:      {share([row['named'] == row['truth'] for row in main])}"
-    yield f"  no law named:             {share([row['named'] is None for row in main])}"
-    wild = [row["named"] in row["invented"] for row in rows]
-    yield f"a law with invented parameters is named: {share(wild)}"
-    for key, of in (("truth", rows), ("kind", main), ("noise", main), ("settings", main)):
-        yield f"right by {key}:"
-        for value in sorted({row[key] for row in of}):
-            part = [row for row in of if row[key] == value]
+    yield f"{len(rows)} rigs ({len(failed)} failed); target {100 * TARGET:.0f} % right, 0 false"
+    yield f"right:             {share([row['right'] for row in rows])}"
+    yield f"false certainties: {sum(row['false'] for row in rows)}"
+    yield f"no law named:      {share([row['named'] is None for row in rows])}"
+    for key in ("truth", "kind", "noise", "settings"):
+        yield f"by {key}:"
+        for value in sorted({row[key] for row in rows}):
+            part = [row for row in rows if row[key] == value]
             names = sorted({str(row["named"]) for row in part})
             count = ", ".join(f"{n} {sum(str(r['named']) == n for r in part)}" for n in names)
-            yield f"  {value!s:18}{share([row['right'] for row in part])}; named: {count}"
-    intervals = [one | {"noise": row["noise"]} for row in main for one in row["intervals"]]
-    yield f"coverage of nominal 95 %, named law true: {share([one['held'] for one in intervals])}"
-    for key in ("path", "noise"):
-        for value in sorted({one[key] for one in intervals}):
-            held = [one["held"] for one in intervals if one[key] == value]
-            yield f"  {value:40}{share(held)}"
-    yield f"median time of a selection: {np.median([row['seconds'] for row in rows]):.1f} s"
-    for row in main:
-        if not row["right"]:
+            yield (
+                f"  {value!s:20}{share([row['right'] for row in part])};"
+                f" {sum(row['false'] for row in part)} false; named: {count}"
+            )
+    intervals = [one for row in rows for one in row["intervals"]]
+    yield f"coverage of nominal 95 %: {share([one['held'] for one in intervals])}"
+    for path in sorted({one["path"] for one in intervals}):
+        part = [one for one in intervals if one["path"] == path]
+        width = np.median([one["half"] for one in part])
+        yield f"  {path:40}{share([one['held'] for one in part])}; median half width {width:.1%}"
+    times = [row["seconds"] for row in rows]
+    yield f"processor time of a selection: median {np.median(times):.1f} s, largest {max(times):.1f} s"
+    for row in rows:
+        if row["false"] or not row["right"]:
+            far = "; ".join(
+                f"{i['path']} {i['said'][0]:.4g} to {i['said'][1]:.4g}, true {i['true']}"
+                for i in row["intervals"]
+                if i["far"]
+            )
             yield (
                 f"rig {row['rig']}: {row['law']}, {row['kind']}, {row['settings']} settings x"
-                f" {row['repeats']}, {row['noise']}: named {row['named']}"
+                f" {row['repeats']}, {row['noise']} {1e3 * row['error']:.2f} mm: named"
+                f" {row['named']}, ties {row['ties']} {far}"
             )
     for row in failed:
         yield f"rig {row['rig']} failed: {row['failed']}"
@@ -281,21 +371,24 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
-    sets = {"all": LAWS, "fast": FAST, "plain": PLAIN}
+    sets = {"all": LAWS, "fast": FAST}
     parser.add_argument("--laws", choices=sets, default="all", help="fast: those without bristles")
+    parser.add_argument("--fault", type=float, default=0.0, help="share by which a rig is wrong")
+    parser.add_argument("--levels", action="store_true", help="three travels of fastened blocks")
     given = parser.parse_args()
-    candidates = sets[given.laws]
+    rated: Callable[..., dict[str, Any]] = partial(judge, fault=given.fault, levels=given.levels)
+    route = f"{ROUTE}{'-levels' if given.levels else ''}{given.fault or ''}"
     for line in run(
         given.results,
         rigs=given.rigs,
         seed=given.seed,
         jobs=given.jobs,
-        candidates=candidates,
-        route=ROUTE,
-        rated=judge,
+        candidates=sets[given.laws],
+        route=route,
+        rated=rated,
     ):
         print(line, flush=True)
-    print("\n".join(summary(judged(given.results, given.seed, ROUTE))))
+    print("\n".join(summary(judged(given.results, given.seed, route))))
 
 
 if __name__ == "__main__":

@@ -257,20 +257,3 @@ class Geared(Plain):
     def rows(self):
         """Return the factors of the coordinates in each slip."""
         return np.array([*np.eye(3), [1.0, -1.0, 1.0], [1.0, -self.r, self.s]])
-
-
-__all__ = [
-    "BRACED",
-    "GROUNDED",
-    "SQUARE",
-    "TRIANGLE",
-    "Geared",
-    "Grounded",
-    "Triangle",
-    "decided",
-    "motion",
-    "random_case",
-    "rotors",
-    "rows_of",
-    "utilisation",
-]  # fmt: skip

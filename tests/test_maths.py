@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip import maths
-from stickslip.errors import TracingError
+from stickslip.errors import InputError, TracingError
 from stickslip.formulation.trace import Switchboard, Traced
 
 ONE_ARGUMENT = {
@@ -105,6 +105,17 @@ def test_where_chooses_for_numbers(condition):
 def test_where_chooses_elementwise_for_arrays():
     v = np.array([-1.0, 0.0, 2.0])
     np.testing.assert_array_equal(maths.where(v > 0, v, -v), [1.0, 0.0, 2.0])
+
+
+@pytest.mark.parametrize("value", [1.0, 0, np.float64(2.0), np.array([-1.0, 2.0])])
+def test_where_asks_for_a_comparison_of_numbers(value):
+    with pytest.raises(InputError, match=r"where\(x > 0\.0, yes, no\) instead of where\(x, yes"):
+        maths.where(value, 1.0, 2.0)
+
+
+def test_where_asks_for_a_comparison_of_symbols():
+    with pytest.raises(TracingError, match=r"chooses by a comparison, and got a value"):
+        maths.where(traced("v", Switchboard()), 1.0, 2.0)
 
 
 def test_where_on_symbols_becomes_a_switch():

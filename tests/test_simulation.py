@@ -13,14 +13,10 @@ from stickslip import (
     LuGre,
     SpringBlock,
     TowedBlock,
-    TwoLinkArm,
-    ensemble,
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse
 from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
-from stickslip.friction import law
-from stickslip.mechanisms import given_inputs
 from stickslip.results import Status
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -162,20 +158,3 @@ def test_what_is_no_solver_is_refused():
         simulate(BLOCK, LAW, t_end=1.0, solver="fast")
     with pytest.raises(InputError, match="solver"):
         simulate(BLOCK, LAW, t_end=1.0, solver=FixedStep)
-
-
-@pytest.mark.parametrize("given", [False, True])
-def test_laws_with_contact_inputs_at_several_contacts_are_refused_by_name(given):
-    arm = TwoLinkArm(
-        upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
-        lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
-    )  # fmt: skip
-    warm = law("level + viscous * exponential[temperature]")(
-        kinetic_coefficient=0.1, viscous_coefficient=0.12, viscous_temperature_decay=0.03
-    )
-    rig = given_inputs(arm, {"temperature": 30.0}) if given else arm
-    laws = {"shoulder": Coulomb(kinetic_coefficient=0.1), "elbow": warm}
-    with pytest.raises(InputError, match="of the contact 'elbow' depends on temperature"):
-        simulate(rig, laws, t_end=1.0)
-    with pytest.raises(InputError, match="have no laws with contact inputs"):
-        ensemble(rig, warm, {"mechanism.gravity": [1.0, 2.0]}, t_end=1.0)

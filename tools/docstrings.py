@@ -1,78 +1,34 @@
-"""Check the numpydoc sections of public functions and classes: python -m tools.docstrings.
+"""Check the numpydoc sections of functions and classes: python -m tools.docstrings.
 
-In the subpackages listed here, a public function or method of two or more arguments has sections
-Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
-they stand, have the names of the signature, in its order; each has a type and says something. A
-public class tells the arguments of its `__init__` in a section Parameters, and its fields there, in
-a text after each of them or in a `description` that a call such as pydantic's `Field` is given.
-Overrides, properties and enumerations need none, nor do commands of the command line, whose
-docstrings are their help.
+What a page of the reference shows (the tables of `docs/`) has sections where it has two or more
+arguments: Parameters and Returns (or Yields), and Raises if it raises something itself. Any other
+function has none of these: a line that says why is enough inside, and an example where it helps.
 
-Kernels have a hundred functions that only kernels call: of these, what is in `__all__` needs the
-sections. The docstring of each says which slots of the vectors it reads and writes, as
-`tools/slots.py` finds them. The exit code is 1 if anything is missing.
+Parameters, wherever they stand, have the names of the signature, in its order; each has a type and
+says something. A public class tells the arguments of its `__init__` in a section Parameters, and
+its fields there, in a text after each of them or in a `description` that a call such as pydantic's
+`Field` is given. Overrides, properties and enumerations need none, nor do commands of the command
+line, whose docstrings are their help. The exit code is 1 if anything is wrong.
 """
 
 import ast
+import functools
+import importlib
+import inspect
 import re
-import sys
 import warnings
 from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
 
 from numpydoc.docscrape import NumpyDocString
-from tools import slots, structure
+from tools import structure
 
-SUBPACKAGES = (
-    "adapters",
-    "catalogue",
-    "cli",
-    "control",
-    "formatting",
-    "documents",
-    "drives",
-    "errors",
-    "experiments",
-    "exports",
-    "formulation",
-    "friction",
-    "identification",
-    "kernels",
-    "lazy",
-    "maths",
-    "mechanisms",
-    "optimisation",
-    "paper",
-    "plots",
-    "quantities",
-    "report",
-    "routes",
-    "selection",
-    "simulation",
-    "solver",
-    "sweep",
-    "testing",
-    "trajectory",
-)
-"""Subpackages that are checked; the others follow one by one."""
-INSIDE = (
-    "stickslip.friction.classes",
-    "stickslip.friction.composition",
-    "stickslip.friction.containment",
-    "stickslip.friction.equations",
-    "stickslip.friction.formulas",
-    "stickslip.friction.named",
-    "stickslip.friction.notation",
-    "stickslip.friction.parts",
-    "stickslip.friction.text",
-)
-"""Modules that users do not call: a summary line is enough there."""
-TITLES = ("Parameters", "Returns", "Yields", "Raises")
+TITLES = {"Parameters", "Returns", "Yields", "Raises"}
 LEAST = 2
 """From this number of arguments on, sections are needed."""
 SKIPPED_BASES = {"Enum", "IntEnum", "Flag", "Protocol", "TypedDict", "Exception"}
 """Classes without fields of their own."""
-
-SLOTS = re.compile(r"^(?:Reads|Writes): [^.]*\.", re.MULTILINE)
 
 Sections = dict[str, list[str]]
 
@@ -187,54 +143,84 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
             yield f"Parameters have {name}, which the class has not"
 
 
-def listed(tree: ast.Module) -> set[str]:
-    """Return what a module lists as public."""
-    return {
-        name
-        for node in tree.body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
-        for name in ast.literal_eval(node.value)
-    }
+def members(found: object) -> Iterator[object]:
+    """Yield a function, or the functions of a class and of its bases, as they were defined."""
+    if not inspect.isclass(found):
+        yield inspect.unwrap(found) if callable(found) else found
+        return
+    for base in found.__mro__:
+        for value in vars(base).values():
+            plain = value
+            for name in ("__func__", "fget", "func", "__wrapped__"):
+                plain = getattr(plain, name, plain)
+            yield plain
 
 
-def of_kernel(name: str, function: structure.Function) -> Iterator[str]:
-    """Yield the lists of slots that a docstring lacks, and those that are wrong."""
-    told = [" ".join(text.split()) for text in SLOTS.findall(ast.get_docstring(function) or "")]
-    if told != slots.lines(name):
-        yield f"slots are {' '.join(told) or 'not told'}; it should say {slots.lines(name)}"
+@functools.cache
+def shown() -> frozenset[tuple[str, str]]:
+    """Return module and qualified name of each function and class that a page shows."""
+    found: set[tuple[str, str]] = set()
+    for page in sorted((structure.ROOT / "docs").rglob("*.md")):
+        for name in names_of(page.read_text(encoding="utf-8")):
+            whole = resolved(name)
+            found |= {
+                (one.__module__, one.__qualname__)
+                for one in (whole, *members(whole))
+                if inspect.isfunction(one) or inspect.isclass(one)
+            }
+    return frozenset(found)
 
 
-def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str, str]]:
-    """Yield line, name and fault of each public function and class of a module."""
-    public = listed(tree) if kernel else set()
+def names_of(page: str) -> Iterator[str]:
+    """Yield the full names in the tables of a page."""
+    for block in re.split(r"^(?=\.\. |```)", page, flags=re.MULTILINE):
+        kind, _, rest = block.partition("::")
+        if kind == ".. currentmodule":
+            module = rest.strip()
+        elif kind == ".. autosummary":
+            words = (line.strip() for line in rest.splitlines())
+            yield from (f"{module}.{one}" for one in words if one and not one.startswith(":"))
+
+
+def resolved(name: str) -> Any:
+    """Return what a full name means; of a module and a function of one name, the function."""
+    module, *inner = name.split(".")
+    found: Any = importlib.import_module(module)
+    for one in inner:
+        if inspect.ismodule(found) and not hasattr(found, one):
+            importlib.import_module(f"{found.__name__}.{one}")
+        found = getattr(found, one)
+    return getattr(found, name.rpartition(".")[2], found) if inspect.ismodule(found) else found
+
+
+def faults(tree: ast.Module, module: str = "") -> Iterator[tuple[int, str, str]]:
+    """Yield line, name and fault of each public function and class of a module.
+
+    Without a name of the module all functions count as shown.
+    """
     for name, function, arguments in structure.public_functions(tree):
-        needed = name in public if kernel else not is_command(function)
-        found = [*of_function(function, arguments, needed=needed)]
-        if kernel and name in slots.kernels():
-            found += of_kernel(name, function)
+        if not module or (module, name) in shown():
+            found = [*of_function(function, arguments, needed=not is_command(function))]
+        else:
+            extra = TITLES & sections(ast.get_docstring(function) or "").keys()
+            found = [f"section {one}, but no page shows it" for one in sorted(extra)]
         for fault in found:
             yield function.lineno, name, fault
     for node in tree.body:
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+        if isinstance(node, ast.ClassDef) and (not module or (module, node.name) in shown()):
             for fault in of_class(node):
                 yield node.lineno, node.name, fault
 
 
-def of_subpackages(subpackages: Iterable[str]) -> Iterator[str]:
-    """Yield a line for each fault in some subpackages."""
-    for module, path in structure.sources().items():
-        subpackage = module.partition(".")[2].partition(".")[0]
-        if subpackage in subpackages and not module.startswith(INSIDE):
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            for line, name, fault in sorted(faults(tree, kernel=subpackage == "kernels")):
-                yield f"{path.relative_to(structure.ROOT)}:{line}: {name}: {fault}"
+def of_modules(sources: Iterable[tuple[str, Path]]) -> Iterator[str]:
+    """Yield a line for each fault in some modules."""
+    for module, path in sources:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for line, name, fault in sorted(faults(tree, module)):
+            yield f"{path.relative_to(structure.ROOT)}:{line}: {name}: {fault}"
 
 
 if __name__ == "__main__":
-    subpackages = sys.argv[1:] or SUBPACKAGES
-    known = {module.partition(".")[2].partition(".")[0] for module in structure.sources()}
-    if not known.issuperset(subpackages):
-        raise SystemExit(f"no subpackages: {', '.join(sorted({*subpackages} - known))}")
-    found = [*of_subpackages(subpackages)]
+    found = [*of_modules(structure.sources().items())]
     print(*found, sep="\n", end="\n" if found else "")
     raise SystemExit(bool(found))

@@ -5,7 +5,7 @@ model, `whole` tells under the same name. A function reads a slot if what is the
 matters, and writes it if something else may be there when it ends: one that is written and not read
 is a result, or scratch. What a function calls is followed, so that the lists are what a caller may
 rely on. What the equations read in every run, parameters and values of the drives, is left out.
-Docstrings of the kernels state the lists; `tools/docstrings.py` compares.
+Tests compare the lists with what kernels do at run time.
 
 Followed are statements in their order. A loop is taken to run once or more, and to fill the slot
 that it writes to; a single number stands for its slot where the slot has no more.
@@ -314,7 +314,7 @@ def shown(slots: Slots, kernel: Kernel) -> str:
 
 
 def lines(name: str) -> list[str]:
-    """Return the lines that the docstring of a kernel should have."""
+    """Return the lists of a kernel in words."""
     kernel, found = kernels()[name], effects(name)
     told = (shown(found.reads, kernel), shown(found.writes, kernel))
     return [f"{w}: {text}." for w, text in zip(("Reads", "Writes"), told, strict=True) if text]

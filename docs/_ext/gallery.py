@@ -1,5 +1,6 @@
 """The gallery of laws: a page each, with figures of the battery, written before pages are read."""
 
+import dataclasses
 import hashlib
 import inspect
 import json
@@ -33,8 +34,10 @@ FIGURE, THUMBNAIL = (620, 270), (200, 130)
 """Sizes [CSS px]."""
 COLUMNS = 4
 """Thumbnails beside each other."""
-INPUTS = {"temperature": (20.0, 60.0), "position": (0.0, 0.05)}
-"""Values of inputs that pages show; others are 0 and as large as the load."""
+INPUTS = {"temperature": (20.0, 60.0), "position": (0.0, 0.26)}
+"""Values of inputs that pages show, a tooth and a gap; others are 0 and as large as the load."""
+BACKWARD = 0.7
+"""Levels backwards over those forwards, where nobody knows how a law's directions differ."""
 
 SYMPTOMS = (
     (
@@ -119,7 +122,7 @@ def code_digest() -> str:
 def written(name: str) -> dict[str, str]:
     """Return the files of a law by their names: its page and figures."""
     kind = LAWS[name]
-    law = law_with_values(kind, 1.0)
+    law = shown(kind)
     inputs = {one: INPUTS.get(one, (0.0, 1.0)) for one in law.inputs}
     tests = ["steady"] if inputs else ["steady", "drift", "creep"]
     if law.states and not inputs:
@@ -136,6 +139,22 @@ def written(name: str) -> dict[str, str]:
         bare(found), size=THUMBNAIL, title=f"{kind.title}: steady sliding"
     )
     return files
+
+
+def shown(kind: type[FrictionLaw]) -> FrictionLaw:
+    """Return a law with typical values, whose directions differ if it has two."""
+    law = law_with_values(kind, 1.0)
+    levels = {
+        name: getattr(law, name)
+        for name, one in fields_of(kind).items()
+        if one.scale == "level-" and getattr(law, name)
+    }
+    forward = [getattr(law, name.replace("backward", "forward")) for name in levels]
+    if [*levels.values()] != forward:
+        return law
+    return dataclasses.replace(
+        law, **{name: float(f"{BACKWARD * one:.4g}") for name, one in levels.items()}
+    )
 
 
 def drawn(test: str, results: Mapping[str, Any]) -> bool:
@@ -161,7 +180,9 @@ def page(
 ) -> Iterator[str]:
     """Lines of the page of a law."""
     prose = inspect.cleandoc(vars(kind).get("__doc__") or "").partition("\n\nNotes\n-")[0]
-    yield from (f"# {kind.title}", "", prose, "", "$$", kind.formula, "$$", "")
+    yield from (f"# {kind.title}", "", prose, "")
+    for line in kind.formula.split(r", \quad "):
+        yield from ("$$", line, "$$", "")
     when, not_when = uses(law, found)
     yield from ("## When, and when not", "")
     yield from table(("take it for", "not for"), [("<br>".join(when), "<br>".join(not_when))])
@@ -235,7 +256,7 @@ def code(name: str, kind: type[FrictionLaw], law: FrictionLaw) -> Iterator[str]:
 def kept(name: str, code: str) -> dict[str, str]:
     """Return the files of a law, made anew only where the law or the code has changed."""
     kind = LAWS[name]
-    text = repr((name, str(kind.composition), kind.__doc__, law_with_values(kind, 1.0), code))
+    text = repr((name, str(kind.composition), kind.__doc__, shown(kind), code))
     path = KEPT / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
     if path.exists():
         return dict(json.loads(path.read_text(encoding="utf-8")))

@@ -9,8 +9,6 @@ from typing import final
 from stickslip.errors import UnknownNameError
 from stickslip.quantities import Quantity, turned
 
-__all__ = ["CONTACT_INPUTS", "ContactInput", "checked_inputs"]
-
 
 @final
 @dataclasses.dataclass(frozen=True)
@@ -49,19 +47,7 @@ class ContactInput:
         )
 
     def over(self, quantity: Quantity) -> Quantity:
-        """Return the quantity of a parameter that goes with this input.
-
-        Parameters
-        ----------
-        quantity : Quantity
-            With ``{0}`` for the input in symbol and unit, and a scale, start and bounds that hold
-            for an input of size 1.
-
-        Returns
-        -------
-        Quantity
-            With symbol, unit and scale.
-        """
+        """Return the quantity of a parameter that goes with this input."""
         power = 0 if "{0}" not in quantity.unit else 2 if "{0}^2" in quantity.unit else 1
         changes: dict[str, object] = {
             "symbol": quantity.symbol.replace("{0}", self.index),
@@ -116,21 +102,6 @@ CONTACT_INPUTS: Mapping[str, ContactInput] = MappingProxyType(
 
 def checked_inputs(names: Iterable[str]) -> tuple[str, ...]:
     """Return names of contact inputs, or say which known names are nearest.
-
-    Parameters
-    ----------
-    names : iterable of str
-        The names.
-
-    Returns
-    -------
-    tuple of str
-        The names.
-
-    Raises
-    ------
-    UnknownNameError
-        If one is no contact input.
 
     Examples
     --------

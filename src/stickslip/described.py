@@ -19,8 +19,6 @@ from typing import Annotated, Any
 
 from typing_extensions import Doc, override
 
-__all__ = ["Described", "alternatives", "marks", "texts_below", "with_marks"]
-
 SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
 """Where a section of a docstring begins that follows the one on parameters."""
 

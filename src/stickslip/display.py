@@ -30,19 +30,6 @@ if TYPE_CHECKING:
     Drawing: TypeAlias = Axes
     Target: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | NDArray[np.object_] | None
 
-__all__ = [
-    "Displayed",
-    "InPanels",
-    "OnAxes",
-    "Summary",
-    "html_of",
-    "paragraphs",
-    "plots",
-    "require_library",
-    "summary_of_table",
-    "text_of",
-]
-
 Drawn_co = TypeVar("Drawn_co", covariant=True)
 """What a plot of a result is: Axes, or an array of them."""
 
@@ -146,13 +133,6 @@ def text_of(summary: Summary) -> str:
 def html_of(summary: Any, result: object) -> str:
     """Return a summary and a small figure of a result; never raises.
 
-    Parameters
-    ----------
-    summary : callable
-        Returns the `Summary`. Where it fails, the text form of the result stands instead.
-    result : object
-        What is drawn; where that fails, there is no figure.
-
     Examples
     --------
     >>> html_of(lambda: Summary(rows=[("runs", 3)]), "no result")
@@ -189,20 +169,6 @@ def summary_of_table(sentence: str, table: "pd.DataFrame", notes: Sequence[str] 
 
 def require_library(name: str, extra: str, otherwise: str = "") -> "ModuleType":
     """Return a library that not all users have installed.
-
-    Parameters
-    ----------
-    name : str
-        Name of the library.
-    extra : str
-        The extra of this package that brings it.
-    otherwise : str
-        What does without it, as an end of the sentence.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
 
     Examples
     --------

@@ -18,16 +18,6 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = [
-    "check_replaceable",
-    "document",
-    "json_text",
-    "unwritable",
-    "write_file",
-    "write_files",
-    "write_folder",
-]
-
 SCHEMA_VERSION = 1
 LIST = ".stickslip"
 """File that lists what was written into a folder, with hashes."""
@@ -37,18 +27,6 @@ ABANDONED = 3600.0
 
 def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
     """Return a JSON document of a kind, with the version of its form.
-
-    Parameters
-    ----------
-    kind : str
-        What the document holds, part of its ``schema``.
-    content : mapping of str to object
-        What it says; NaN and infinity become null.
-
-    Returns
-    -------
-    dict of str to object
-        Schema, version of the package, and the content.
 
     Examples
     --------
@@ -78,20 +56,6 @@ def write_folder(
     beside the old one and takes its place. Elsewhere, and in the working directory, where there is
     no folder beside, the old files go before the new ones come, and the first is replaced in one
     step: who ends the process between leaves some of the old files or some of the new, never both.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder; made if it is not there.
-    files : mapping of str to str or bytes
-        Content by name; texts are written in UTF-8.
-    stale : collection of str
-        Names of files that are removed, if they are on the list and not among `files`.
-
-    Raises
-    ------
-    InputError
-        If a file in the way is not on the list or was changed, or something cannot be written.
 
     Examples
     --------
@@ -131,38 +95,12 @@ def write_folder(
 
 
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error of a file or folder that cannot be written.
-
-    Parameters
-    ----------
-    path : Path
-        The file or folder.
-    error : OSError
-        What the system says.
-
-    Returns
-    -------
-    InputError
-        The error, to be raised.
-    """
+    """Return the error of a file or folder that cannot be written."""
     return InputError(f"{path} cannot be written: {error.strerror or error}.")
 
 
 def check_replaceable(folder: Path, names: Collection[str]) -> None:
-    """Refuse to replace files in a folder that were not written there, or changed since.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder, which may not exist.
-    names : collection of str
-        Names of the files that are to be replaced.
-
-    Raises
-    ------
-    InputError
-        If one of them is there and is not as `write_folder` left it.
-    """
+    """Refuse to replace files in a folder that were not written there, or changed since."""
     listed = _listed(folder)
     wrong = [name for name in names if not _is_listed(folder / name, listed or {})]
     for name in [*wrong, *([LIST] if listed is None else [])]:
@@ -175,18 +113,7 @@ def check_replaceable(folder: Path, names: Collection[str]) -> None:
 
 
 def write_files(files: Mapping[Path, str | bytes]) -> None:
-    """Write files that belong together; old ones never stand beside new ones.
-
-    Parameters
-    ----------
-    files : mapping of Path to str or bytes
-        Content by path; texts are written in UTF-8. Existing files are replaced.
-
-    Raises
-    ------
-    InputError
-        If something cannot be written.
-    """
+    """Write files that belong together; old ones never stand beside new ones."""
     contents = {
         path: text if isinstance(text, bytes) else text.encode("utf-8")
         for path, text in files.items()
@@ -201,20 +128,7 @@ def write_files(files: Mapping[Path, str | bytes]) -> None:
 
 
 def write_file(path: Path, content: str | bytes) -> None:
-    """Write a file so that it appears whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its folder is made if it is not there.
-    content : str or bytes
-        What it holds; a text is written in UTF-8.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written.
-    """
+    """Write a file so that it appears whole or not at all."""
     write_files({path: content})
 
 

@@ -103,18 +103,6 @@ def _shortened(name: str) -> str:
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the known names closest to `name`, ready to print, or an empty string.
 
-    Parameters
-    ----------
-    name : str
-        The unknown name.
-    known : iterable of str
-        The known ones.
-
-    Returns
-    -------
-    str
-        At most two names in quotes, joined by "or".
-
     Examples
     --------
     >>> nearest("frction", ["friction", "mechanism"])
@@ -134,24 +122,6 @@ def check_size(
     A few bytes of a file or of an argument may stand for any amount of memory: whatever makes
     arrays of a size that somebody else chose asks here first.
 
-    Parameters
-    ----------
-    what : str
-        What has that many numbers.
-    count : float
-        Numbers it would hold.
-    cure : str
-        What to do instead, as an imperative.
-    unit : str, optional
-        What is counted, if it is not numbers.
-    most : float, optional
-        The limit, if it is not that of numbers.
-
-    Raises
-    ------
-    InputError
-        If there are more than that.
-
     Examples
     --------
     >>> check_size("ensemble", 1e9 * 3, "make several smaller ones")
@@ -169,20 +139,6 @@ def check_even_times(count: float) -> None:
 
 def not_whole(name: str, least: int, value: object) -> str:
     """Return the sentence that refuses what is no whole number, or too small a one.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    least : int
-        Smallest allowed value.
-    value : object
-        What was given.
-
-    Returns
-    -------
-    str
-        The sentence.
 
     Examples
     --------

@@ -5,6 +5,4 @@ That is work at import, which no other module does: Gymnasium knows no other way
 
 from stickslip.adapters import register_environments
 
-__all__ = ["register_environments"]
-
 register_environments()

@@ -5,8 +5,6 @@ import sys
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-__all__ = ["attach"]
-
 
 def attach(
     package: str, homes: Mapping[str, str], namespaces: Collection[str] = ()
@@ -15,21 +13,6 @@ def attach(
 
     Type checkers and editors cannot follow them: what they read is the ``__init__.pyi`` that
     ``tools/stubs.py`` writes from the same table.
-
-    Parameters
-    ----------
-    package : str
-        Name of the package.
-    homes : mapping of str to str
-        By public name, the module of the package that defines it.
-    namespaces : collection of str, optional
-        Names of modules of the package that are public themselves.
-
-    Returns
-    -------
-    (callable, callable)
-        ``__getattr__``, which raises `AttributeError` for names that are not listed; and
-        ``__dir__``.
 
     Examples
     --------

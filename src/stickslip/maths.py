@@ -27,6 +27,11 @@ __all__ = [
     "where",
 ]
 
+NO_COMPARISON = (
+    "where chooses by a comparison, and got a value: write where(x > 0.0, yes, no) instead of"
+    " where(x, yes, no)."
+)
+
 Scalar: TypeAlias = Any
 """A float, an array or a symbol. Equations are generic in it, which the type system cannot say."""
 
@@ -162,6 +167,11 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
     float or array
         The branch that the condition chooses, entry by entry for arrays.
 
+    Raises
+    ------
+    InputError
+        If the condition is a number, not a comparison.
+
     Examples
     --------
     >>> where(1.0 < 2.0, 3.0, 4.0)
@@ -173,6 +183,8 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
         return condition.__maths__("where", yes, no, events)
     import numpy as np
 
+    if np.asarray(condition).dtype != bool:
+        raise InputError(NO_COMPARISON)
     return np.where(condition, yes, no)
 
 
@@ -185,25 +197,6 @@ def latched(margin: Scalar, hold: Scalar, yes: Scalar, no: Scalar) -> Scalar:
     until the velocity turns, is written so.
 
     Numbers alone do not tell whether it is on: they are evaluated within `Latches`, which know.
-
-    Parameters
-    ----------
-    margin : float, array or symbol
-        It is on from where this becomes positive.
-    hold : float, array or symbol
-        What it lasts by.
-    yes, no : float, array or symbol
-        What holds while it is on, and while it is not.
-
-    Returns
-    -------
-    float or array
-        One of the two, entry by entry for arrays.
-
-    Raises
-    ------
-    InputError
-        If numbers are given outside of `Latches`.
     """
     for argument in (margin, hold, yes, no):
         if _symbolic(argument):
@@ -262,18 +255,7 @@ class Latches:
         return bool(self.flags)
 
     def on(self, margin: Scalar, hold: Scalar) -> Any:
-        """Return whether a switch is on; equations ask for all of theirs in the same order.
-
-        Parameters
-        ----------
-        margin, hold : float or array
-            Those of the switch.
-
-        Returns
-        -------
-        bool or array
-            Whether it is on.
-        """
+        """Return whether a switch is on; equations ask for all of theirs in the same order."""
         self._asked.append((margin, hold))
         if len(self._asked) > len(self.flags):
             self.flags.append(False if self._off else margin > 0.0)

@@ -378,18 +378,6 @@ def _has_unit(value: object) -> bool:
 def motion_kinds(cls: type, given: Mapping[str, object]) -> dict[bool, str]:
     """Return a value whose unit is of rotary motion (True), and one whose unit is of linear motion.
 
-    Parameters
-    ----------
-    cls : type
-        Class with quantities.
-    given : mapping of str to object
-        Values by name of the field; numbers without a unit say nothing.
-
-    Returns
-    -------
-    dict of bool to str
-        Name and value in words.
-
     Examples
     --------
     >>> from stickslip import Axis
@@ -409,25 +397,7 @@ def motion_kinds(cls: type, given: Mapping[str, object]) -> dict[bool, str]:
 
 
 def is_rotary(kinds: Mapping[bool, str], stated: bool | None = None) -> bool:
-    """Return whether a motion is rotary by units and by what is stated; linear if neither says.
-
-    Parameters
-    ----------
-    kinds : mapping of bool to str
-        Values whose units are of rotary (True) and of linear motion, as of `motion_kinds`.
-    stated : bool, optional
-        What is stated beside them, as the field ``rotary``.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-
-    Raises
-    ------
-    ParameterError
-        If they contradict each other.
-    """
+    """Return whether a motion is rotary by units and by what is stated; linear if neither says."""
     known = dict(kinds)
     if stated is not None:
         known.setdefault(stated, f"rotary = {str(stated).lower()}")
@@ -607,18 +577,6 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
 def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity, float]]:
     """Yield path, quantity and value of each parameter that stands in the equations.
 
-    Parameters
-    ----------
-    root : Parametrised
-        The object at the root of the paths.
-    prefix : str
-        First part of the paths, such as ``"friction"``.
-
-    Yields
-    ------
-    (str, Quantity, float) (str, Quantity, float)
-        Path, quantity and value [SI] of a parameter.
-
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -648,20 +606,7 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
 
 
 def unchecked(kind: type[T], /, **values: Any) -> T:
-    """Make an object from values that were checked elsewhere, or that are symbols of tracing.
-
-    Parameters
-    ----------
-    kind : type
-        Class of the object, whose constructor is not run.
-    **values : object
-        Attributes by name.
-
-    Returns
-    -------
-    instance of kind
-        The object.
-    """
+    """Make an object from values that were checked elsewhere, or that are symbols of tracing."""
     made = object.__new__(kind)
     for name, value in values.items():
         object.__setattr__(made, name, value)
@@ -672,20 +617,6 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     """Copy `root` with each parameter of the equations replaced by `symbol(path)`, unchecked.
 
     This is how equations written for numbers are traced: the same methods run on symbols.
-
-    Parameters
-    ----------
-    root : T
-        The object at the root of the paths.
-    prefix : str
-        First part of the paths.
-    symbol : callable
-        Called with the path of each parameter; returns what takes its place.
-
-    Returns
-    -------
-    same type as root
-        The copy.
     """
     if isinstance(root, Group):
         members = tuple((n, shadow(one, f"{prefix}.{n}", symbol)) for n, one in root.members)
@@ -744,27 +675,7 @@ def _structure_of(value: Any) -> Any:
 
 
 def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
-    """Return `root` with the parameters at the given full paths changed, checked as ever.
-
-    Parameters
-    ----------
-    root : T
-        The object at the root of the paths.
-    prefix : str
-        First part of the paths.
-    changes : mapping of str to float or None
-        New values [SI] by full path.
-
-    Returns
-    -------
-    same type as root
-        The changed copy.
-
-    Raises
-    ------
-    UnknownNameError
-        If a path names no parameter.
-    """
+    """Return `root` with the parameters at the given full paths changed, checked as ever."""
     grouped: dict[str, dict[str, float | None]] = {}
     own: dict[str, Any] = {}
     quantities = fields_of(type(root))
@@ -804,27 +715,7 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
 
 
 def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
-    """Return the full path for a full path, or for a last name that only one of the known has.
-
-    Parameters
-    ----------
-    path : str
-        A full path, or its last name.
-    known : collection of str
-        Full paths.
-    kind : str
-        What the path is of, for the message.
-
-    Returns
-    -------
-    str
-        The full path.
-
-    Raises
-    ------
-    UnknownNameError
-        If no path, or more than one, has that last name.
-    """
+    """Return the full path for a full path, or for a last name that only one of the known has."""
     if path in known:
         return path
     same = [full for full in known if full.rpartition(".")[2] == path]
@@ -836,27 +727,7 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
-    """Look a name up, or say which known names are nearest.
-
-    Parameters
-    ----------
-    registry : mapping of str to object
-        What is known, by name.
-    name : str
-        Name to look up.
-    kind : str
-        What such a name stands for, such as ``"law"``, for the error.
-
-    Returns
-    -------
-    object
-        What the registry has under the name.
-
-    Raises
-    ------
-    UnknownNameError
-        If the name is not in the registry.
-    """
+    """Look a name up, or say which known names are nearest."""
     if name not in registry:
         raise UnknownNameError(kind, name, registry)
     return registry[name]
@@ -864,25 +735,6 @@ def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
 
 def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tuple[type[T], ...]:
     """Return the classes that a table of lazy names registers.
-
-    Parameters
-    ----------
-    package : str
-        Name of the package.
-    modules : mapping of str to str
-        By name of the class, the module of the package that defines it.
-    base : type
-        What each is derived from.
-
-    Returns
-    -------
-    tuple of type
-        In the order of the table.
-
-    Raises
-    ------
-    TypeError
-        If a name is of something else.
 
     Examples
     --------
@@ -900,27 +752,7 @@ def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tupl
 
 
 def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:
-    """Return our classes by name, and those that installed packages register in a group.
-
-    Parameters
-    ----------
-    ours : mapping of str to type
-        Classes of the package by name.
-    group : str
-        Name of the group of entry points.
-    base : type
-        Class that they are derived from.
-
-    Returns
-    -------
-    mapping of str to type
-        Classes by name; cannot be written to.
-
-    Raises
-    ------
-    StickslipError
-        If one of them cannot be imported, is of another kind, or has a name that is taken.
-    """
+    """Return our classes by name, and those that installed packages register in a group."""
     found: dict[str, type[T]] = {}
     known = ChainMap(found, ours)  # type: ignore[arg-type]  # ours is only read
     for where, kind in plugins(group, base):
@@ -932,43 +764,12 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
 
 
 def name_taken(where: str, name: str) -> StickslipError:
-    """Return the error of a plug-in by a name that another one has.
-
-    Parameters
-    ----------
-    where : str
-        Where it is from.
-    name : str
-        Its name, or several.
-
-    Returns
-    -------
-    StickslipError
-        The error, to be raised.
-    """
+    """Return the error of a plug-in by a name that another one has."""
     return StickslipError(f"{where} is named {name}, which is taken: rename it.")
 
 
 def plugins(group: str, base: type[T]) -> Iterator[tuple[str, type[T]]]:
-    """Yield the classes that installed packages register in a group, with where each is from.
-
-    Parameters
-    ----------
-    group : str
-        Name of the group of entry points.
-    base : type
-        Class that they are derived from.
-
-    Yields
-    ------
-    (str, type)
-        The entry point, for messages, and the class.
-
-    Raises
-    ------
-    StickslipError
-        If one of them cannot be imported, or is of another kind.
-    """
+    """Yield the classes that installed packages register in a group, with where each is from."""
     from importlib.metadata import entry_points
 
     for entry in entry_points(group=group):
@@ -1004,18 +805,6 @@ TURNED = {
 
 def turned(unit: str, turning: bool = True) -> str:
     """Return the unit of the same quantity about an axis; as it is where nothing is `turning`.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit of a quantity along a line.
-    turning : bool
-        Whether the quantity is about an axis.
-
-    Returns
-    -------
-    str
-        SI unit.
 
     Examples
     --------

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import quantity
-from stickslip.formulation import refuse_inputs_of_parts
 from stickslip.friction import (
     Friction,
     FrictionLaw,
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from numpy.typing import ArrayLike
-
-__all__ = ["ensemble", "refuse", "simulate"]
 
 ALWAYS = ("friction", "normal_force", "mode")
 """Columns that every run has beside its states."""
@@ -99,18 +96,6 @@ def simulate(
 
 def refuse(run: Trajectory, *, certified: bool = True) -> None:
     """Raise if a run ended early, or is not certified where it should be, as `simulate` does.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    certified : bool
-        Whether it has to be; runs in fixed steps never are.
-
-    Raises
-    ------
-    SimulationError
-        With what happened, in words.
 
     Examples
     --------
@@ -251,25 +236,7 @@ def no_law(given: object) -> InputError:
 
 
 def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":
-    """Return the law, or the laws by contact; refuse what is no mechanism or no law.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law.
-
-    Returns
-    -------
-    FrictionLaw, Laws or PrintedForm
-        The law; laws by contact, in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind, or the contacts cannot be simulated.
-    """
+    """Return the law, or the laws by contact; refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
@@ -290,7 +257,6 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
             f" got {law!r}."
         )
     found = assigned(names, law)
-    refuse_inputs_of_parts(mechanism, found)
     own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
     for contact, one in own.items():
         _check_inputs(mechanism, contact, one)
@@ -320,26 +286,7 @@ def _check_inputs(mechanism: Mechanism, contact: str, law: FrictionLaw) -> None:
 
 
 def own_law(mechanism: object, law: object) -> FrictionLaw:
-    """Return the law of a mechanism that has one contact, for what takes no others.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law; a mapping with the contact's own name will do.
-
-    Returns
-    -------
-    FrictionLaw
-        The law.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind or needs fixed steps, or there are several contacts,
-        which are named.
-    """
+    """Return the law of a mechanism that has one contact, for what takes no others."""
     found = event_driven_law(mechanism, law)
     assert isinstance(mechanism, Mechanism)  # as was checked
     slip_of(mechanism)
@@ -348,25 +295,7 @@ def own_law(mechanism: object, law: object) -> FrictionLaw:
 
 
 def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
-    """Return the law, or the laws by contact, for what takes no fixed steps.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law.
-
-    Returns
-    -------
-    FrictionLaw or Laws
-        The law; laws by contact, in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind or needs fixed steps.
-    """
+    """Return the law, or the laws by contact, for what takes no fixed steps."""
     found = check_pair(mechanism, law)
     if isinstance(found, PrintedForm):
         raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
@@ -388,31 +317,7 @@ def initial_state(
     law: FrictionLaw | Laws | PrintedForm,
     y0: Mapping[str, float] | Sequence[float] | None,
 ) -> list[float]:
-    """Return the initial state in order, checked.
-
-    Parameters
-    ----------
-    owner : str
-        Function that asks, for the error.
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw, Laws or PrintedForm
-        Friction of its contacts.
-    y0 : mapping of str to float, sequence of float or None
-        Values [SI] of some states by name, or of all in order; where the mechanism begins if None.
-
-    Returns
-    -------
-    list of float (coordinates + rates + bristles,)
-        Values [SI] of all states.
-
-    Raises
-    ------
-    UnknownNameError
-        If a name is no state.
-    InputError
-        If `y0` is no mapping or sequence, or has the wrong length.
-    """
+    """Return the initial state in order, checked."""
     if isinstance(law, PrintedForm):
         bristles = law.states
     else:

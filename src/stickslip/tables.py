@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Tabular", "dataset_of"]
-
 BRACKETED = re.compile(r"(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]")
 
 
@@ -55,26 +53,6 @@ def dataset_of(
     """Return a table as an xarray Dataset that can be saved.
 
     Texts that are missing are empty, and numbers that are missing are NaN.
-
-    Parameters
-    ----------
-    table : DataFrame
-        Columns, whose names may end with a unit in brackets.
-    over : str
-        Column that is the dimension, with its unit or without; ``"row"`` is added if it is empty,
-        not there, or has a value twice.
-    units : mapping of str to str, optional
-        Unit of each column that has none in its name [SI].
-
-    Returns
-    -------
-    Dataset
-        The columns, with their units as attributes.
-
-    Raises
-    ------
-    InputError
-        If xarray is not installed.
 
     Examples
     --------

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory", "completed"]
-
 UNLOADED = 3
 """Mode of a contact that is open."""
 
@@ -523,18 +521,5 @@ class Ensemble(OnAxes):
 
 
 def completed(count: int, runs: int) -> str:
-    """Return the sentence that says how many of several runs were completed.
-
-    Parameters
-    ----------
-    count : int
-        Number of those.
-    runs : int
-        Number of all.
-
-    Returns
-    -------
-    str
-        The sentence.
-    """
+    """Return the sentence that says how many of several runs were completed."""
     return f"{count} of {runs} runs were completed."

@@ -12,21 +12,6 @@ from stickslip.errors import ParameterError
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "CELSIUS",
-    "NUMBER_WITH_UNIT",
-    "converted",
-    "exact_factor",
-    "factor",
-    "is_of",
-    "is_pint",
-    "is_pixel",
-    "is_unit",
-    "number_in",
-    "pint_magnitude",
-    "shown",
-]
-
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _NAME = r"[^\W\d_%°⁻¹²³]+"
 _FACTOR = rf"{_NAME}(?:\^?[-−]?\d|[⁻¹²³]+)?|%|°"
@@ -83,18 +68,6 @@ def shown(value: object) -> str:
 def factor(unit: str, target: str | None) -> float:
     """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
 
-    Parameters
-    ----------
-    unit : str
-        Unit of the numbers.
-    target : str or None
-        Unit of the result; SI if None.
-
-    Returns
-    -------
-    float
-        The factor.
-
     Examples
     --------
     >>> factor("mm", "m"), factor("Ncm", "N m"), factor("kp", "N"), factor("deg/s", "rad/s")
@@ -110,25 +83,6 @@ def factor(unit: str, target: str | None) -> float:
 
 def converted(values: Any, unit: str, target: str | None) -> Any:
     """Return numbers of a unit in another one, or in SI; of a temperature with its zero.
-
-    Parameters
-    ----------
-    values : float or array
-        The numbers.
-    unit : str
-        Their unit.
-    target : str or None
-        Unit of the result; SI if None.
-
-    Returns
-    -------
-    float or array
-        Numbers in that unit.
-
-    Raises
-    ------
-    ParameterError
-        If the units are of two kinds.
 
     Examples
     --------
@@ -150,18 +104,6 @@ def converted(values: Any, unit: str, target: str | None) -> Any:
 
 def is_of(unit: str, target: str) -> bool:
     """Whether a unit is of the same kind as another one.
-
-    Parameters
-    ----------
-    unit : str
-        A unit.
-    target : str
-        The unit that it is compared with.
-
-    Returns
-    -------
-    bool
-        Whether one can be converted into the other.
 
     Examples
     --------
@@ -201,23 +143,6 @@ def is_pint(value: object) -> bool:
 def pint_magnitude(value: Any, target: str) -> Any:
     """Return what a quantity of the unit library holds, in another unit.
 
-    Parameters
-    ----------
-    value : pint.Quantity
-        One number, or an array.
-    target : str
-        Unit of the result.
-
-    Returns
-    -------
-    float or array
-        Number or numbers in that unit.
-
-    Raises
-    ------
-    ParameterError
-        If its unit is of another kind.
-
     Examples
     --------
     >>> import pint
@@ -248,23 +173,6 @@ def pint_magnitude(value: Any, target: str) -> Any:
 
 def number_in(value: Any, unit: str) -> float:
     """Return a text with a unit, or a quantity of the unit library, as a number.
-
-    Parameters
-    ----------
-    value : str or pint.Quantity
-        What was given.
-    unit : str
-        Unit of the result; ``"1"`` for a pure number.
-
-    Returns
-    -------
-    float
-        The number.
-
-    Raises
-    ------
-    ParameterError
-        If it is neither, or its unit is of another kind.
 
     Examples
     --------
@@ -313,20 +221,7 @@ def _registry() -> "pint.UnitRegistry[Any]":
 
 @functools.cache
 def exact_factor(unit: str, target: str | None) -> Decimal:
-    """Return by what numbers in `unit` are to be multiplied, as `factor`, as a decimal.
-
-    Parameters
-    ----------
-    unit : str
-        Unit of the numbers.
-    target : str or None
-        Unit of the result; SI if None.
-
-    Returns
-    -------
-    Decimal
-        The factor.
-    """
+    """Return by what numbers in `unit` are to be multiplied, as `factor`, as a decimal."""
     if unit == target:
         return Decimal(1)
     if target in _ROTATION and _plain(unit) in _PER_MINUTE:

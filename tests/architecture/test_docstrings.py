@@ -1,4 +1,4 @@
-"""What the check of docstrings finds, and that its lists of slots are what kernels do."""
+"""What the check of docstrings finds, and that the lists of `tools.slots` are what kernels do."""
 
 import ast
 import inspect
@@ -132,17 +132,22 @@ def test_private_functions_overrides_and_single_arguments_need_no_sections() -> 
     assert faults(textwrap.dedent(source)) == []
 
 
-def test_a_kernel_must_list_the_slots_that_it_touches() -> None:
-    source = """
-    def rises(guard, w):
-        '''Whether one guard is positive.
+def test_sections_of_a_function_that_no_page_shows_are_a_fault() -> None:
+    tree = ast.parse(GOOD)
+    found = [fault for _, _, fault in docstrings.faults(tree, "stickslip.nowhere")]
+    assert found == [
+        f"section {one}, but no page shows it" for one in ("Parameters", "Raises", "Returns")
+    ]
 
-        Reads: {}.
-        '''
-    """
-    for told, expected in (("SAMPLED", 0), ("SAMPLED, Y", 1)):
-        tree = ast.parse(textwrap.dedent(source.format(told)))
-        assert len([*docstrings.faults(tree, kernel=True)]) == expected
+
+def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_module() -> None:
+    assert docstrings.shown() >= {
+        ("stickslip.simulation", "simulate"),
+        ("stickslip.friction.base", "FrictionLaw.break_away"),
+        ("stickslip.friction.base", "FrictionLaw"),
+        ("stickslip.sweep.basins", "basins"),
+    }
+    assert ("stickslip.kernels.driver", "run") not in docstrings.shown()
 
 
 class Watched(list[float]):

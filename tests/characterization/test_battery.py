@@ -183,6 +183,12 @@ def test_a_steady_curve_is_said_to_depend_on_the_speed_where_it_does_at_all():
     assert "stable" not in steady_curve(Bench(law=falls)).sentence
 
 
+def test_a_steady_curve_reaches_the_speeds_at_which_viscous_friction_is_seen():
+    one = law("level + viscous")(kinetic_coefficient=1.0, viscous_coefficient=0.4)
+    found = steady_curve(Bench(law=one))
+    assert found.force.max() == pytest.approx(1.4)  # at 1 m/s; at 0.1 m/s it has grown by 4 %
+
+
 def test_steady_sliding_on_the_stribeck_curve_is_stable_where_its_slope_is():
     found = stick_slip_map(Bench(law=Stribeck(**LEVELS, viscous_coefficient=0.4)))
     damper = 2 * 0.02 * np.sqrt(found.stiffness)

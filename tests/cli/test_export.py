@@ -1,6 +1,8 @@
 """``stickslip export``: files, remarks, and one message for what cannot be done."""
 
 import json
+import shutil
+import zipfile
 
 import pytest
 
@@ -153,3 +155,25 @@ def test_values_of_inputs_that_do_not_fit_are_refused(called, tmp_path, options,
     code, _, err = called("warm.toml", *options)
     assert code == 2
     assert words in err
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="an FMU is linked by a C compiler")
+def test_an_fmu_is_of_the_rig_that_is_named_with_the_law_of_the_file(called, tmp_path):
+    rig = '[mechanism]\ntype = "axis"\ninertia = "3 kg"\n[friction]\n'
+    (tmp_path / "axis.toml").write_text(rig, encoding="utf-8")
+    (tmp_path / "law.toml").write_text(LAW + "[friction.viscous]\nviscous_coefficient = 7\n")
+    found = []
+    for law in ("stribeck", "viscous"):
+        of = ("--rig", "axis.toml", "--law", law, "--force")
+        code, out, err = called("law.toml", "--to", "fmu", *of)
+        assert code == 0, err
+        assert "stickslip-export/axis.fmu" in out
+        with zipfile.ZipFile(tmp_path / "stickslip-export" / "axis.fmu") as files:
+            found.append(files.read("modelDescription.xml").decode())
+    assert all("mechanism.inertia" in text and "mechanism.mass" not in text for text in found)
+    assert "friction.stribeck_velocity" in found[0]
+    assert 'name="friction.viscous_coefficient"' in found[1]
+    assert "friction.kinetic_coefficient" not in found[1]
+    code, _, err = called("law.toml", "--to", "fmu", "--rig", "axis.toml", "--force")
+    assert code == 2
+    assert "several laws" in err

@@ -350,6 +350,10 @@ BAD = [
     (("fit", "axis.toml", "--vary", "stifness"), "Did you mean 'stiffness'"),
     (("fit", "axis.toml", "--vary", "viscous_coefficient"), "neither varied nor fixed"),
     (("fit", "axis.toml", "--fixed", "inertia"), "--fixed takes NAME=VALUE"),
+    (
+        ("select", "axis.toml", "--fixed", "viscous_coefficient=0.4"),
+        "takes only parameters of the mechanism when laws are compared, got viscous_coefficient",
+    ),
     (("fit", "axis.toml", "--fixed", "inertia=5 m"), "--fixed mechanism.inertia"),
     (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),

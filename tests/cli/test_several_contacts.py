@@ -389,6 +389,35 @@ def test_a_parameter_of_the_law_of_one_joint_is_held(called):
     assert "friction.shoulder.viscous_coefficient" not in paths
 
 
+WARM_ARM = """
+[friction.shoulder.warm-viscous]
+kinetic_coefficient = 0.2
+viscous_coefficient = 0.05
+viscous_temperature_decay = 0.02
+[friction.elbow.coulomb]
+kinetic_coefficient = 0.1
+[run]
+t_end = "1 s"
+initial = { shoulder = 0.5 }
+"""
+
+
+@pytest.mark.usefixtures("arm_record")
+def test_runs_of_joints_get_the_temperature_of_their_record(called, tmp_path):
+    table = pd.read_csv(tmp_path / "arm.csv")
+    table.assign(temperature=20.0 + table["t"]).to_csv(tmp_path / "arm.csv", index=False)
+    rig = ARM_RIG + 'temperature = "temperature"\n' + WARM_ARM
+    code, _, said = called(rig, "simulate", "rig.toml")
+    assert code == 0, said
+    assert "The temperature of the run is that of arm." in said
+    told = rig.replace('temperature = "temperature"\n', "") + '[contact]\ntemperature = "20 degC"\n'
+    assert called(told, "simulate", "rig.toml")[0] == 0
+    table.to_csv(tmp_path / "arm.csv", index=False)
+    code, _, said = called(ARM_RIG + WARM_ARM, "simulate", "rig.toml")
+    assert code == 2
+    assert "'temperature', which TwoLinkArm at 'shoulder' does not tell" in said
+
+
 MISNAMED = {
     "a joint without a law": ("elbow=coulomb,shoulder=", "one law of each contact"),
     "a joint with two": ("elbow=coulomb,elbow=dahl", "one law of each contact"),

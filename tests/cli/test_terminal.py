@@ -1,6 +1,7 @@
 """Help, completion, quiet, the first steps from a data file, and progress without a terminal."""
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -52,6 +53,29 @@ def test_each_command_has_short_help_with_an_example_and_can_be_quiet(run, comma
     assert run(*command, "--help")[1] == out
     assert re.search(rf"^  Examples?:\n    \$ stickslip {' '.join(command)}", out, re.MULTILINE)
     assert "-q, --quiet" in out
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("characterize", "coulomb", "--tests", "creep", "--report", "new/one/file.html"),
+        ("simulate", "demo", "--t-end", "0.1", "-o", "new/one/file.csv"),
+        ("simulate", "demo", "--t-end", "0.1", "--report-to", "new/one"),
+        ("export", "law.toml", "--to", "c", "-o", "new/one"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_commands_make_the_folder_of_what_they_write_and_the_help_says_so(
+    run, tmp_path, sketches, command
+):
+    law = "[friction]\nkinetic_coefficient = 0.3\n[friction.coulomb]\n"
+    (tmp_path / "law.toml").write_text(f'[mechanism]\ntype = "axis"\ninertia = 1.0\n{law}')
+    code, out, err = run(*command)
+    assert code == 0, err
+    assert list((tmp_path / "new" / "one").iterdir())
+    assert "new/one" in out.replace("\\", "/")
+    said = " ".join(run("-h")[1].split())
+    assert "Folders of files to write are made where they do not exist." in said
 
 
 def test_commands_are_listed_by_panels_and_none_is_left_out(run):
@@ -290,6 +314,27 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
         "Fitting lugre (law 3 of 3, 6 s) ...",
         "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
         "Validating on block 1 of 8 (6 min 40 s) ...",
+    ]
+
+
+def test_the_time_left_is_bounded_where_the_law_that_takes_longest_comes_first(capsys, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    names = ["constant", "ageing", "two-states"]
+    with Searching(names, str, Interrupts(), longest_first=True) as watch:
+        for now, name in ((1, "two-states"), (60, "held-out steps: two-states, 1 of 4")):
+            clock.now = float(now)
+            watch(name, math.nan)
+        for now, name in ((91, "constant"), (101, "ageing"), (131, "ageing"), (400, "ageing")):
+            clock.now = float(now)
+            watch(name, 0.5)
+    assert capsys.readouterr().err.splitlines() == [
+        "Fitting two-states (law 1 of 3) ...",
+        "Validating on held-out steps: two-states, 1 of 4 (1 min 0 s) ...",
+        "Fitting constant (law 2 of 3, 1 min 31 s, about 3 min 0 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 1 min 41 s, about 1 min 30 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 2 min 11 s, about 1 min 0 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 6 min 40 s) ...",  # longer than the first: nobody knows
     ]
 
 

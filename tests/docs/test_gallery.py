@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.characterization import TESTS
-from stickslip.friction import LAWS
+from stickslip.friction import LAWS, bound
 
 EXTENSIONS = Path(__file__).parents[2] / "docs" / "_ext"
 
@@ -59,3 +59,21 @@ def test_the_guide_names_tests_and_laws_that_exist(gallery):
     assert "[Stribeck](stribeck.md)" in text
     assert "(nonsense.md)" not in text
     assert all(f"{name}.md" in "\n".join(gallery.thumbnails()) for name in LAWS)
+
+
+def test_the_figures_of_a_law_show_what_tells_its_directions_and_inputs_apart(gallery):
+    for name in ("directional-stribeck", "directional-dahl", "directional-lugre"):
+        law = gallery.shown(LAWS[name])
+        back, ahead = (law.towards(side).break_away(1.0) for side in (-1, 1))
+        assert back == pytest.approx(gallery.BACKWARD * ahead)
+    at_tooth, at_gap = (
+        bound(gallery.shown(LAWS["cogging"]), {"position": x}).break_away(1.0)
+        for x in gallery.INPUTS["position"]
+    )
+    assert at_gap < 0.6 * at_tooth
+
+
+def test_each_equation_of_a_formula_stands_on_a_line_of_its_own(gallery):
+    text = gallery.written("stribeck")["stribeck.md"]
+    assert text.count("$$") == 2 * 3
+    assert ", \\quad" not in text

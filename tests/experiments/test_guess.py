@@ -627,12 +627,57 @@ def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_it
     guess = guess_data(file)
     assert guess.columns["trial"] == "Versuch"
     assert guess.conditions == ("Temperatur",)
+    assert guess.columns["temperature"] == "Temperatur"
     assert guess.repair == ()
     rig = tmp_path / "rig.toml"
     rig.write_text(guessed_rig(guess, "runs.csv"), encoding="utf-8")
     trials = load_rig(rig).measurement.trials
-    means = [one.conditions["Temperatur [°C]"] for one in trials]
+    means = [one.conditions["temperature [°C]"] for one in trials]
     assert means == pytest.approx([20.0, 30.0, 40.0])
+    assert np.ptp(trials[0].contact_inputs()["temperature"]) == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [("Temperatur [°C]", None), ("Temperatur [C]", "degC"), ("Öltemperatur_C", "degC")],
+)
+def test_a_temperature_that_changes_within_the_record_is_an_input_of_the_contact(
+    tmp_path, header, unit
+):
+    heat = np.linspace(20.0, 35.0, N)
+    file = tmp_path / "warm.csv"
+    text = f"Zeit [s];Weg [m];Kraft [N];{header}\n" + rows([T, X, F, heat], ";", points)
+    file.write_text(text, encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.conditions == ()
+    assert guess.columns["temperature"] == header.partition(" ")[0]
+    assert guess.units.get("temperature") == unit
+    rig = tmp_path / "rig.toml"
+    rig.write_text(guessed_rig(guess, "warm.csv"), encoding="utf-8")
+    found = load_rig(rig).measurement.contact_inputs()["temperature"]
+    assert found == pytest.approx(heat, abs=1e-4)  # as the file has it
+
+
+def test_a_temperature_that_is_constant_or_has_holes_is_a_condition(tmp_path):
+    for name, heat in {
+        "constant": np.full(N, 20.0),
+        "holes": np.where(np.arange(N) % 10, np.nan, 20.0 + T),
+    }.items():
+        file = tmp_path / f"{name}.csv"
+        body = rows([T, X, F, heat], ";", points).replace("nan", "")
+        file.write_text(f"Zeit [s];Weg [m];Kraft [N];Temperatur [°C]\n{body}", encoding="utf-8")
+        guess = guess_data(file)
+        assert guess.conditions == ("Temperatur",), name
+        assert "temperature" not in guess.columns, name
+
+
+def test_a_humidity_that_changes_is_left_out_as_no_condition_of_a_trial(tmp_path):
+    file = tmp_path / "damp.csv"
+    body = rows([T, X, F, np.linspace(30.0, 60.0, N)], ";", points)
+    file.write_text(f"Zeit [s];Weg [m];Kraft [N];Luftfeuchte [%]\n{body}", encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.conditions == ()
+    assert load_measurement(file, columns=guess.columns, layout=guess.layout).time.size == N
 
 
 def test_a_long_file_without_a_record_is_refused_by_its_top(tmp_path, monkeypatch):

@@ -438,3 +438,54 @@ def test_all_coordinates_of_several_contacts_have_a_band():
     assert "travel of x2" in band._repr_html_()
     with pytest.raises(InputError, match=r"several coordinates, x1, x2"):
         assert band.travel
+
+
+HOT = """
+[mechanism]
+type = "disc-brake"
+inertia = 0.5
+pads = [{ radius = 0.1, load = 60 }, { radius = 0.12, load = 40 }]
+
+[contact]
+temperature = "20 degC"
+
+[contact.pad-2]
+temperature = "573.15 K"
+
+[friction.hot]
+law = "level * exponential[temperature]"
+kinetic_coefficient = 0.4
+level_temperature_decay = 0.001
+"""
+
+
+def test_each_of_several_contacts_may_have_a_table_of_inputs_of_its_own(read, tmp_path):
+    rig = read(HOT)
+    (hot,) = rig.laws.values()
+    run = simulate(rig.mechanism, hot, t_end=0.1, y0={"omega": 2.0})
+    # torques fade as exp(-0.02) and exp(-0.3): the closed form of a constant torque
+    torque = 0.4 * (6.0 * math.exp(-0.02) + 4.8 * math.exp(-0.3))
+    expected = 0.2 - 0.5 * torque / 0.5 * 0.01
+    assert run["phi"][-1] == pytest.approx(expected, rel=1e-12)
+    path = tmp_path / "again.toml"
+    path.write_text(rig_toml(rig.mechanism, hot), encoding="utf-8")
+    assert load_rig(path).mechanism == rig.mechanism
+    cooled = read(HOT, overrides={"contact.pad-2.temperature": "20 degC"})
+    assert cooled.mechanism.contact_pad_2_temperature == 20.0
+    one = read(HOT, overrides={"contact.pad-1.temperature": 90.0})
+    assert one.mechanism.contact_pad_1_temperature == 90.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("[contact.pad-2]", "[contact.pad-3]", r"unknown key in \[contact\].*'pad-3'.*'pad-2'"),
+        ("573.15 K", "-5 K", r"contact.pad-2.temperature \(T\) must be at least"),
+        ('temperature = "573.15 K"', "heat = 3.0", "'heat'"),
+        ('temperature = "573.15 K"', "position = 3.0", "computes contact.pad-2.position"),
+    ],
+)
+def test_wrong_inputs_of_a_contact_are_named(read, old, new, words):
+    assert old in HOT
+    with pytest.raises(InputError, match=words):
+        read(HOT.replace(old, new))

@@ -1,7 +1,9 @@
 """Memories with switches in programs: steps that keep flags, FMUs, what is refused by name."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.exports.compiled import library, numbers
 from tests.exports.fmus import made, need_tools
@@ -32,6 +34,23 @@ def test_compiled_steps_come_near_the_run_at_short_periods_and_at_long_ones(name
             x += found["moved"]
         assert x == pytest.approx(expected, abs=within)
         assert {found[f"{one}_end"] for one in flags} <= {0.0, 1.0}
+
+
+def test_elements_far_stiffer_than_the_period_resolves_cost_no_accuracy(tmp_path):
+    own = replace(GMS, bristle_stiffness=1e6)  # 1.5 um of deflection, crossed in 1 ms at 1.5 mm/s
+    compiled = library(tmp_path, export(own, "c", name="gms").files)
+    states = ["velocity", *own.states, *(f"slips{i + 1}" for i in range(4))]
+    step = numbers(
+        compiled, "gms_step", [*(f"{one}_end" for one in states), "moved", "friction", "sticks"]
+    )
+    expected = simulate(axis(PUSH), own, t_end=1.0).at(np.arange(1, 1001) * 1e-3)["x"]
+    x, now, found = 0.0, [0.0] * len(states), []
+    for i in range(1000):
+        moved = step(PUSH.smooth((i + 0.5) * 1e-3), *now, 1.0, 1.0, 1e-3)
+        now = [moved[f"{one}_end"] for one in states]
+        found.append(x := x + moved["moved"])
+    # of 0.36 m; states that are led on in a straight line pass their limits and are 4 mm off
+    np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
 def test_models_in_modelica_have_no_latches():

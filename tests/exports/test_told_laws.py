@@ -12,13 +12,13 @@ import pytest
 from tests.exports.compiled import library, number, numbers
 from tests.exports.fmus import need_tools
 
-from stickslip import Axis, export, simulate
+from stickslip import Axis, DiscBrake, export, simulate
 from stickslip.control import compensation
 from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.exports import export_fmu
 from stickslip.friction import bound, law
-from stickslip.mechanisms import given_inputs
+from stickslip.mechanisms import Lining, given_inputs
 
 GEAR = law("level + stribeck + weight[transmitted] + viscous * exponential[temperature]")(
     kinetic_coefficient=0.04,
@@ -189,3 +189,36 @@ def test_an_input_that_was_given_may_become_one_of_the_fmu(tmp_path):
     gear = law("level + weight[transmitted]")(kinetic_coefficient=0.1, transmitted_coefficient=0.1)
     with pytest.raises(InputError, match="follows from the motion"):
         export_fmu(DRIVEN, gear, tmp_path / "b.fmu", t_end=1.0, inputs=["transmitted"])
+
+
+def test_contact_inputs_of_several_contacts_are_inputs_of_the_fmu_by_contact(tmp_path):
+    need_tools()
+    from fmpy import read_model_description, simulate_fmu
+
+    pads = (Lining(radius=0.1, load=60.0), Lining(radius=0.12, load=40.0))
+    brake = DiscBrake(inertia=0.5, pads=pads)
+    fading = law("level * exponential[temperature]")
+    hot = fading(kinetic_coefficient=0.4, level_temperature_decay=0.001)
+    apart = given_inputs(brake, {"temperature": 20.0, "pad-2": {"temperature": 90.0}})
+    start = {"omega": 2.0}
+    one = export_fmu(
+        apart, {"pad-1": hot, "pad-2": hot}, tmp_path / "one.fmu", t_end=0.2, y0=start,
+        inputs=["pad-2.temperature"],
+    )  # fmt: skip
+    both = export_fmu(brake, hot, tmp_path / "both.fmu", t_end=0.2, y0=start)
+    for file, name in ((one, "pad-2.temperature"), (both, "temperature")):
+        variables = read_model_description(str(file)).modelVariables
+        (told,) = [v for v in variables if v.causality == "input"]
+        assert (told.name, told.unit) == (name, "degC")
+        signal = np.array([(0.0, 300.0), (1.0, 300.0)], dtype=[("time", float), (name, float)])
+        run = simulate_fmu(str(file), stop_time=0.2, output_interval=0.05, input=signal)
+        warm = (
+            given_inputs(apart, {"pad-2": {"temperature": 300.0}})
+            if file == one
+            else given_inputs(brake, {"temperature": 300.0})
+        )
+        wanted = simulate(warm, hot, t_end=0.2, y0=start)
+        assert run["phi"][-1] == pytest.approx(wanted["phi"][-1], rel=1e-9)
+    rough = law("level + weight[motor]")(kinetic_coefficient=0.4, motor_coefficient=0.1)
+    with pytest.raises(InputError, match=r"'pad-1.motor' follows from the motion"):
+        export_fmu(brake, rough, tmp_path / "c.fmu", t_end=0.2, inputs=["pad-1.motor"])

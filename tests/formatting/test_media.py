@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip import Axis, Measurement, RecordSettings, select
-from stickslip.cli.console import json_text, plain, show_table
+from stickslip.cli.console import plain, show_table
+from stickslip.documents import json_text
 from stickslip.formatting import NO_BREAK_SPACE, Scale, scale_of, unbroken, with_unit
 from stickslip.formatting.units import PREFIXES
 from stickslip.quantities import Quantity

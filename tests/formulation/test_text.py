@@ -99,7 +99,7 @@ def test_what_parameters_alone_decide_is_worked_out_once():
 def test_a_side_of_a_switch_that_is_not_taken_is_not_worked_out_beforehand():
     p, y = se.Symbol("p1"), se.Symbol("y0")
     sides = se.Piecewise((se.sqrt(p), y < p), (y, True))
-    text, constants = program({"f": {None: [se.sin(p) * y, sides]}}, [1])
+    text, constants = program({"f": {None: [se.sin(p) * y, sides]}}, [1], 2)
     assert constants == 1
     assert "math.sqrt" in text.partition("def constants")[0]
     assert text.partition("def constants")[2].count("math.") == 1

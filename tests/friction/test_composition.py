@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -58,6 +59,8 @@ FREE = (
     "lugre(level + logarithmic) + viscous",
     "makkar + viscous",
     "bengisu_akay + drag",
+    "table[0: 2, 1e-2: 15e-1, 5e-2: 12e-1, 3e-1: 13e-1] + viscous",
+    "lugre(table[1e-3: 3e-1, 1e-1: 2e-1]) + viscous",
 )
 CONTACT = {
     "motor": 1.3, "external": -0.7, "transmitted": 2.0, "gravity": -0.4,
@@ -146,14 +149,33 @@ def test_directions_keep_parameters_that_the_law_of_one_direction_names_otherwis
     assert one.break_away(1.0) == 1.7  # the smaller one
 
 
+@pytest.mark.parametrize(
+    "name", [name for name, one in LAWS.items() if hasattr(one, "composition")]
+)
+def test_the_name_of_a_law_is_no_other_law_when_it_is_read_as_a_composition(name):
+    kind = LAWS[name]
+    if name == str(kind.composition):
+        assert law(name) is kind
+        return
+    told = re.escape(f"{kind.composition}: give that")
+    with pytest.raises(InputError, match=rf"the name of the law {told}.*\.{kind.__name__}\.$"):
+        law(name)
+    if name in PARTS:
+        with pytest.raises(InputError, match="is a part, and is the name"):
+            law(read(name))
+
+
 def test_smooth_laws_take_the_values_that_their_formulas_print():
     brown = law("brown_mcphee")(
         kinetic_coefficient=1.0, static_coefficient=1.5, transition_velocity=0.01
     )
     # tanh 4 = 0.99933 is what the smoothing leaves of the kinetic level at the transition velocity
     assert brown.force(0.01, 1.0) == pytest.approx(math.tanh(4.0) + 0.5, rel=1e-15)
-    block = law("simscape")(
-        kinetic_coefficient=1.0, static_coefficient=1.5, breakaway_velocity=0.01
+    block = law("simscape + viscous")(
+        kinetic_coefficient=1.0,
+        static_coefficient=1.5,
+        breakaway_velocity=0.01,
+        viscous_coefficient=0.0,
     )
     assert block.force(0.01, 1.0) == pytest.approx(math.tanh(10.0) + 0.5, rel=1e-15)
     rise = law("threlfall(level)")(kinetic_coefficient=2.0, smoothing_velocity=0.1)
@@ -280,8 +302,8 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("tanh(level + step)", "step inside tanh, which is 0 at rest"),
         ("tanh(level) + stribeck", "only some of level and stribeck inside a smooth sign"),
         ("maxwell[1\u0663](level)", "the number of elements must be 1 to 99"),
-        ("(" * 5000 + "level" + ")" * 5000, "at most 500 characters and 20 brackets, got 10005"),
-        ("x" * 10000, "at most 500 characters and 20 brackets, got 10000 and 0"),
+        ("(" * 5000 + "level" + ")" * 5000, "at most 2000 characters and 20 brackets, got 10005"),
+        ("x" * 10000, "at most 2000 characters and 20 brackets, got 10000 and 0"),
         ("tanh(level + viscous)", "other parts than levels inside tanh"),
         ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
         ("maxwell[0](level)", "the number of elements must be 1 to 99"),
@@ -386,14 +408,43 @@ def test_a_composition_of_one_contact_is_never_taken_for_that_of_all(tmp_path):
     assert found["elbow"] is None
 
 
-def test_a_missing_parameter_is_asked_for_under_the_table_that_is_there(tmp_path):
+@pytest.mark.parametrize("text", ["level + lorentz", "simscape"])
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            "",
+            r"friction\.joint\.kinetic_coefficient \(mu_k\) is missing\."
+            r" Add kinetic_coefficient under \[friction\.joint\] or \[friction",
+        ),
+        ("kinetic_coefficient = -1.0", r"friction\.joint\.kinetic_coefficient \(mu_k\) must be"),
+        ("kinetic_coefficent = 1.0", r"unknown key in \[friction\.joint\]"),
+    ],
+)
+def test_what_is_wrong_in_a_table_with_a_composition_is_told_with_the_name_of_that_table(
+    tmp_path, text, line, message
+):
     path = tmp_path / "rig.toml"
-    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + lorentz"\n'
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"Add kinetic_coefficient under \[friction\.NAME\] or \[friction\]"
-    ):
+    rig = f'[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "{text}"\n{line}\n'
+    path.write_text(rig, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
         load_rig(path)
+    path.write_text(f"{ARM}{rig.partition('2.0')[2].replace('joint', 'elbow.own')}", "utf-8")
+    with pytest.raises(InputError, match=message.replace("joint", r"elbow\.own")):
+        load_rig(path)
+
+
+def test_an_override_that_contradicts_the_file_is_told_with_the_name_of_its_table(tmp_path):
+    path = tmp_path / "rig.toml"
+    values = "kinetic_coefficient = 1.0\nstatic_coefficient = 2.0\nstribeck_velocity = 0.1\n"
+    head = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + lorentz"\n'
+    path.write_text(head + values, encoding="utf-8")
+    for key in ("friction.joint.static_coefficient", "friction.static_coefficient"):
+        with pytest.raises(InputError, match=rf"{key} \(mu_s\) = 0.5 is below kinetic_coefficient"):
+            load_rig(path, overrides={key: 0.5})
+    wrong = r"\[friction\.joint\] of override of .*: 'static_coeficient'"
+    with pytest.raises(InputError, match=wrong):
+        load_rig(path, overrides={"friction.joint.static_coeficient": 0.5})
 
 
 def test_a_part_without_the_name_of_a_law_is_a_composition_by_itself():

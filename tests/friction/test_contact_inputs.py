@@ -219,6 +219,8 @@ def test_a_factor_that_falls_towards_0_ends_a_run_before_friction_drives():
         SimulationError, match=r"viscous \* linear\[temperature\] falls below 0.001"
     ):
         simulate(warming, cold, t_end=3.0)
+    with pytest.raises(SimulationError, match=r"at t = 0\.5 s, viscous .* use EventDriven"):
+        simulate(warming, cold, t_end=3.0, solver=FixedStep(dt=1e-3))
     run = simulate(warming, cold, t_end=3.0, throw=False)
     assert run.span[1] == pytest.approx(0.4995, abs=1e-9)  # 1 - 0.05 * 40 t = 0.001
     assert simulate(warming, cold, t_end=0.4).certificate.certified

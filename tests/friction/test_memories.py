@@ -13,6 +13,7 @@ from tests.pair_cases import PUSH, Pair, axis
 
 from stickslip import (
     Axis,
+    Dahl,
     EventDriven,
     FixedStep,
     Measurement,
@@ -24,7 +25,7 @@ from stickslip import (
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identification.force_map.bristle_integration import Path, follow
+from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.maths import Latches, latched
 
 CURVE = {
@@ -291,6 +292,25 @@ def test_break_away_of_bliman_and_sorine_is_the_largest_force_along_the_way():
     assert force[-1] == pytest.approx(1.0, abs=1e-3)
     plain = replace(own, surplus_share=0.0)
     assert plain.break_away(1.0) == 1.0
+
+
+@pytest.mark.parametrize("static_switch", [False, True])
+def test_springs_of_bliman_and_sorine_that_yield_in_one_distance_are_one_spring(static_switch):
+    own = law("bliman_sorine(level)")(
+        static_switch=static_switch,
+        kinetic_coefficient=1.0,
+        bristle_stiffness=1e3,
+        surplus_share=0.25,
+        distance_ratio=1.0,
+    )
+    one = Dahl(static_switch=static_switch, kinetic_coefficient=1.0, bristle_stiffness=800.0)
+    assert own.break_away(3.0) == one.break_away(3.0) == 3.0
+    both = [simulate(RIG, each, t_end=3.0, y0={"v": 0.5}) for each in (own, one)]
+    times = np.linspace(0.0, 3.0, 61)
+    for name in ("x", "friction"):
+        found, expected = (run.at(times)[name] for run in both)
+        np.testing.assert_allclose(found, expected, atol=1e-7)
+    assert [math.isfinite(event.margin) for event in both[0].events] == [True] * len(both[1].events)
 
 
 def test_elements_that_grow_stronger_as_they_creep_return_more_than_they_took():

@@ -276,3 +276,73 @@ def test_joints_share_the_temperature_of_their_record():
     assert decay.low <= 0.03 <= decay.high < 0.031
     with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
         fit(arm, laws, replace(record, inputs={}))
+
+
+@pytest.fixture(scope="module")
+def gears():
+    """Return an arm with gears, its laws, and a record under torques that are held 5 ms each."""
+    from stickslip import TwoLinkArm
+
+    t = np.arange(0.0, 16.0, 0.005)
+    push = {
+        "shoulder_drive": [(2.0, 0.31), (1.1, 0.83)],
+        "elbow_drive": [(0.8, 0.43), (0.5, 1.07)],
+    }
+    torques = {
+        name: sum(a * np.sin(2.0 * np.pi * f * t) for a, f in parts) for name, parts in push.items()
+    }
+    bare = TwoLinkArm(
+        upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+        lower_mass=0.5, lower_centre=0.1, lower_inertia=0.01,
+    )  # fmt: skip
+    driven = replace(
+        bare, **{name: Sampled(times=t, values=values) for name, values in torques.items()}
+    )
+    laws = {
+        "shoulder": JOINT_GEAR(
+            kinetic_coefficient=0.1, transmitted_coefficient=0.08, viscous_coefficient=0.1
+        ),
+        "elbow": JOINT_GEAR(
+            kinetic_coefficient=0.04, transmitted_coefficient=0.15, viscous_coefficient=0.03
+        ),
+    }
+    run = simulate(driven, laws, t_end=float(t[-1]))
+    noise = np.random.default_rng(5)
+    seen = run.at(t)
+    record = Measurement(
+        time=t,
+        position={x: seen[x] + noise.normal(0.0, 1e-5, len(t)) for x in bare.coordinates},
+        force={name.removesuffix("_drive"): values for name, values in torques.items()},
+        turning=True,
+    )
+    return bare, laws, record
+
+
+JOINT_GEAR = law("level + weight[transmitted] + viscous")
+
+
+def test_the_torques_that_the_gears_of_an_arm_transmit_are_inputs_of_its_joints(gears):
+    bare, laws, record = gears
+    found = fit(bare, dict.fromkeys(laws, JOINT_GEAR), record)
+    for contact, true in laws.items():
+        for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
+            (one,) = [e for e in found.estimates if e.path == f"friction.{contact}.{name}"]
+            # half of a 95 % interval, twice; some 3 % of the value for what grows with the torque
+            assert abs(one.value - getattr(true, name)) < one.high - one.low
+            assert one.high - one.low < 0.1 * one.value
+    plain = fit(bare, dict.fromkeys(laws, "coulomb-viscous"), record)
+    for joint in laws:
+        assert found.score(record).joints[joint].rms < 0.5 * plain.score(record).joints[joint].rms
+
+
+def test_a_torque_that_changes_with_a_mass_which_is_fitted_is_no_known_input(gears):
+    bare, laws, record = gears
+    kinds = dict.fromkeys(laws, JOINT_GEAR)
+    said = "tells it by a force .* or by what is fitted, mechanism.lower_mass"
+    with pytest.raises(InputError, match=said):
+        fit(bare, kinds, record, vary=["friction.*", "lower_mass"])
+    rough = law("level * linear[position] + viscous")  # no mass changes where a joint is
+    found = fit(bare, dict.fromkeys(laws, rough), record, vary=["friction.*", "lower_inertia"])
+    assert any(one.path == "mechanism.lower_inertia" for one in found.estimates)
+    with pytest.raises(InputError, match="'transmitted', and TwoLinkArm tells it by"):
+        fit(bare, kinds, record, settings=RecordSettings(position_zeros=True))

@@ -30,9 +30,9 @@ from stickslip import (
 )
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
+from stickslip.identification.estimation.bristle_integration import Path as Motion
+from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, search
-from stickslip.identification.force_map.bristle_integration import Path as Motion
-from stickslip.identification.force_map.bristle_integration import follow
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import force_map
 from stickslip.maths import Scalar

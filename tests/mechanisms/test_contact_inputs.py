@@ -1,20 +1,39 @@
 """What mechanisms tell friction laws of their contacts: forces along the motion, positions."""
 
 import math
+import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, Capsule, Pendulum, PendulumCart, SpringBlock
+from stickslip import (
+    Axis,
+    BlockChain,
+    Capsule,
+    ClutchTrain,
+    DiscBrake,
+    Pendulum,
+    PendulumCart,
+    SpringBlock,
+    TwoFeet,
+)
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Sampled
+from stickslip.errors import UnknownNameError
 from stickslip.mechanisms import (
+    Lining,
     Link,
+    Rotor,
     SerialArm,
     Torque,
     TowedBlock,
     TwoLinkArm,
     TwoMassAxis,
+    given_inputs,
+    given_names,
+    of_contact,
+    without_given,
 )
 
 PUSH = Sampled(times=[0.0], values=[1.7])
@@ -48,6 +67,13 @@ RIGS = {
             Link(mass=0.5, length=0.3, centre=0.1, inertia=0.02, damping=0.2) for _ in range(3)
         ),
     ),
+    "feet": TwoFeet(
+        mass=2.0, front=0.3, rear=0.2, height=0.1, stiffness=50.0, damping=0.4, drive=PUSH
+    ),
+    "chain": BlockChain(
+        blocks=3, mass=1.0, coupling=4.0, stiffness=2.0, damping=0.3, speed=0.2
+    ),
+    "ground": BlockChain(blocks=2, mass=1.0, coupling=4.0, damping=0.3),
 }  # fmt: skip
 
 
@@ -141,3 +167,87 @@ def test_a_capsule_tells_its_slope_but_no_motor_because_the_force_is_inside():
     capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, incline=0.1)
     found = capsule.contact_inputs(0.0, {"x": 0.5, "xi": 0.1}, {"x": 0.0, "xi": 0.0}, {})
     assert found == {"gravity": -9.81 * math.sin(0.1), "position": 0.5}
+
+
+def test_a_chain_of_blocks_counts_what_a_moving_belt_drags_too():
+    rig, t = RIGS["chain"], 0.3
+    (q, q_dot), moved = state(rig), 0.2 * 0.3
+    found = rig.contact_inputs(t, q, q_dot, {})
+    expected = -2.0 * (q["x2"] + moved) - 0.3 * (q_dot["x2"] + 0.2)
+    expected += 4.0 * (q["x1"] - 2.0 * q["x2"] + q["x3"])
+    assert found["block-2"]["external"] == pytest.approx(expected, rel=1e-14)
+
+
+PADS = (Lining(radius=0.1, load=10.0), Lining(radius=0.12, load=8.0))
+
+
+def test_pads_that_hold_a_wound_spring_against_the_drive_see_twice_its_force_at_their_radius():
+    rig = DiscBrake(inertia=0.5, stiffness=30.0, drive=PUSH, pads=PADS)
+    found = rig.contact_inputs(0.0, {"phi": -0.2}, {"phi": 0.0}, {"drive": -6.0})
+    for pad, told in zip(PADS, found.values(), strict=True):
+        assert told["motor"] + told["external"] == 0.0
+        assert told["transmitted"] == pytest.approx(-12.0 / pad.radius, rel=1e-15)
+        assert told["position"] == pytest.approx(-0.2 * pad.radius, rel=1e-15)
+    # a turn against the spring takes as much as the torques that the forces are
+    moving = rig.contact_inputs(0.0, {"phi": 0.1}, {"phi": 2.0}, {"drive": 1.0})
+    whole = rig.forces(0.0, {"phi": 0.1}, {"phi": 2.0}, {"drive": 1.0})["phi"] - 30.0 * 0.1
+    for pad, told in zip(PADS, moving.values(), strict=True):
+        assert pad.radius * (told["motor"] + told["external"]) == pytest.approx(whole, rel=1e-14)
+
+
+def test_both_sides_of_a_belt_that_holds_a_weight_transmit_twice_the_weight():
+    rig = TwoMassAxis(
+        motor_inertia=1.0, load_inertia=2.0, stiffness=40.0, offset=3.0, drive=PUSH, rubs="both"
+    )
+    q, still = {"x": 0.0, "other": 3.0 / 40.0}, {"x": 0.0, "other": 0.0}
+    for found in rig.contact_inputs(0.0, q, still, {"drive": 3.0}).values():
+        assert found["motor"] + found["external"] == pytest.approx(0.0, abs=1e-14)
+        assert found["transmitted"] == pytest.approx(6.0, rel=1e-14)
+
+
+def test_joints_of_a_serial_arm_that_holds_itself_carry_twice_their_weights():
+    links = RIGS["serial"].links
+    rig = SerialArm(links=tuple(replace(one, torque=PUSH) for one in links))
+    q = {f"q{i}": 0.3 - 0.2 * i for i in (1, 2, 3)}
+    still = dict.fromkeys(q, 0.0)
+    none = dict.fromkeys(rig.drives(), 0.0)
+    weights = rig.contact_inputs(0.0, q, still, none)
+    held = {drive: -one["gravity"] for drive, one in zip(none, weights.values(), strict=True)}
+    for found in rig.contact_inputs(0.0, q, still, held).values():
+        assert found["transmitted"] == pytest.approx(-2.0 * found["gravity"], rel=1e-14)
+
+
+def test_a_foot_that_a_drive_holds_against_a_spring_sees_twice_its_force():
+    rig = RIGS["feet"]
+    found = rig.contact_inputs(0.0, {"x": 0.1}, {"x": 0.0}, {"drive": 5.0})
+    assert {one["transmitted"] for one in found.values()} == {10.0}
+
+
+def test_a_clutch_tells_how_far_it_has_slipped_and_no_force_which_its_own_friction_decides():
+    train = ClutchTrain(rotors=(Rotor(inertia=1.0),) * 3, clutches=PADS, brake=PADS[0])
+    q = {"phi": 2.0, "psi1": 0.5, "psi2": -0.25}
+    found = train.contact_inputs(0.0, q, dict.fromkeys(q, 0.0), {})
+    assert found == {
+        "clutch-1": {"position": 0.05},
+        "clutch-2": {"position": -0.03},
+        "brake": {"position": 0.2},
+    }
+
+
+def test_one_contact_is_told_what_others_are_not():
+    brake = DiscBrake(inertia=0.5, pads=PADS)
+    hot = given_inputs(brake, {"temperature": 20.0, "pad-2": {"temperature": PUSH}})
+    told = hot.contact_inputs(0.0, {"phi": 0.0}, {"phi": 0.0}, {"contact_pad_2_temperature": 90.0})
+    assert of_contact(told, "pad-1")["temperature"] == 20.0
+    assert of_contact(told, "pad-2")["temperature"] == 90.0
+    assert of_contact(told, "pad-2")["position"] == 0.0
+    assert given_names(hot, "pad-2") == ("temperature",)
+    assert pickle.loads(pickle.dumps(hot)) == hot
+    assert without_given(hot) == (brake, {"temperature": 20.0, "pad-2": {"temperature": PUSH}})
+    cold = given_inputs(hot, {"pad-2": {"temperature": 30.0}})
+    assert cold.contact_temperature == 20.0
+    assert cold.contact_pad_2_temperature == 30.0
+    with pytest.raises(UnknownNameError, match=r"unknown contact of DiscBrake 'pad-3'.*'pad-2'"):
+        given_inputs(brake, {"pad-3": {"temperature": 20.0}})
+    with pytest.raises(UnknownNameError, match="contact input 'heat'"):
+        given_inputs(brake, {"pad-1": {"heat": 20.0}})

@@ -4,6 +4,8 @@ A mark of expected failure goes when its fault does.
 """
 
 import math
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from stickslip import (
     ClutchTrain,
     Coulomb,
     Dahl,
+    DirectionalStribeck,
     DirectionDependent,
     DiscBrake,
     EventDriven,
@@ -31,7 +34,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.friction import SetValuedLaw, law
+from stickslip.maths import where
 from stickslip.mechanisms import Lining, Rotor
+from stickslip.quantities import Quantity
 from stickslip.results import Status
 
 FREE = Coulomb(kinetic_coefficient=0.0)
@@ -422,3 +428,84 @@ def test_a_motion_far_below_what_levels_could_give_ends_in_time(place):
     omega = math.sqrt(1e4 + 1.0)
     expected = place / omega**2 * (1.0 - np.cos(omega * run.t))
     np.testing.assert_allclose(run["x1"], expected, atol=max(1e-6 * place / omega**2, 1e-30))
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("text", ["ramp(level)", "threlfall(level)"])
+def test_several_blocks_start_from_rest_with_the_friction_that_their_law_has_there(text, tier):
+    """Break-away was decided with the friction beyond the smoothing velocity, which held them."""
+    smooth = law(text)(kinetic_coefficient=10.0, smoothing_velocity=0.6)
+    chain = BlockChain(blocks=2, mass=1.0, coupling=0.0, stiffness=1e3, speed=0.01, load=10.0)
+    solver = EventDriven(max_steps=300, tier=tier)
+    run = simulate(chain, smooth, t_end=0.1, throw=False, solver=solver)
+    assert run.status is Status.END_TIME
+    block = TowedBlock(mass=1.0, stiffness=1e3, speed=0.01, load=10.0)  # seen from the belt
+    alone = simulate(block, smooth, t_end=0.1, solver=solver)
+    times = np.linspace(0.0, 0.1, 11)
+    for name in ("x1", "x2"):
+        expected = -alone.at(times)["x"]
+        np.testing.assert_allclose(run.at(times)[name], expected, rtol=1e-8, atol=1e-15)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lesser(SetValuedLaw):
+    """The lesser one of two levels."""
+
+    name = "lesser"
+    title = "The lesser level"
+    formula = r"F = \min(\mu_1, \mu_2) N"
+    sources = ()
+    first: Annotated[float, Quantity("mu_1", low=0)]
+    second: Annotated[float, Quantity("mu_2", low=0)]
+
+    def sliding(self, speed, load):
+        return self.break_away(load) + 0.0 * speed
+
+    def break_away(self, load):
+        return where(self.first < self.second, self.first, self.second) * load
+
+
+@pytest.mark.parametrize(("first", "second"), [(1.0, 5.0), (5.0, 1.0)])
+def test_a_level_that_a_comparison_chooses_holds_each_of_several_blocks(first, second):
+    chain = BlockChain(blocks=2, mass=1.0, coupling=0.0, stiffness=1.0, speed=0.5)
+    run = simulate(chain, Lesser(first=first, second=second), t_end=4.0)
+    assert [event.reason for event in run.events] == ["break-away"] * 2
+    np.testing.assert_allclose([event.t for event in run.events], 2.0, rtol=1e-12)
+
+
+def test_a_step_that_errors_end_before_a_switch_does_not_turn_it():
+    falling = DirectionalStribeck(
+        forward_kinetic_coefficient=0.0,
+        backward_kinetic_coefficient=0.0,
+        forward_static_coefficient=0.0,
+        backward_static_coefficient=1.0,
+        forward_stribeck_velocity=1.0,
+        backward_stribeck_velocity=1.0,
+        forward_fading_exponent=1.0,
+        forward_viscous_coefficient=0.0,
+        backward_viscous_coefficient=0.0,
+        backward_fading_exponent=2.0,
+    )
+    axis = Axis(rotary=True, inertia=0.005, stiffness=63000.0, damping=1.0, load=0.127)
+    run = simulate(axis, falling, t_end=0.02, y0={"x": -1.0}, throw=False)
+    assert run.status is Status.END_TIME
+    # friction of 0.127 N m beside a spring of 63 kN m
+    decay, omega = 100.0, math.sqrt(63000.0 / 0.005 - 1e4)
+    turned = omega * run.t
+    expected = -np.exp(-decay * run.t) * (np.cos(turned) + decay / omega * np.sin(turned))
+    np.testing.assert_allclose(run["x"], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("t_end", [0.02, 0.1, 5.0])
+def test_friction_that_explodes_against_its_mode_gives_no_size_to_what_errors_are_compared_with(
+    t_end,
+):
+    """The end of the run gives the length of a first trial, whose stages reach such speeds."""
+    chain = Chain(mass=0.006, free=1.0, stiffness=5e5, damping=0.0, load=1e4)
+    rising = law("threlfall(level)")(kinetic_coefficient=0.002, smoothing_velocity=0.5)
+    solver = EventDriven(max_steps=400)
+    run = simulate(chain, rising, t_end=t_end, y0={"u": 1.0}, solver=solver, throw=False)
+    assert not run.certificate.problems
+    # one body of 6 g drawn by another of 1 kg, both slowed by at most 20 N
+    assert np.abs(run["x"]).max() < run.span[1]
+    assert np.abs(run["u"]).max() <= 1.0

@@ -16,8 +16,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import shadow
 
-__all__ = ["Equations", "Switch", "equations"]
-
 ZERO = hy.expression(0.0)
 
 

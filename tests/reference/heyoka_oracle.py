@@ -20,8 +20,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
-__all__ = ["Happening", "Oracle", "Path"]
-
 STOP, BREAK_FORWARD, BREAK_BACKWARD, SWITCH = range(4)
 """Index of each guard among the events of the integrator; switch j has index SWITCH + j."""
 

@@ -257,8 +257,18 @@ def test_workers_give_the_same_verdict():
     record = pulled(law(**PLAIN))
     laws = ["constant-coefficient", "logarithmic"]
     alone = select_rate_state(MACHINE, laws, record, settings=SETTINGS)
+    told = []
     with ProcessPoolExecutor(2) as pool:
-        together = select_rate_state(MACHINE, laws, record, settings=SETTINGS, executor=pool)
+        together = select_rate_state(
+            MACHINE,
+            laws,
+            record,
+            settings=SETTINGS,
+            executor=pool,
+            progress=lambda *news: told.append(news),
+        )
+    ended = {name for name, rms in told if np.isfinite(rms)}
+    assert ended == set(laws)  # those in other processes are told of too
     assert [c.score for c in alone.candidates] == [c.score for c in together.candidates]
     assert alone.sentence == together.sentence
 
@@ -277,7 +287,8 @@ def test_a_stopped_selection_says_what_was_left_out():
     assert verdict.closest.name == "logarithmic"
     left = next(c for c in verdict.candidates if c.name == "constant-coefficient")
     assert "the search was stopped" in left.outcome
-    assert set(told) == {"constant-coefficient", "logarithmic"}
+    held_out = [f"held-out steps: logarithmic, {part} of 3" for part in (1, 2, 3)]
+    assert set(told) == {"constant-coefficient", "logarithmic", *held_out}
 
 
 def test_stick_slip_under_a_load_point_is_explained_by_no_law():

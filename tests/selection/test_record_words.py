@@ -17,7 +17,7 @@ from stickslip import (
     select,
     write_report,
 )
-from stickslip.cli.console import document, json_text
+from stickslip.documents import document, json_text
 from stickslip.experiments.checking import stationarity
 from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves

@@ -20,7 +20,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.cli.console import document, json_text
+from stickslip.documents import document, json_text
 from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.formatting import Scale, quantity

@@ -21,6 +21,7 @@ from stickslip import (
     Pendulum,
     PendulumCart,
     SpringBlock,
+    TanhCoulomb,
     TowedBlock,
     TwoLinkArm,
     ensemble,
@@ -475,3 +476,17 @@ def test_outputs_and_parameters_have_their_units():
         "stops": "s",
         "count": "1",
     }
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+def test_what_falls_without_friction_is_certified_though_its_energies_cancel(tier):
+    block = SpringBlock(mass=2.04, stiffness=0.073, incline=1.49)
+    free = TanhCoulomb(kinetic_coefficient=0.0, smoothing_velocity=10.0, viscous_coefficient=0.0)
+    solver, masses = EventDriven(tier=tier), {"mechanism.mass": np.array([0.5, 2.04, 7.0])}
+    runs = ensemble(block, free, masses, t_end=25.5, solver=solver)
+    for row in range(3):
+        run = single(block, free, masses, row, t_end=25.5, solver=solver)
+        assert not run.certificate.problems
+        assert run.certificate.energy_error < 1e-12
+        assert abs(run.certificate.energy_end) < 1e-12 * run["v"][-1] ** 2
+        assert_row_is_run(runs, row, run, ("x", "v"))

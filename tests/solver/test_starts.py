@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 import pytest
+from typing_extensions import Doc
 
 from stickslip import (
     Axis,
@@ -19,8 +20,10 @@ from stickslip import (
 )
 from stickslip.drives import Pulse
 from stickslip.errors import InputError, ParameterError
-from stickslip.maths import sin, where
+from stickslip.friction import BristleLaw
+from stickslip.maths import sign, sin, where
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.quantities import Quantity
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 
@@ -179,3 +182,56 @@ def test_a_start_on_a_kink_does_not_hold_what_has_just_broken_away():
     )
     assert run.events[0].reason == "break-away"
     assert sum(event.t == 0.0 for event in run.events) == 1
+
+
+Positive = Annotated[float, Quantity("k", low=0)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layered(BristleLaw):
+    """Bristles that yield in steps of their deflection, by switches within switches."""
+
+    name: ClassVar[str] = "layered"
+    title: ClassVar[str] = "Layered bristles"
+    formula: ClassVar[str] = "F = k z N"
+    sources: ClassVar[tuple[str, ...]] = ()
+    states: ClassVar[tuple[str, ...]] = ("z",)
+    stiffness: Annotated[float, Quantity("k", "1/m", above=0)] = 1e4
+    steps: Annotated[Literal["size", "side", "both"], Doc("What is compared.")] = "size"
+
+    def rates(self, velocity, load, states):
+        (z,) = states
+        u = self.stiffness * z * sign(velocity)
+        if self.steps == "size":
+            yields = where(abs(z) < 1e-5, 0.0, where(z * velocity > 0.0, 1.0, 0.0))
+        elif self.steps == "side":
+            yields = where(z > 0.0, where(u > 0.5, 1.0, 0.0), where(u < 0.0, 0.0, 1.0))
+        else:
+            size = where(abs(z) < 5e-5, 0.0, where(abs(z) < 8e-5, 0.5, 1.0))
+            yields = where(u > 0.0, size, 0.0)
+        return (velocity * (1.0 - yields * u),)
+
+    def force(self, velocity, load, states):
+        return self.stiffness * states[0] * load
+
+    def break_away(self, load):
+        return load
+
+    def steady(self, speed, load):
+        return load + 0.0 * speed
+
+
+@pytest.mark.parametrize("steps", ["size", "side", "both"])
+@pytest.mark.parametrize("static_switch", [False, True])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_switches_within_switches_of_a_state_may_all_begin_on_their_thresholds(
+    steps, static_switch, side
+):
+    law = Layered(steps=steps, static_switch=static_switch)
+    block = SpringBlock(mass=1.0, stiffness=10.0, gravity=1.0, attached=True)
+    run = simulate(block, law, t_end=3.0, y0={"x": 0.3 * side}, throw=False)
+    assert run.status.complete
+    assert not run.certificate.problems
+    # a spring of 3 N draws 1 kg, which friction of at most 1 N slows, to the other side
+    farthest = float((-side * run["x"]).max())
+    assert 0.09 < farthest < 0.3

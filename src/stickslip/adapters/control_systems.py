@@ -31,8 +31,6 @@ require_library("control", "control")
 
 import control  # noqa: E402  # after the message of where to get it
 
-__all__ = ["DescribingFunction", "to_describing_function", "to_nonlinear_system"]
-
 Array = NDArray[np.float64]
 FEW = 1e-12
 """Relative error of the integrals of a describing function."""

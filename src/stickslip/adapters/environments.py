@@ -19,8 +19,6 @@ from gymnasium.spaces import Box  # noqa: E402
 from gymnasium.vector import AutoresetMode, VectorEnv  # noqa: E402
 from gymnasium.vector.utils import batch_space  # noqa: E402
 
-__all__ = ["MotorEnvironment", "MotorVectorEnvironment"]
-
 Array = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 Info = dict[str, Any]

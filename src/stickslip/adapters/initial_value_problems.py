@@ -60,8 +60,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["ModeProblem", "ModeSolution", "to_ivp"]
-
 Array = NDArray[np.float64]
 EventFunction: TypeAlias = Callable[[float, Sequence[float]], float]
 Change: TypeAlias = tuple[float, int, int] | tuple[float, int, int, str]

@@ -21,8 +21,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import EventDriven, IncrementalEnsemble
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CAPSULE", "CART", "MotorTask", "Stepped", "Steps", "task_of"]
-
 Array = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 
@@ -211,25 +209,7 @@ TASKS: Mapping[str, MotorTask] = {"cart": CART, "capsule": CAPSULE}
 
 
 def task_of(task: str | MotorTask) -> MotorTask:
-    """Return a task, or the one of a name.
-
-    Parameters
-    ----------
-    task : str or MotorTask
-        The task, ``"cart"`` or ``"capsule"``.
-
-    Returns
-    -------
-    MotorTask
-        The task.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is none of that name.
-    InputError
-        If it is neither.
-    """
+    """Return a task, or the one of a name."""
     if isinstance(task, MotorTask):
         return task
     if not isinstance(task, str):
@@ -262,17 +242,7 @@ class Steps:
     """Mechanisms of one task that step together."""
 
     def __init__(self, task: MotorTask, count: int, *, threads: int | None = None) -> None:
-        """Make room; each has to begin before it can step.
-
-        Parameters
-        ----------
-        task : MotorTask
-            The task.
-        count : int
-            Number of mechanisms.
-        threads : int, optional
-            Threads that share them; one a processor if not given.
-        """
+        """Make room; each has to begin before it can step."""
         self.task, self.count = task, count
         self._runs = IncrementalEnsemble(
             task.driven(), task.law, count=count, solver=task.solver, threads=threads
@@ -297,27 +267,7 @@ class Steps:
     def start(
         self, generator: np.random.Generator, given: Mapping[str, float] | None = None
     ) -> Array:
-        """Return a state at which an episode may begin (n,) [SI].
-
-        Parameters
-        ----------
-        generator : numpy.random.Generator
-            Where the place of the inner body is drawn from.
-        given : mapping of str to float, optional
-            States by name that are not drawn.
-
-        Returns
-        -------
-        array (n,)
-            The state: at rest but for what is given.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such state.
-        InputError
-            If a state is not finite, or one beyond the limits of the task.
-        """
+        """Return a state at which an episode may begin (n,) [SI]."""
         names = self._runs.model.states
         state = np.zeros(len(names))
         _, _, q, w = self.task.places
@@ -337,36 +287,12 @@ class Steps:
         return state
 
     def begin(self, rows: Sequence[int] | NDArray[np.intp], states: Array) -> None:
-        """Let some begin a new episode.
-
-        Parameters
-        ----------
-        rows : sequence of int (m,)
-            Their indices.
-        states : array (m, n)
-            Where each begins [SI].
-        """
+        """Let some begin a new episode."""
         self._runs.begin(rows, states)
         self._done[rows] = 0
 
     def step(self, actions: Array) -> Stepped:
-        """Hold an action for a period in each.
-
-        Parameters
-        ----------
-        actions : array (count,)
-            Share of the largest effort, -1 to 1; what is beyond is clipped.
-
-        Returns
-        -------
-        Stepped
-            Observations, rewards and ends.
-
-        Raises
-        ------
-        InputError
-            If an action is no number.
-        """
+        """Hold an action for a period in each."""
         task = self.task
         told = np.asarray(actions)
         if told.dtype.kind not in "iuf":

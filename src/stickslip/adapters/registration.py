@@ -2,8 +2,6 @@
 
 from stickslip.display import require_library
 
-__all__ = ["register_environments"]
-
 IDS = {"stickslip/Cart-v0": "cart", "stickslip/Capsule-v0": "capsule"}
 """Names of the environments, and of their tasks."""
 HOME = "stickslip.adapters.environments"

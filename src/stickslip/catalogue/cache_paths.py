@@ -9,15 +9,6 @@ import platformdirs
 
 from stickslip.errors import InputError
 
-__all__ = [
-    "CacheLocation",
-    "base_address",
-    "by_hand",
-    "cache_folder",
-    "named_folder",
-    "web_address",
-]
-
 UPSTREAM = "https://raw.githubusercontent.com"
 
 
@@ -57,13 +48,7 @@ def cache_folder() -> Path:
 
 
 def base_address() -> str:
-    """Return where repositories are downloaded from: ``STICKSLIP_DATA_URL``, or GitHub.
-
-    Raises
-    ------
-    InputError
-        If it is no web address.
-    """
+    """Return where repositories are downloaded from: ``STICKSLIP_DATA_URL``, or GitHub."""
     base = os.environ.get("STICKSLIP_DATA_URL") or UPSTREAM
     if not base.startswith(("https://", "http://")):
         raise InputError(
@@ -74,40 +59,10 @@ def base_address() -> str:
 
 
 def web_address(repository: str, commit: str, source: str) -> str:
-    """Return the address that an upstream file is downloaded from.
-
-    Parameters
-    ----------
-    repository : str
-        Owner and name on GitHub.
-    commit : str
-        Commit of the upstream files.
-    source : str
-        Path of the file in the repository; characters that an address cannot hold are quoted.
-
-    Returns
-    -------
-    str
-        Address below `base_address`.
-    """
+    """Return the address that an upstream file is downloaded from."""
     return f"{base_address()}/{repository}/{commit}/{quote(source)}"
 
 
 def by_hand(repository: str, commit: str, source: str) -> str:
-    """Return the address at which a browser gets an upstream file.
-
-    Parameters
-    ----------
-    repository : str
-        Owner and name on GitHub.
-    commit : str
-        Commit of the upstream files.
-    source : str
-        Path of the file in the repository.
-
-    Returns
-    -------
-    str
-        Address on github.com.
-    """
+    """Return the address at which a browser gets an upstream file."""
     return f"https://github.com/{repository}/raw/{commit}/{quote(source)}"

@@ -9,38 +9,11 @@ from stickslip.catalogue.download import fresh
 from stickslip.catalogue.schema import Column, DataFile
 from stickslip.errors import InputError
 
-__all__ = ["convert"]
-
 
 def convert(
     raw: Path, target: Path, *, form: str, columns: Sequence[Column], file: DataFile
 ) -> None:
-    """Write the table of an upstream file; it is there whole or not at all.
-
-    Parameters
-    ----------
-    raw : Path
-        The upstream file.
-    target : Path
-        The table, in Parquet.
-    form : str
-        ``"mat"`` for variables of a MATLAB file, ``"tsv"`` for columns parted by tabulators below
-        one line of names.
-    columns : sequence of Column
-        The columns of the table, in their order.
-    file : DataFile
-        Says how many rows to expect, and whether to keep only those.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read as that.
-
-    Warns
-    -----
-    UserWarning
-        If the file has another number of rows than the catalogue knows.
-    """
+    """Write the table of an upstream file; it is there whole or not at all."""
     import pandas as pd
 
     try:

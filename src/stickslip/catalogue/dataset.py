@@ -22,8 +22,6 @@ from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, load_measurement
 
-__all__ = ["Dataset"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)

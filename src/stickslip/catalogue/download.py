@@ -9,8 +9,6 @@ from pathlib import Path
 from stickslip.errors import InputError
 from stickslip.formatting import number
 
-__all__ = ["download", "fresh", "sha256_of"]
-
 PATIENCE = 30.0
 """How long a server may say nothing [s]."""
 
@@ -23,13 +21,7 @@ def sha256_of(path: Path) -> str:
 
 @contextlib.contextmanager
 def fresh(target: Path) -> Iterator[Path]:
-    """Give a temporary file beside a path, which takes its place if all goes well.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to.
-    """
+    """Give a temporary file beside a path, which takes its place if all goes well."""
     temporary = _beside(target)
     try:
         yield temporary
@@ -52,24 +44,7 @@ def _beside(target: Path) -> Path:
 
 
 def download(url: str, target: Path, sha256: str, *, page: str) -> None:
-    """Download a file.
-
-    Parameters
-    ----------
-    url : str
-        Its address.
-    target : Path
-        Where to put it.
-    sha256 : str
-        Its checksum.
-    page : str
-        Where to get it by hand, for messages.
-
-    Raises
-    ------
-    InputError
-        If it cannot be downloaded, or is another file; nothing is left behind then.
-    """
+    """Download a file."""
     from pooch import HTTPDownloader
 
     with fresh(target) as temporary:

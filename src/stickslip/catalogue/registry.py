@@ -11,8 +11,6 @@ from stickslip.catalogue.dataset import Dataset
 from stickslip.catalogue.schema import Column, DataFile
 from stickslip.errors import UnknownNameError
 
-__all__ = ["dataset", "names"]
-
 
 def names() -> tuple[str, ...]:
     """Return the names of all records.
@@ -32,21 +30,6 @@ def names() -> tuple[str, ...]:
 
 def dataset(name: str) -> Dataset:
     """Return a record of the catalogue; nothing is downloaded yet.
-
-    Parameters
-    ----------
-    name : str
-        One of `names`.
-
-    Returns
-    -------
-    Dataset
-        What is known of it.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is none of that name; the message lists the nearest.
 
     Examples
     --------

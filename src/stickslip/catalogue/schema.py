@@ -7,8 +7,6 @@ from typing import final
 
 from stickslip.described import Described
 
-__all__ = ["Column", "DataFile", "Known"]
-
 Known = Mapping[str, float | str]
 """What is known of an experiment: numbers, whose names carry their units, and words."""
 

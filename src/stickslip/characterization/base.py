@@ -12,8 +12,6 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.tables import Tabular
 
-__all__ = ["Characteristic"]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Characteristic(OnAxes, Tabular, ABC):

@@ -30,8 +30,6 @@ from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["TESTS", "Characterization", "Given", "characterize", "law_with_values"]
-
 Given: TypeAlias = FrictionLaw | type[FrictionLaw] | str
 """A law, its type, or its name or composition."""
 
@@ -242,23 +240,6 @@ def characterize(
 
 def law_with_values(given: Given, load: float) -> FrictionLaw:
     """Return a law; one that is given by type, name or text with its typical values.
-
-    Parameters
-    ----------
-    given : FrictionLaw, type or str
-        The law, its type, or its name or composition.
-    load : float
-        Normal force that values which are no coefficients are typical for [N].
-
-    Returns
-    -------
-    FrictionLaw
-        The law.
-
-    Raises
-    ------
-    InputError
-        If it is nothing of the kind.
 
     Examples
     --------

@@ -26,8 +26,6 @@ from stickslip.mechanisms import (
 )
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
-__all__ = ["Array", "Bench", "GuidedContact", "there_and_back"]
-
 Array = NDArray[np.float64]
 M = TypeVar("M", bound=Mechanism)
 
@@ -71,13 +69,7 @@ class Bench(Parametrised):
         inputs: Mapping[str, float] | None = None,
         scales: tuple[float, float] | None = None,
     ) -> "Bench":
-        """Return the bench of a law, with mass and stiffness of a mechanism if there is one.
-
-        Raises
-        ------
-        InputError
-            If the mechanism is none of which mass and stiffness are those of one body.
-        """
+        """Return the bench of a law, with mass and stiffness of a mechanism if there is one."""
         if rig is None:
             return cls(law=law, load=load, inputs=inputs or {}, scales=scales)
         if not isinstance(rig, Axis | SpringBlock | TowedBlock):
@@ -153,15 +145,7 @@ class Bench(Parametrised):
         return self.length or RIGID
 
     def guided(self, path: Drive, *, rate: float = 0.0) -> Mechanism:
-        """Return the contact moved by a load cell whose deflection is far below the reach.
-
-        Parameters
-        ----------
-        path : Drive
-            Acceleration of the load cell's far end [m/s^2].
-        rate : float
-            Its velocity at time 0 [m/s].
-        """
+        """Return the contact moved by a load cell whose deflection is far below the reach."""
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
         contact = GuidedContact(
@@ -252,17 +236,7 @@ class GuidedContact(Mechanism):
 def there_and_back(
     places: Sequence[float], speed: float | Sequence[float], pauses: Sequence[float] = ()
 ) -> tuple[Drive, Array]:
-    """Return the acceleration that goes from place to place, and the times of arrival (n,) [s].
-
-    Parameters
-    ----------
-    places : sequence of float (n,)
-        Where to stop, one after the other, from 0 on [m].
-    speed : float or sequence of float (n,)
-        Highest speed on each way [m/s].
-    pauses : sequence of float (n,)
-        How long to stay at each place [s]; no time if not given.
-    """
+    """Return the acceleration that goes from place to place, and the times of arrival (n,) [s]."""
     times, values, arrivals = [], [], []
     now, here = 0.0, 0.0
     for place, fastest, pause in zip(

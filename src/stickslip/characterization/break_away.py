@@ -20,8 +20,6 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["BreakAway", "break_away"]
-
 RATES = (2.0 / 3.0, 4.0 / 3.0, 20.0 / 3.0, 20.0)
 """Rates of force over break-away [1/s]."""
 DWELLS = (0.1, 1.0, 10.0, 100.0)
@@ -107,20 +105,6 @@ def break_away(
     bench: Bench, *, rates: Sequence[float] | None = None, dwells: Sequence[float] = DWELLS
 ) -> BreakAway:
     """Pull a body with forces that grow at several rates, and after several times at rest.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    rates : sequence of float, optional
-        Rates of the force [N/s]; 2/3 to 20 times break-away in a second if not given.
-    dwells : sequence of float
-        Times at rest after sliding [s].
-
-    Returns
-    -------
-    BreakAway
-        Peaks of friction.
 
     Examples
     --------

@@ -18,8 +18,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Cost", "cost"]
-
 FORCE, FREQUENCY, LONG = 2.0, 1.0, 5.0
 """Amplitude of the force over break-away, its frequency [Hz] and the time of the run [s]."""
 DECADES, SPEEDS = 3, 61

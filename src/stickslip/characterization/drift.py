@@ -19,8 +19,6 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Creep", "Drift", "creep", "drift"]
-
 BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
 """Constant and swinging part of the force over the lowest level; frequency [Hz]."""
 SETTLED, LONG, WINDOW = 2.0, 8.0, 0.5
@@ -92,25 +90,6 @@ class Drift(Characteristic):
 
 def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = None) -> Drift:
     """Push a body with a constant force and a ripple that together stay below break-away.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    bias : float, optional
-        Constant force [N]; half of the lowest level if not given.
-    ripple : float, optional
-        Amplitude of the ripple [N]; 0.4 of the lowest level if not given.
-
-    Returns
-    -------
-    Drift
-        The motion.
-
-    Raises
-    ------
-    InputError
-        If both together reach break-away.
 
     Examples
     --------
@@ -201,20 +180,6 @@ class Creep(Characteristic):
 
 def creep(bench: Bench, *, force: float | None = None, t_end: float = 10.0) -> Creep:
     """Push a body with a constant force below the level of sliding.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    force : float, optional
-        The force [N]; half of the lowest level if not given.
-    t_end : float
-        How long [s].
-
-    Returns
-    -------
-    Creep
-        The motion, and the speed at which steady friction equals the force.
 
     Examples
     --------

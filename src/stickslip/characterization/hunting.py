@@ -16,8 +16,6 @@ from stickslip.mechanisms import Axis
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Hunting", "hunting"]
-
 FASTER = 10.0
 """How much faster the loop is than that of the paper LuGre is from, whose cycles take 25 s."""
 GAINS = (3.0 * FASTER**2, 4.0 * FASTER**3, 6.0 * FASTER)
@@ -90,20 +88,7 @@ class Hunting(Characteristic):
 
 
 def hunting(bench: Bench, *, t_end: float = LONG) -> Hunting:
-    """Move an axis to a target by a PID controller, and look for a limit cycle.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    t_end : float
-        How long [s].
-
-    Returns
-    -------
-    Hunting
-        The motion, and the cycle after its beginning.
-    """
+    """Move an axis to a target by a PID controller, and look for a limit cycle."""
     proportional, integral, derivative = (bench.mass * one for one in GAINS)
     target = FAR * bench.force / proportional
     loop = closed_loop(

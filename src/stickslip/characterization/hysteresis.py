@@ -15,8 +15,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Presliding", "presliding"]
-
 SLOW, SLOW_ENOUGH = 1e-4, 1e-2
 """Highest speed on the path over the one at which friction changes, so that only the path matters:
 wanted, and allowed."""
@@ -98,21 +96,6 @@ def presliding(
 ) -> Presliding:
     """Move the contact slowly along a path that turns, and test its memory.
 
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    amplitude : float, optional
-        Amplitude of the path [m]; two presliding lengths if not given.
-    inner : tuple of float, optional
-        Where the inner loop of the memory test begins and where it turns [m]; 0.8 and 0.4
-        presliding lengths if not given.
-
-    Returns
-    -------
-    Presliding
-        The loop, and whether the memory is local.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -155,6 +138,7 @@ def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
     share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, POINTS))  # even steps of displacement
     starts = np.concatenate([[0.0], arrivals[:-1]])
     times = np.concatenate([a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)])
+    times = np.union1d(times, run.t)  # steps end where a contact gives way
     seen = run.at(np.minimum(times, run.span[1]))
     return seen["x"], seen["friction"]
 

@@ -16,8 +16,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Lag", "lag"]
-
 FREQUENCIES = (1.0 / (2.0 * np.pi), 25.0 / (2.0 * np.pi))
 """Frequencies of the velocity [Hz]: those of the paper that LuGre is from."""
 MEAN, SWING = 1.5, 1.0
@@ -93,18 +91,6 @@ class Lag(Characteristic):
 
 def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:
     """Move the contact at a velocity that swings about a mean, and record its friction.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    frequencies : sequence of float
-        Frequencies of the velocity [Hz].
-
-    Returns
-    -------
-    Lag
-        The last of five cycles at each frequency.
 
     Examples
     --------

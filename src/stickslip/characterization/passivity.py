@@ -18,8 +18,6 @@ from stickslip.maths import Latches
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Passivity", "cycle_energy", "passivity"]
-
 TRIED, KEPT, ROUNDS = 120, 8, 4
 """Motions that the search begins with, those it goes on from, and how often it does."""
 AROUND, SPREAD = 6, 0.5
@@ -217,20 +215,6 @@ def _moved(
 
 def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
     """Search for a cycle of motion in which friction returns more work than it takes.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    tried : int
-        Random motions that the search begins with.
-    seed : int
-        Of the random motions.
-
-    Returns
-    -------
-    Passivity
-        The worst motion found.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Presliding: friction against displacement where the contact deflects but hardly slips."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, final
 
@@ -17,16 +17,14 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["PreslidingLoop", "presliding_length", "presliding_loop"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 SLOW = 1e-6
 """Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
 POINTS = 200
-"""Points of each straight piece of the path; each is one Runge-Kutta step or more."""
-SHARE_OF_LENGTH = 0.05
-"""Longest step, over the presliding length: the bristles relax within that length."""
+"""Points of each straight piece of the path."""
+ACCURATE = 1e-11
+"""Error of a step of deflections, over their own size and over the presliding length."""
 
 
 @final
@@ -62,18 +60,6 @@ class PreslidingLoop(OnAxes, Tabular):
 def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     """Return the displacement [m] at which the first stiffness would reach break-away.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    float
-        Break-away force over the stiffness of the undeflected contact.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -94,27 +80,6 @@ def presliding_loop(
 ) -> PreslidingLoop:
     """Move a contact slowly to and fro, each time farther, and record its friction.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law; its bristles begin undeflected.
-    amplitude : float
-        Amplitude of the last swing [m].
-    load : float
-        Normal force [N].
-    swings : int
-        How many swings; their amplitudes grow evenly.
-
-    Returns
-    -------
-    PreslidingLoop
-        Displacement and friction.
-
-    Raises
-    ------
-    InputError
-        If the amplitude or the number of swings is not positive.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -129,47 +94,35 @@ def presliding_loop(
             f" got {amplitude:g} m and {swings}."
         )
     ends = [sign * amplitude * (n + 1) / swings for n in range(swings) for sign in (1.0, -1.0)]
-    path = [np.zeros(1)]
-    for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
-        path.append(np.linspace(start, end, POINTS + 1)[1:])
-    x = np.concatenate(path)
-    substeps = int(np.ceil(np.abs(np.diff(x)).max() / (SHARE_OF_LENGTH * presliding_length(law))))
+    x, friction = [np.zeros(1)], [np.zeros(1)]
     z, latches = np.zeros(len(law.states)), Latches(off=True)
-    friction = np.zeros(len(x))
-    for i, step in enumerate(np.diff(x)):
-        v = SLOW * float(np.sign(step))
-        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1), latches)
-        friction[i + 1] = law.force(v, load, tuple(map(float, z)))
-    return PreslidingLoop(displacement=x, friction=friction)
+    for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
+        x.append(np.linspace(start, end, POINTS + 1)[1:])
+        v = SLOW if end > start else -SLOW
+        states = _moved(law, v, z, load, np.abs(x[-1] - start) / SLOW, latches)
+        friction.append(np.array([law.force(v, load, tuple(map(float, one))) for one in states]))
+        z = states[-1]
+    return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
 
 
 def _moved(
-    law: FrictionLaw,
-    v: float,
-    z: Array,
-    load: float,
-    time: float,
-    substeps: int,
-    latches: Latches,
+    law: FrictionLaw, v: float, z: Array, load: float, times: Array, latches: Latches
 ) -> Array:
-    """Return the bristles after some time at a constant slip velocity."""
-    with latches:
-        known = law.moved(v, load, tuple(map(float, z)), time)
+    """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
+    found = []
+    for time in times:
+        with latches:
+            found.append(law.moved(v, load, tuple(map(float, z)), float(time)))
     latches.turn()
-    if known is not None:
-        return np.array(known, dtype=np.float64)
+    if found[0] is not None:
+        return np.array(found, dtype=np.float64)
 
-    def rate(state: Array) -> Array:
+    def rates(_time: float, state: Array) -> Array:
         return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)
 
-    for _ in range(substeps):
-        z = _runge_kutta(rate, z, time / substeps)
-    return z
+    from scipy.integrate import solve_ivp
 
-
-def _runge_kutta(rate: Callable[[Array], Array], z: Array, h: float) -> Array:
-    k1 = rate(z)
-    k2 = rate(z + h / 2 * k1)
-    k3 = rate(z + h / 2 * k2)
-    k4 = rate(z + h * k3)
-    return z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    nothing = ACCURATE * presliding_length(law, load)
+    span = (0.0, times[-1])
+    run = solve_ivp(rates, span, z, "DOP853", times, rtol=ACCURATE, atol=nothing)
+    return np.asarray(run.y.T)

@@ -14,11 +14,10 @@ from stickslip.formatting import quantity
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["SteadyCurve", "steady_curve"]
-
-DECADES = 2
-"""Speeds are looked at so many decades below and above the one at which friction changes."""
-SAMPLES = 161
+BELOW, ABOVE = 2, 3
+"""Speeds are looked at so many decades below and above the one at which friction changes: farther
+above, where viscous friction is seen."""
+SAMPLES = 201
 """Speeds on each side."""
 FALL = 0.01
 """Share of the force by which it has to fall for a drive to stick and slip."""
@@ -109,8 +108,7 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     Break-away takes 1.5 N, sliding 1 N. A drive that is soft can stick and slip.
     """
     law, load = bench.curve, bench.load
-    reach = 10.0**DECADES
-    speeds = bench.speed * np.geomspace(1.0 / reach, reach, SAMPLES)
+    speeds = bench.speed * np.geomspace(10.0**-BELOW, 10.0**ABOVE, SAMPLES)
     velocity = np.concatenate([-speeds[::-1], speeds])
     force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
     back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))

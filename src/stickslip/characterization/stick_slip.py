@@ -20,8 +20,6 @@ from stickslip.solver import Max, Min
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["StickSlipMap", "slopes_at", "stick_slip_map"]
-
 GRID = (12, 5)
 """Speeds and stiffnesses of the map."""
 SPEEDS = (0.3, 300.0)
@@ -137,24 +135,7 @@ def stick_slip_map(
     stiffnesses: Sequence[float] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> StickSlipMap:
-    """Pull a body by a spring at many speeds and stiffnesses, from rest with the spring stretched.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    speeds : sequence of float, optional
-        Belt speeds [m/s], ascending; about the speed at which friction changes if not given.
-    stiffnesses : sequence of float, optional
-        Stiffnesses [N/m], ascending; about that of the bench if not given.
-    progress : callable, optional
-        Called with the number of steps done and of all, which are the map and the bisections.
-
-    Returns
-    -------
-    StickSlipMap
-        The map, its boundary, and the limit of linear stability.
-    """
+    """Pull a body by a spring, stretched at first, at many speeds and stiffnesses."""
     v = bench.speed * np.geomspace(*SPEEDS, GRID[0]) if speeds is None else np.array(speeds, float)
     k = (
         bench.stiffness * np.geomspace(*STIFFNESSES, GRID[1])
@@ -286,20 +267,7 @@ def _grows(bench: Bench, stiffness: float, speed: float) -> bool:
 
 
 def slopes_at(bench: Bench, speed: float) -> Array:
-    """Return how body and states react to small changes in steady sliding (n, n) [1/s].
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    speed : float
-        Speed of sliding [m/s].
-
-    Returns
-    -------
-    array (n, n)
-        Slopes of the rates of velocity and states by velocity and states.
-    """
+    """Return how body and states react to small changes in steady sliding (n, n) [1/s]."""
     law, load = bench.curve, bench.load
     at = np.array([speed, *settled(law, load, speed)])
     columns = []

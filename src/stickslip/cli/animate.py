@@ -8,12 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
-from stickslip.cli.console import (
-    document,
-    print_json,
-    refuse_overwriting,
-    stdout,
-)
+from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import (
     ChosenLaw,
     ChosenLaws,
@@ -24,12 +19,11 @@ from stickslip.cli.law_choice import (
     rig_and_friction,
 )
 from stickslip.cli.progress import Drawing
+from stickslip.documents import document
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
-
-__all__ = ["AnimationStyle", "run"]
 
 SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
@@ -60,29 +54,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Simulate, draw, show; a run that ends early is shown up to its end.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    asked : LawAsked
-        The friction law, and the load its levels refer to.
-    t_end : float or None
-        Last time [s]; that of the rig if None.
-    look : AnimationStyle
-        Frame rate, speed, size and resolution.
-    output : Path
-        GIF or MP4 file to write.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Simulate, draw, show; a run that ends early is shown up to its end."""
     from stickslip.plots import animate, encoder_of, frame_times
 
     size = _size(look.size)

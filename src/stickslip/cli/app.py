@@ -51,8 +51,6 @@ from stickslip.cli.subcommands import data, profile
 if TYPE_CHECKING:
     from stickslip.selection import PurposeName
 
-__all__ = ["app"]
-
 app = typer.Typer(
     cls=Panels,
     context_settings=dict(CONTEXT),
@@ -62,7 +60,8 @@ app = typer.Typer(
     help="Select a friction model for a mechanism from measurements, with parameters and"
     " uncertainties.",
     epilog="Exit codes: 0 success; 1 report not drawn; 2 invalid input or data; 3 no convergence,"
-    " or no law fits; 4 criteria failed; 130 cancelled.",
+    " or no law fits; 4 criteria failed; 130 cancelled. Folders of files to write are made where"
+    " they do not exist.",
 )
 
 
@@ -482,8 +481,8 @@ def export(
         typer.Option(
             "--rig",
             metavar="FILE",
-            help="Rig file (TOML) on which the law is used: mjcf and urdf then say what their"
-            " simplified friction changes of its motion.",
+            help="Rig file (TOML) on which the law is used: an fmu is of that rig with the law;"
+            " mjcf and urdf say what their simplified friction changes of its motion.",
         ),
     ] = None,
     load: Annotated[
@@ -828,7 +827,8 @@ def warmup(
 @command(app, "schema")
 def schema(_quiet: Quiet = False) -> None:
     """Print the JSON schema of rig files."""
-    from stickslip.cli.console import document, print_json
+    from stickslip.cli.console import print_json
+    from stickslip.documents import document
     from stickslip.experiments import rig_schema
 
     print_json(document("rig-schema", rig_schema()))

@@ -6,23 +6,20 @@ from pathlib import Path
 from stickslip.characterization import TESTS, Characterization, characterize
 from stickslip.cli.console import (
     command_line,
-    document,
     plain,
     print_json,
     refuse_overwriting,
     show_table,
     stdout,
-    write_files,
 )
 from stickslip.cli.numbers import number_of
 from stickslip.cli.progress import Drawing
+from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import load_rig
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-
-__all__ = ["run"]
 
 
 def run(
@@ -37,34 +34,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Try the laws, write the page, show.
-
-    Parameters
-    ----------
-    laws : sequence of str
-        Names or compositions of laws, or files with one.
-    rig : Path or None
-        Rig file whose mass and stiffness are taken; 1 kg on 100 N/m if None.
-    load : str or None
-        Normal force, with its unit; that of the rig, or 1 N, if None.
-    tests : str or None
-        Names of tests, joined by commas; all if None.
-    inputs : sequence of str
-        Values of inputs of laws, each as ``NAME=VALUE,...``.
-    report : Path or None
-        File of the page (HTML); none is written if None.
-    match : bool
-        Whether the other laws take levels, Stribeck velocity and stiffness of the first.
-    force : bool
-        Whether a file that exists is replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If the page is no HTML file.
-    """
+    """Try the laws, write the page, show."""
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--report must be an .html file, got {report}.")

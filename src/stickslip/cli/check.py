@@ -6,19 +6,10 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.console import (
-    document,
-    json_text,
-    note,
-    print_json,
-    refuse_overwriting,
-    stdout,
-    write_folder,
-)
+from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
+from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Measurement, Reading, Rig, check, load_rig, read_data
-
-__all__ = ["run"]
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
@@ -35,28 +26,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Check, print the sentences, draw an overview if asked for one.
-
-    Parameters
-    ----------
-    files : sequence of Path
-        Data files, at most one rig file (TOML) among them.
-    reading : Reading
-        Columns, units, gains, repairs and conditions of the data files.
-    output : Path or None
-        Folder of the overview and the findings; none is written if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    Exit
-        With code 2 if the check finds an error.
-    """
+    """Check, print the sentences, draw an overview if asked for one."""
     if output is not None:
         refuse_overwriting(output, output, force=force, files=(DOCUMENT,))
     rig, data = _parted(files, allow_import=allow_import)

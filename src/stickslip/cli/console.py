@@ -17,36 +17,11 @@ from typing_extensions import override
 
 from stickslip.documents import (
     check_replaceable,
-    document,
     json_text,
     unwritable,
-    write_file,
-    write_files,
-    write_folder,
 )
 from stickslip.errors import InputError
 from stickslip.formatting import NO_VALUE, printable
-
-__all__ = [
-    "check_rig_file",
-    "command_line",
-    "document",
-    "hush",
-    "is_quiet",
-    "json_text",
-    "note",
-    "overrides",
-    "plain",
-    "print_json",
-    "refuse_inputs",
-    "refuse_overwriting",
-    "show_table",
-    "stderr",
-    "stdout",
-    "write_file",
-    "write_files",
-    "write_folder",
-]
 
 GAP = 2
 """Spaces between columns."""
@@ -105,17 +80,6 @@ def show_table(
 
     Numbers are never broken, nor are cells below the heads in `whole`, so that they can be copied.
     Words are folded where a terminal is narrow; a file or a pipe gets rows of any length.
-
-    Parameters
-    ----------
-    title : str
-        Heading of the table; none if empty.
-    heads : sequence of str
-        Column heads (n,).
-    rows : sequence of sequence of str
-        Cells (rows, n).
-    whole : collection of str
-        Heads of the columns whose cells are not broken.
     """
     title, heads = printable(title), [printable(head) for head in heads]
     rows = [[printable(cell) for cell in row] for row in rows]
@@ -180,32 +144,13 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
 
 
 def check_rig_file(output: Path) -> None:
-    """Refuse what is no rig file by its ending, before it is written.
-
-    Raises
-    ------
-    InputError
-        If the ending is not ``.toml``.
-    """
+    """Refuse what is no rig file by its ending, before it is written."""
     if output.suffix != ".toml":
         raise InputError(f"--output takes a .toml file, got {output}.")
 
 
 def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
-    """Refuse to replace what the command reads, whatever may be replaced.
-
-    Parameters
-    ----------
-    output : Path
-        File that will be written.
-    inputs : iterable of str or Path
-        Files that are read.
-
-    Raises
-    ------
-    InputError
-        If it is one of them.
-    """
+    """Refuse to replace what the command reads, whatever may be replaced."""
     for one in map(Path, inputs):
         if output.exists() and one.exists() and output.samefile(one):
             raise InputError(
@@ -224,25 +169,6 @@ def refuse_overwriting(
     """Refuse early what could not be written into a folder in the end; leave no trace.
 
     `option` is the one that names the file or the folder.
-
-    Parameters
-    ----------
-    path : Path
-        File or folder that will be written.
-    folder : Path
-        Folder that must be writable.
-    force : bool
-        Whether `path` may exist already.
-    option : str
-        Option that names the file or the folder, for messages.
-    files : collection of str
-        Names of files in the folder that are replaced if they are as they were written there.
-
-    Raises
-    ------
-    InputError
-        If `path` exists without `force`, a file in the folder is not as it was written, or `folder`
-        cannot be written into.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")

@@ -7,9 +7,8 @@ from typing import Any
 from rich.console import Console
 
 from stickslip.catalogue import Column, DataFile, Dataset, dataset, names
-from stickslip.cli.console import document, note, print_json, show_table, stdout
-
-__all__ = ["run_list", "run_path", "run_show"]
+from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.documents import document
 
 
 def run_list(*, as_json: bool) -> None:
@@ -26,15 +25,7 @@ def run_list(*, as_json: bool) -> None:
 
 
 def run_show(name: str, *, as_json: bool) -> None:
-    """Show a record in full.
-
-    Parameters
-    ----------
-    name : str
-        Name of the record in the catalogue.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Show a record in full."""
     record = dataset(name)
     if as_json:
         print_json(document("data", _record(record)))
@@ -59,17 +50,7 @@ def run_show(name: str, *, as_json: bool) -> None:
 
 
 def run_path(name: str, file: str | None, *, as_json: bool) -> None:
-    """Print the path of a table; what is downloaded for it is said on stderr.
-
-    Parameters
-    ----------
-    name : str
-        Name of the record in the catalogue.
-    file : str or None
-        One of its files; the first if None.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Print the path of a table; what is downloaded for it is said on stderr."""
     record = dataset(name)
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", UserWarning)

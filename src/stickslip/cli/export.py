@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.cli.console import document, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import (
     LawAsked,
     check_named,
@@ -12,12 +12,11 @@ from stickslip.cli.law_choice import (
     friction_title,
     rig_and_friction,
 )
+from stickslip.documents import document
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, load_rig, read_number
 from stickslip.exports import TARGETS, export, export_fmu, identifier
 from stickslip.quantities import Given, Quantity, named
-
-__all__ = ["Wanted", "run"]
 
 FMU = "fmu"
 """The target that takes a rig with its law."""
@@ -36,7 +35,7 @@ class Wanted:
     name: str | None
     """Name of the program."""
     rig: Path | None
-    """Rig on which the law is used."""
+    """Rig on which the law is used; of an FMU, the rig that it is of."""
     load: str | None
     """Normal force at which tables and joints have their friction."""
     law_load: str | None
@@ -63,32 +62,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Export the law of a file, and write what its target takes.
-
-    Parameters
-    ----------
-    path : Path
-        Rig file (TOML) with the law.
-    to : str
-        Name of the target; ``"fmu"`` takes the whole rig.
-    wanted : Wanted
-        The law and its use.
-    output : Path
-        Folder of the files.
-    allow_import : bool
-        Whether rig files may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If the file has no law, the target needs what is not known, or the output exists.
-    ParameterError
-        If a value is out of its range.
-    """
+    """Export the law of a file, and write what its target takes."""
     known = named({**TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in BESIDE:
         raise InputError(
@@ -140,7 +114,6 @@ def _refuse_foreign(to: str, wanted: Wanted) -> None:
     if to == FMU:
         named_alone: dict[str, object] = {
             "--contact": wanted.contact,
-            "--rig": wanted.rig,
             "--load": wanted.load,
             "--largest-speed": wanted.largest_speed,
             "--at": wanted.at or None,
@@ -162,11 +135,14 @@ def _export_fmu(
     path: Path, wanted: Wanted, output: Path, *, allow_import: bool, force: bool, as_json: bool
 ) -> None:
     """Export a rig with its law as an FMU: into a file, or into a folder."""
-    name = wanted.name if wanted.name is not None else path.stem
+    of, law_named = path, wanted.law
+    if wanted.rig is not None:
+        of, law_named = wanted.rig, str(path) if wanted.law is None else f"{path}:{wanted.law}"
+    name = wanted.name if wanted.name is not None else of.stem
     file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
     refuse_overwriting(output, file.parent, force=force)
-    asked = LawAsked(law=wanted.law, load=wanted.law_load)
-    rig, chosen = rig_and_friction(path, (), asked, allow_import=allow_import)
+    asked = LawAsked(law=law_named, load=wanted.law_load)
+    rig, chosen = rig_and_friction(of, (), asked, allow_import=allow_import)
     law = friction_of(chosen)
     export_fmu(
         rig.mechanism,

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Column, Reading, column_of, motor_constants, read_gain
 
-__all__ = ["reading_of"]
-
 
 def reading_of(
     *,
@@ -17,28 +15,7 @@ def reading_of(
     conditions: Sequence[str] | None = None,
     motor_constant: str | None = None,
 ) -> Reading:
-    """Return what the options of that name say together.
-
-    Parameters
-    ----------
-    columns : sequence of str or None
-        Pairs ``NAME=COLUMN`` of ``--columns``.
-    units : sequence of str or None
-        Pairs ``NAME=UNIT`` of ``--unit``.
-    gain : sequence of str or None
-        Pairs ``NAME=FACTOR`` of ``--gain``.
-    repair : sequence of str or None
-        Repairs of ``--repair``, which may be joined by commas.
-    conditions : sequence of str, optional
-        Columns of ``--conditions``, which may be joined by commas.
-    motor_constant : str, optional
-        Value of ``--motor-constant``.
-
-    Returns
-    -------
-    Reading
-        How data files are read.
-    """
+    """Return what the options of that name say together."""
     texts = [part.strip() for given in repair or () for part in given.split(",")]
     names = [part.strip() for given in conditions or () for part in given.split(",")]
     return Reading(

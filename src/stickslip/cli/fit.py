@@ -7,7 +7,6 @@ from pathlib import Path
 
 from stickslip.cli.console import (
     check_rig_file,
-    document,
     note,
     overrides,
     plain,
@@ -16,7 +15,6 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_file,
 )
 from stickslip.cli.inputs import (
     CommandInputs,
@@ -28,12 +26,11 @@ from stickslip.cli.inputs import (
 )
 from stickslip.cli.law_choice import law_to_fit
 from stickslip.cli.trials import content_of, show_trials
+from stickslip.documents import document, write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
 from stickslip.routes import FitRequest, FitSummary, Law, refuse_uninformed
-
-__all__ = ["run"]
 
 
 def run(
@@ -47,33 +44,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Fit, write the rig file of the fitted law, print its parameters.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    name : str or None
-        Name of the law to fit, or names by contact as in ``shoulder=coulomb,elbow=dahl``; that of
-        the rig file, or the usual one, if None.
-    asked : CommandInputs
-        Data, free parameters and settings of the fit.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    output : Path or None
-        Rig file (TOML) of the fitted law; none is written if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If `output` is not a TOML file.
-    """
+    """Fit, write the rig file of the fitted law, print its parameters."""
     if output is not None:
         check_rig_file(output)
         refuse_overwriting(output, output.parent, force=force)

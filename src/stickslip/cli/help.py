@@ -9,8 +9,6 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 
-__all__ = ["CONTEXT", "EXAMPLES", "PANELS", "Panels", "command"]
-
 CONTEXT: Final = {"help_option_names": ["-h", "--help"]}
 """Settings of all commands."""
 
@@ -98,22 +96,7 @@ class _Command(TyperCommand):
 
 
 def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], Any]:
-    """Return what adds a command to an application, with its examples below its options.
-
-    Parameters
-    ----------
-    app : Typer
-        The application, or a group of commands.
-    name : str
-        Name of the command.
-    group : str
-        Name of the group; none if empty.
-
-    Returns
-    -------
-    callable
-        A decorator.
-    """
+    """Return what adds a command to an application, with its examples below its options."""
     examples = EXAMPLES[f"{group} {name}".strip()]
     heading = "Example:" if len(examples) == 1 else "Examples:"
     # \b keeps the lines as they are

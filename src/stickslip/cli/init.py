@@ -4,41 +4,14 @@ import os
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import (
-    check_rig_file,
-    document,
-    print_json,
-    refuse_overwriting,
-    stdout,
-    write_file,
-)
+from stickslip.cli.console import check_rig_file, print_json, refuse_overwriting, stdout
+from stickslip.documents import document, write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Reading, guess_data, guessed_rig, inertia_of, read_data
 
-__all__ = ["run"]
-
 
 def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_json: bool) -> None:
-    """Find out what a file holds, write its rig file, and print what was found.
-
-    Parameters
-    ----------
-    file : Path
-        Data file.
-    reading : Reading
-        Columns, units and gains that are known.
-    output : Path or None
-        Rig file; beside the data file if None.
-    force : bool
-        Whether a file that exists is replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If `output` is not a TOML file, or the data file holds no record.
-    """
+    """Find out what a file holds, write its rig file, and print what was found."""
     target = file.with_suffix(".toml") if output is None else output
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=force)

@@ -31,21 +31,11 @@ from stickslip.identification import (
     RouteName,
     covers,
     law_quantities,
+    refuse_of_laws,
 )
 from stickslip.quantities import Quantity, full_path
 from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
 from stickslip.selection import PurposeName, Wording
-
-__all__ = [
-    "CommandInputs",
-    "FitOptions",
-    "Inputs",
-    "measured",
-    "show_estimates",
-    "show_open",
-    "show_warnings",
-    "watching",
-]
 
 
 @final
@@ -148,27 +138,6 @@ def measured(
     """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
     Options for files add to what the rig says of its own. `given` is whether a rig file was.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig, perhaps with data of its own.
-    asked : CommandInputs
-        Data, free parameters and settings that the options give.
-    given : bool
-        Whether a rig file was given; False for the bundled rig.
-    law : callable, optional
-        Returns the law to fit, or its name, on a route; not given if several are compared.
-
-    Returns
-    -------
-    Inputs
-        Measurement, free and fixed parameters, and route.
-
-    Raises
-    ------
-    InputError
-        If there is no measurement, or an option does not apply to it.
     """
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
@@ -263,6 +232,8 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
             raise InputError(
                 f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
             )
+        if law is None:
+            refuse_of_laws([name.strip()], known)
         path = full_path(name.strip(), known, "parameter in --fixed")
         try:
             found[path] = read_number(_number(value.strip()), known[path])
@@ -296,22 +267,7 @@ def _number(text: str) -> float | str:
 def watching(
     names: Sequence[str], found: Inputs, *, at_most: bool = False
 ) -> Iterator[Watching | Searching]:
-    """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Laws in the order in which they are fitted.
-    found : Inputs
-        What is fitted, and by which route.
-    at_most : bool
-        Whether some of the laws may not be fitted.
-
-    Yields
-    ------
-    Watching or Searching
-        The progress bar, which a fit calls.
-    """
+    """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
     if found.route.counts_runs:
         with Watching(names, "Fitting") as counting:
             yield counting
@@ -320,7 +276,16 @@ def watching(
     def text(error: float) -> str:
         return found.route.residual_text(error, found.measurement, found.options)
 
-    with Interrupts() as interrupts, Searching(names, text, interrupts, at_most=at_most) as bar:
+    with (
+        Interrupts() as interrupts,
+        Searching(
+            names,
+            text,
+            interrupts,
+            at_most=at_most,
+            longest_first=found.route.longest_first,
+        ) as bar,
+    ):
         yield bar
 
 

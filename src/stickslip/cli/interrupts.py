@@ -7,7 +7,8 @@ from typing import Any, Self, final
 
 from stickslip.cli.console import note
 
-__all__ = ["Interrupts"]
+BEST = "Stopping with the best fit so far; press Ctrl-C again to cancel."
+"""What is said where the first interrupt ends a search."""
 
 
 @final
@@ -17,7 +18,7 @@ class Interrupts:
     def __init__(self) -> None:
         self.stopped = False
         """Whether the search is to end with what it has."""
-        self.promise = "Stopping with the best fit so far; press Ctrl-C again to cancel."
+        self.promise = BEST
         """What is said at the first interrupt."""
         self._before: Any = None
 

@@ -35,21 +35,6 @@ from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
 from stickslip.quantities import fields_of, parameters
 from stickslip.routes import AnyRoute, Law
 
-__all__ = [
-    "ChosenForm",
-    "ChosenLaw",
-    "ChosenLaws",
-    "LawAsked",
-    "check_named",
-    "friction_content",
-    "friction_of",
-    "friction_title",
-    "law_to_fit",
-    "rig_and_form",
-    "rig_and_friction",
-    "rig_and_law",
-]
-
 USUAL = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 """A file, and after a colon which of its laws."""
@@ -149,29 +134,7 @@ def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
 def rig_and_form(
     path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenForm]:
-    """Return the rig and an equation as printed, with the values that the rig has for its law.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides, each as ``PATH=VALUE``; those of friction are of the printed equation.
-    asked : LawAsked
-        Its name, such as ``printed-5``.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-
-    Returns
-    -------
-    tuple of Rig and ChosenForm
-        The rig and the equation.
-
-    Raises
-    ------
-    InputError
-        If an override has no effect.
-    """
+    """Return the rig and an equation as printed, with the values that the rig has for its law."""
     assert asked.law is not None
     if asked.load is not None:
         raise InputError("--law-load applies to a law from a file: leave it out.")
@@ -233,20 +196,7 @@ def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
 def friction_content(
     chosen: ChosenLaw | ChosenLaws | ChosenForm, mechanism: Mechanism
 ) -> dict[str, Any]:
-    """Return the name of the law, or those of the contacts, null where nothing rubs.
-
-    Parameters
-    ----------
-    chosen : ChosenLaw, ChosenLaws or ChosenForm
-        The law with its estimates, laws by contact, or an equation as printed.
-    mechanism : Mechanism
-        The mechanism with these contacts.
-
-    Returns
-    -------
-    dict of str to object
-        What JSON documents say of it.
-    """
+    """Return the name of the law, or those of the contacts, null where nothing rubs."""
     if isinstance(chosen, ChosenLaw):
         return chosen.to_dict()
     if isinstance(chosen, ChosenForm):
@@ -257,28 +207,7 @@ def friction_content(
 
 
 def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
-    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig, with the laws of its file.
-    name : str or None
-        Name of the law; None if none was asked for.
-    route : Route
-        Route of the measurement, whose usual law is taken where neither names one.
-
-    Returns
-    -------
-    FrictionLaw, str or mapping of str to either
-        The rig's own law if it has all values of it, otherwise the name. By contact where the rig
-        or the name has laws by contact; None where nothing rubs.
-
-    Raises
-    ------
-    InputError
-        If the name has laws by contact, and the measurement is not one of several joints.
-    """
+    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route."""
     by_contact = name is not None and "=" in name
     if by_contact and not route.by_contact:
         raise InputError(
@@ -312,11 +241,6 @@ def _laws_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> dict[str, Law]:
 def names_by_contact(text: str) -> dict[str, str]:
     """Return names of laws by contact, as in ``front=coulomb,rear=dahl``.
 
-    Raises
-    ------
-    InputError
-        If a contact has no law or two.
-
     Examples
     --------
     >>> names_by_contact("front=coulomb, rear=dahl")
@@ -332,31 +256,7 @@ def names_by_contact(text: str) -> dict[str, str]:
 def rig_and_friction(
     path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:
-    """Return the rig and its friction: the laws of its contacts, or one law as `rig_and_law` does.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    asked : LawAsked
-        Name of the law of all contacts, or names by contact as in ``front=coulomb,rear=dahl``; of
-        one contact, or a law that all share, name or file; of several contacts, a file whose laws
-        are by contact.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-
-    Returns
-    -------
-    tuple of Rig and ChosenLaw or ChosenLaws
-        The rig, and the law with its estimates, or laws by contact.
-
-    Raises
-    ------
-    InputError
-        If a law cannot be used, or an override has no effect.
-    """
+    """Return the rig and its friction: laws of its contacts, or one as `rig_and_law` does."""
     given = overrides(changes)
     if asked.law is None or not FILE.fullmatch(asked.law):
         rig = load_rig(path, overrides=given, allow_import=allow_import)
@@ -401,22 +301,6 @@ def rig_and_law(
     """Return the rig, whose mechanism must have one contact, and its law.
 
     Where the law is from another file, overrides of friction are of that file.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    asked : LawAsked
-        Name or file of the law, and the load its levels refer to.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-
-    Returns
-    -------
-    tuple of Rig and ChosenLaw
-        The rig, and the law with its estimates.
     """
     rig, chosen = _rig_and_law(path, changes, asked, allow_import=allow_import, check=slip_of)
     assert isinstance(chosen, ChosenLaw)  # of one contact

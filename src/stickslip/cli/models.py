@@ -7,9 +7,10 @@ from typing import Any
 
 from rich.text import Text
 
-from stickslip.cli.console import document, plain, print_json, show_table, stdout
+from stickslip.cli.console import plain, print_json, show_table, stdout
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.described import texts_below
+from stickslip.documents import document
 from stickslip.errors import UnknownNameError
 from stickslip.formatting import capital, number
 from stickslip.friction import (
@@ -31,25 +32,12 @@ from stickslip.quantities import Quantity, fields_of
 from stickslip.report import formula_text, published_dict
 from stickslip.report import plain as plain_text
 
-__all__ = ["cite", "run"]
-
 INDENT = "    "
 """Before a formula and its notes."""
 
 
 def run(name: str | None, *, published: bool, as_json: bool) -> None:
-    """List laws and mechanisms, or show one.
-
-    Parameters
-    ----------
-    name : str or None
-        Law or mechanism to show in full; all laws, and mechanisms with their contacts, are listed
-        if None.
-    published : bool
-        Whether the printed equations of the source paper are listed instead.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """List laws and mechanisms, or show one."""
     if name is not None:
         _one(name, as_json=as_json)
     elif published:
@@ -221,15 +209,7 @@ def _typical(found: Typical) -> dict[str, Any]:
 
 
 def cite(names: Sequence[str], *, as_json: bool) -> None:
-    """Print citations.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of laws whose sources are printed; all laws if empty.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Print citations."""
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."

@@ -4,23 +4,9 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import read_number
 from stickslip.quantities import Quantity
 
-__all__ = ["number_of", "range_of"]
-
 
 def number_of(text: str, quantity: Quantity) -> float:
     """Return a number in SI, given plainly or with a unit.
-
-    Parameters
-    ----------
-    text : str
-        The number, perhaps with a unit.
-    quantity : Quantity
-        Symbol, unit and range of the number.
-
-    Returns
-    -------
-    float
-        The number [SI].
 
     Examples
     --------
@@ -36,27 +22,6 @@ def number_of(text: str, quantity: Quantity) -> float:
 
 def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
     """Return both ends of ``LOW..HIGH`` in SI.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str
-        Both ends as ``LOW..HIGH``, each perhaps with a unit.
-    quantity : Quantity
-        Symbol, unit and range of both ends.
-
-    Returns
-    -------
-    tuple of float
-        Lower and upper end [SI].
-
-    Raises
-    ------
-    InputError
-        If `text` is not of the form ``LOW..HIGH``.
-    ParameterError
-        If an end is not a number, or lies outside the range of the quantity.
 
     Examples
     --------

@@ -7,8 +7,6 @@ from stickslip.cli import CANCELLED, ToldExit
 from stickslip.cli.console import note, stdout
 from stickslip.routes import PAGE
 
-__all__ = ["PAGE", "PAGE_FAILED", "draw_page", "leave_unless_drawn"]
-
 PAGE_FAILED = 1
 """Exit code where the result stands and its page could not be drawn."""
 DRAWN = 0
@@ -26,24 +24,6 @@ def draw_page(
 
     What goes with it is written in either case. An older page does not stay where a new one fails:
     it would be read as that of this result. `kept` says where the result is.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the page.
-    page : callable
-        Returns the page as HTML.
-    write : callable
-        Writes the page, None where there is none, into the folder with all that belongs to it.
-    kept : str
-        Sentence that says where the result is, for messages.
-    quiet : bool
-        Whether the path of the page is not printed.
-
-    Returns
-    -------
-    int
-        Exit code; 0 if the page was drawn.
     """
     note("Drawing the report ...")
     code, text, failed = DRAWN, None, ""

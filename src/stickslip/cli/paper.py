@@ -5,43 +5,28 @@ from pathlib import Path
 
 from stickslip.cli.console import (
     command_line,
-    document,
-    json_text,
     plain,
     print_json,
     refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
-    write_folder,
 )
-from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
+from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
+from stickslip.documents import document, json_text, write_folder
 from stickslip.experiments import load_rig
 from stickslip.formatting import fixed, number, significant
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CYCLES
 from stickslip.paper.values import check_form
-
-__all__ = ["run"]
+from stickslip.routes import PAGE
 
 DOCUMENT = "paper.json"
 
 
 def run(path: Path | None, output: Path, *, force: bool, as_json: bool) -> None:
-    """Recompute the paper, write the page, print Table II.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file of one's own, for the same questions; the rig of the paper if None.
-    output : Path
-        Folder of the page and the numbers.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Recompute the paper, write the page, print Table II."""
     if not as_json:
         refuse_overwriting(output, output, force=force, files=(PAGE, DOCUMENT))
     rig = load_rig(path)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from stickslip.cli.console import (
     command_line,
-    document,
     note,
     overrides,
     plain,
@@ -14,16 +13,14 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_files,
 )
 from stickslip.cli.numbers import number_of, range_of
 from stickslip.cli.select import laws_of
+from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.quantities import Quantity, parameters
 from stickslip.selection import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
-
-__all__ = ["run"]
 
 
 def run(
@@ -39,33 +36,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Plan, write the sheet, show.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    laws : str or None
-        Names of the laws to tell apart, joined by commas; those of the rig, or the usual ones, if
-        None.
-    between : str or None
-        Range of the setting as ``LOW..HIGH``; that of the rig if None.
-    settings : int
-        Number of settings, from 2 to 12.
-    uncertainty : str or None
-        Standard uncertainty of one travel, with its unit; that of the rig's trials, or a share of
-        the longest travel, if None.
-    output : Path or None
-        File of the sheet (HTML); none is written if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Plan, write the sheet, show."""
     files = _files(output)
     for file in files:
         refuse_overwriting(file, file.parent, force=force)

@@ -11,18 +11,10 @@ from threading import Thread
 
 from stickslip.errors import SimulationError
 
-__all__ = ["workers"]
-
 
 @contextmanager
 def workers(jobs: int) -> Iterator[Executor | None]:
-    """Yield so many processes, or nothing for one; what cancels the work ends them at once.
-
-    Raises
-    ------
-    SimulationError
-        If one of them dies.
-    """
+    """Yield so many processes, or nothing for one; what cancels the work ends them at once."""
     if jobs == 1:
         yield None
         return

@@ -5,20 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from stickslip.cli.console import (
-    document,
-    json_text,
-    note,
-    print_json,
-    refuse_overwriting,
-    show_table,
-    stdout,
-    write_folder,
-)
+from stickslip.cli.console import note, print_json, refuse_overwriting, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.law_choice import LawAsked, friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
 from stickslip.cli.progress import Improving
+from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, read_number
 from stickslip.formatting import number
@@ -36,8 +28,6 @@ from stickslip.quantities import Quantity, fields_of, full_path, named, paramete
 
 if TYPE_CHECKING:
     from stickslip.optimisation import GoalName, KindName
-
-__all__ = ["Settings", "run"]
 
 OPTIONS = {
     "position": "--angle",
@@ -83,23 +73,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Search, write rig file, figure and numbers, print what was found.
-
-    Parameters
-    ----------
-    path : Path
-        Rig file (TOML) with a prescribed motion.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    settings : Settings
-        Goal and limits of the search.
-    output : Path
-        Folder of rig file, figure and numbers.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Search, write rig file, figure and numbers, print what was found."""
     if not as_json:
         refuse_overwriting(output, output, force=force, files=FILES)
     rig, chosen = rig_and_friction(path, changes, settings.law)

@@ -1,5 +1,6 @@
 """Progress of work on several laws, and of compiling ahead of time, on stderr."""
 
+import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -18,10 +19,7 @@ from rich.progress import (
 from typing_extensions import override
 
 from stickslip.cli.console import is_quiet, stderr
-from stickslip.cli.interrupts import Interrupts
-
-__all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
-
+from stickslip.cli.interrupts import BEST, Interrupts
 
 SILENCE: Final = 20.0
 """Time after which a line says how far work is where no bar can be seen [s]."""
@@ -82,15 +80,7 @@ class _Shown:
         self._start = self._last = time.monotonic()
 
     def _say(self, step: str, done: float = 0.0, total: float = 0.0) -> None:
-        """Write what is in work, and how far it is, where no bar can be seen.
-
-        Parameters
-        ----------
-        step : str
-            What is in work.
-        done, total : float
-            How much is done, and of how much; 0 if unknown.
-        """
+        """Write what is in work, and how far it is, where no bar can be seen."""
         now = time.monotonic()
         if self._first is None and done > 0.0:
             self._first = now, done
@@ -183,15 +173,19 @@ class _ByLaw(_Shown):
 
     counted = False
 
-    def __init__(self, names: Sequence[str], *, at_most: bool = False) -> None:
+    def __init__(
+        self, names: Sequence[str], *, at_most: bool = False, longest_first: bool = False
+    ) -> None:
         super().__init__()
         self._names, self._of = set(names), "of at most" if at_most else "of"
         self._met: list[str] = []
+        self._longest_first, self._begun = longest_first, [self._start]
         self._task = self._bars.add_task("", total=len(self._names), runs="")
 
     def _law(self, verb: str, name: str, reached: str) -> None:
         """Show which law is in work, and which of how many it is."""
         if name not in self._met:
+            self._begun[len(self._met) :] = [time.monotonic()]
             self._met.append(name)
         place, total = self._met.index(name) + 1, len(self._names)
         step = f"{verb} {name}"
@@ -203,7 +197,16 @@ class _ByLaw(_Shown):
     def _far(self, elapsed: float, done: float, total: float) -> str:
         place = [f"law {done:.0f} {self._of} {total:.0f}"] if total else []
         parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]
-        return f" ({', '.join(parts)})" if parts else ""
+        return f" ({', '.join(parts)}{self._at_most_left(elapsed)})" if parts else ""
+
+    def _at_most_left(self, elapsed: float) -> str:
+        """Return the time left if the laws to come take as long as the longest so far."""
+        if not self._longest_first or len(self._begun) < 2 or elapsed < LONG:
+            return ""
+        longest = max(b - a for a, b in itertools.pairwise(self._begun))
+        own = self._start + elapsed - self._begun[-1]
+        left = (len(self._names) - len(self._met) + 1) * longest - own
+        return f", about {_time_text(left)} left at most" if own < longest else ""
 
 
 @final
@@ -244,6 +247,8 @@ class Searching(_ByLaw):
         Counts Ctrl-C, which ends the search.
     at_most : bool
         Whether some of the laws may not be fitted.
+    longest_first : bool
+        Whether the first law takes about as long as any, which bounds the time left.
     """
 
     def __init__(
@@ -253,14 +258,16 @@ class Searching(_ByLaw):
         interrupts: Interrupts,
         *,
         at_most: bool = False,
+        longest_first: bool = False,
     ) -> None:
-        super().__init__(names, at_most=at_most)
+        super().__init__(names, at_most=at_most, longest_first=longest_first)
         self._told, self._interrupts = told, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:
         """Note how close a law has come; what is no law is validation."""
         reached = self._told(residual) if math.isfinite(residual) else ""
         if name in self._names:
+            self._interrupts.promise = BEST
             self._law("Fitting", name, reached)
         else:
             self._interrupts.promise = NO_SHORTER

@@ -11,7 +11,6 @@ import typer
 
 from stickslip.cli.console import (
     command_line,
-    document,
     note,
     overrides,
     plain,
@@ -32,6 +31,7 @@ from stickslip.cli.inputs import (
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
 from stickslip.cli.trials import show_trials
+from stickslip.documents import document
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig, of_files
 from stickslip.friction import FrictionLaw
@@ -53,8 +53,6 @@ from stickslip.selection import Verdict
 if TYPE_CHECKING:
     from stickslip.selection import TravelCandidate, TravelVerdict
 
-__all__ = ["NO_LAW", "laws_of", "run", "show_verdict"]
-
 BETWEEN = r",(?![^\[]*\])"
 """Commas between laws: those in brackets are of one law."""
 NO_LAW = 3
@@ -75,41 +73,7 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Select, write the verdict, print it, draw its page; as JSON print only the verdict.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    asked : CommandInputs
-        Data, free parameters and settings of the fits.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    laws : str or None
-        Names of the laws to compare, joined by commas; those of the rig, or the usual ones, if
-        None.
-    output : Path
-        Folder of verdict and page.
-    jobs : int or None
-        Number of processes; 1 if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    enforce : bool
-        Whether a criterion of the paper that fails sets the exit code.
-
-    Raises
-    ------
-    Exit
-        If no law is recommended, or a criterion fails with `enforce`.
-    InputError
-        If an option has no effect on what was measured.
-    ToldExit
-        If the page could not be drawn.
-    """
+    """Select, write the verdict, print it, draw its page; as JSON print only the verdict."""
     if not as_json:
         refuse_overwriting(output, output, force=force, files=VERDICT_FILES)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
@@ -152,20 +116,7 @@ def run(
 def laws_of(
     rig: Rig, names: str | None
 ) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None:
-    """Return the laws to try: those of the rig, or those asked for; None for the usual ones.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig, perhaps with values of laws.
-    names : str or None
-        Names of laws, joined by commas.
-
-    Returns
-    -------
-    mapping of str to FrictionLaw, sequence of FrictionLaw or str or None
-        Laws by name, laws and names in the order asked for, or None for the usual ones.
-    """
+    """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
     if names is None:
         return rig.laws or None
     asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))

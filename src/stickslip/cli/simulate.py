@@ -12,7 +12,6 @@ import typer
 
 from stickslip.cli.console import (
     command_line,
-    document,
     note,
     plain,
     print_json,
@@ -20,8 +19,6 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_file,
-    write_folder,
 )
 from stickslip.cli.law_choice import (
     ChosenForm,
@@ -35,16 +32,17 @@ from stickslip.cli.law_choice import (
     rig_and_friction,
 )
 from stickslip.cli.numbers import number_of
-from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
+from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
+from stickslip.documents import document, write_file, write_folder
 from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
-from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names
 from stickslip.quantities import fields_of, named
-from stickslip.routes import fit
+from stickslip.routes import PAGE, fit
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
@@ -65,8 +63,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from stickslip.exports import Twin
-
-__all__ = ["Settings", "check_table", "run", "table_bytes"]
 
 CRITERIA_FAILED = 4
 DRAWS = 200
@@ -154,34 +150,7 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Simulate, write the run, show; then draw the page.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    settings : Settings
-        Law, end time, integrator and ensemble.
-    output : Path or None
-        CSV or Parquet file of the run; none is written if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    enforce : bool
-        Whether a criterion of the paper that fails sets the exit code.
-
-    Raises
-    ------
-    Exit
-        If a criterion fails with `enforce`.
-    ToldExit
-        If the page could not be drawn.
-    """
+    """Simulate, write the run, show; then draw the page."""
     if output is not None:
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
@@ -278,9 +247,16 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     )
 
 
-def _told(rig: Rig, law: FrictionLaw) -> Rig:
-    """Return a rig that tells a law what only its first record has of contact inputs."""
-    lacking = set(law.inputs).difference(input_names(rig.mechanism))
+def _told(rig: Rig, friction: Friction) -> Rig:
+    """Return a rig that tells its laws what only its first record has of contact inputs."""
+    names = tuple(one.name for one in rig.mechanism.contacts())
+    laws = assigned(names, friction)
+    lacking = {
+        name
+        for contact in names
+        for name in getattr(law_of(contact, laws), "inputs", ())
+        if name not in input_names(rig.mechanism, contact)
+    }
     if not lacking or rig.measurement is None:
         return rig
     record = rig.measurement.records()[0]
@@ -444,6 +420,7 @@ def _ran_by_contact(
     if rig.measurement is not None:
         note("The prediction was not compared with what was measured: that takes one contact.")
     friction = friction_of(chosen)
+    rig = _told(rig, friction)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
         rig.mechanism,
@@ -569,22 +546,7 @@ def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
 
 
 def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -> bytes:
-    """Return a table as the file's kind asks for; headers of CSV have units in brackets.
-
-    Parameters
-    ----------
-    frame : pandas.DataFrame
-        The table.
-    output : Path
-        The file, whose ending says CSV or Parquet.
-    units : mapping of str to str
-        Units by column; none, or ``"1"``, for a pure number.
-
-    Returns
-    -------
-    bytes
-        Contents of the file.
-    """
+    """Return a table as the file's kind asks for; headers of CSV have units in brackets."""
     if output.suffix == ".csv":
         headers = {
             name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")

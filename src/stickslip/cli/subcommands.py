@@ -28,9 +28,6 @@ from stickslip.cli.options import (
     Set,
 )
 
-__all__ = ["data", "profile"]
-
-
 data = typer.Typer(
     context_settings=dict(CONTEXT),
     no_args_is_help=True,

@@ -6,15 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cli.console import (
-    document,
-    print_json,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-    write_files,
-)
+from stickslip.cli.console import print_json, refuse_inputs, refuse_overwriting, show_table, stdout
 from stickslip.cli.law_choice import (
     LawAsked,
     friction_content,
@@ -24,11 +16,10 @@ from stickslip.cli.law_choice import (
 )
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
+from stickslip.documents import document, write_files
 from stickslip.errors import InputError, check_size
 from stickslip.formatting import number, printable
 from stickslip.sweep import VelocityMap, average_velocity
-
-__all__ = ["run"]
 
 SIZE = (800, 360)
 MOST_AXES = 2
@@ -48,33 +39,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Run the grid, write table and figure, show.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML); the bundled rig if None.
-    changes : sequence of str
-        Overrides of the rig file, each as ``PATH=VALUE``.
-    asked : LawAsked
-        The friction law, and the load its levels refer to.
-    vary : sequence of str
-        Axes of the grid, each as ``PATH=LOW:HIGH:N``.
-    cycles : int
-        Number of cycles that the mean is taken over; even.
-    settle : int
-        Number of cycles before them.
-    coordinate : str or None
-        Coordinate whose mean rate is taken; that along which contacts slip if None.
-    output : Path
-        CSV or Parquet file; the figure (SVG) stands beside it.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-    """
+    """Run the grid, write table and figure, show."""
     check_table(output)
     figure = output.with_suffix(".svg")
     for file in (output, figure):

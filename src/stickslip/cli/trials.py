@@ -9,8 +9,6 @@ from stickslip.experiments import condition_name
 from stickslip.formatting import interval, significant
 from stickslip.identification import TrialComparison
 
-__all__ = ["content_of", "show_trials"]
-
 
 def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
     """Return the comparison as a part of what a command writes as JSON."""

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import document, note, print_json, stdout
+from stickslip.cli.console import note, print_json, stdout
 from stickslip.cli.progress import Compiling
+from stickslip.documents import document
 from stickslip.drives import Drive, Pulse, ThreePhase
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
@@ -18,8 +19,6 @@ from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
 from stickslip.mechanisms import mechanisms as known_mechanisms
 from stickslip.quantities import fields_of, named
 from stickslip.solver import WarmUp, warm_up
-
-__all__ = ["run"]
 
 PULSE = Pulse(level=1.0, duration=1.0)
 SWING = ThreePhase(amplitude=1.0, fast=2.0, slow=1.0)
@@ -35,27 +34,7 @@ def run(
     allow_import: bool,
     as_json: bool,
 ) -> None:
-    """Compile, and say what was done.
-
-    Parameters
-    ----------
-    path : Path or None
-        Rig file (TOML) whose mechanism and laws are compiled; all mechanisms if None.
-    mechanisms : sequence of str
-        Names of the mechanisms to compile; all if empty.
-    laws : str or None
-        Names of the laws to compile, joined by commas; those of the rig, or all that are tried
-        unasked, if None.
-    allow_import : bool
-        Whether the rig file may import classes, which runs their code.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If both a rig file and mechanisms are given.
-    """
+    """Compile, and say what was done."""
     if path is not None and mechanisms:
         raise InputError("give --rig or --mechanism, not both: a rig file names its own mechanism.")
     if path is not None:

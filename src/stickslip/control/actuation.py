@@ -10,8 +10,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 
-__all__ = ["Place", "every_place", "place_of", "places_of"]
-
 
 class Place(NamedTuple):
     """A field, of a mechanism or of a part of it, that holds a drive."""
@@ -30,23 +28,6 @@ class Place(NamedTuple):
         """Return a mechanism with a command there, and what it calls that drive.
 
         A drive that is there already stays, and the command is added to it.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            The mechanism that the place belongs to.
-        command : Sampled or PiecewiseAffine
-            Command as a function of time, in the unit of the drive ([N] or [N m]).
-
-        Returns
-        -------
-        (Mechanism, str)
-            The mechanism with the command, and the name under which its `drives` list it.
-
-        Raises
-        ------
-        InputError
-            If `drives` of the mechanism does not list the drive.
         """
         driven = _put(mechanism, self.path, command)
         held = _got(driven, self.path)
@@ -98,25 +79,6 @@ def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
 def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     """Return the place of a drive by its name, or the only one.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    drive : str, optional
-        Path of the drive, such as ``"pendulum.drive"``, or its first or last name where that tells.
-
-    Returns
-    -------
-    Place
-        Where commands enter the mechanism.
-
-    Raises
-    ------
-    InputError
-        If there is no such place, or several and none is named.
-    UnknownNameError
-        If the name is that of no place or of several.
-
     Examples
     --------
     >>> from stickslip import Axis, PendulumCart
@@ -143,23 +105,6 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
 def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[str, Place]:
     """Return the places of drives by the names that were given; by path where none was.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    drives : str, sequence of str or None
-        As in `place_of`, one or several.
-
-    Returns
-    -------
-    dict of str to Place
-        Where commands enter the mechanism.
-
-    Raises
-    ------
-    InputError
-        If there is no such place, or two names are of one drive.
-
     Examples
     --------
     >>> from stickslip import TwoLinkArm
@@ -180,13 +125,7 @@ def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[
 
 
 def every_place(mechanism: Mechanism) -> dict[str, Place]:
-    """Return all places at which a mechanism can be commanded, by their paths.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Return all places at which a mechanism can be commanded, by their paths."""
     known = {place.name: place for place in _places(mechanism)}
     if not known:
         raise InputError(

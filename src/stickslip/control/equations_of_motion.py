@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Dynamics", "DynamicsOfContacts", "Evaluator", "dynamics_at"]
-
 TIME = Quantity("t", "s")
 ROUNDING = 1e-12
 """Share of the largest that is none in the direction of a drive."""
@@ -106,20 +104,7 @@ class Evaluator:
     """Evaluates accelerations and normal force of a mechanism, affine in friction and command."""
 
     def __init__(self, mechanism: Mechanism, drive: str | None = None) -> None:
-        """Derive the equations; `drive` names what is commanded, as in `closed_loop`.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            Mechanism without prescribed motions.
-        drive : str, optional
-            Name of the drive that is commanded; the only one if not given.
-
-        Raises
-        ------
-        InputError
-            If the mechanism has a prescribed motion.
-        """
+        """Derive the equations; `drive` names what is commanded, as in `closed_loop`."""
         from stickslip.formulation import formulate
         from stickslip.kernels.state_layout import NUMBERS
         from stickslip.solver import Equations, gather
@@ -168,15 +153,7 @@ class DynamicsOfContacts:
     """Evaluates the equations of a mechanism with several contacts."""
 
     def __init__(self, mechanism: Mechanism, drives: Sequence[str]) -> None:
-        """Derive them; any law will do, for friction is given.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        drives : sequence of str
-            Names of the drives that are commanded.
-        """
+        """Derive them; any law will do, for friction is given."""
         from stickslip.formulation import formulate
         from stickslip.kernels.state_layout import NUMBERS
         from stickslip.solver import Equations, gather
@@ -189,22 +166,7 @@ class DynamicsOfContacts:
     def at(
         self, t: float, state: Sequence[float], contact: int = -1, drive: int = -1
     ) -> tuple[Any, Any]:
-        """Return forces and loads with a unit of friction at a contact, or of a drive.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        state : sequence of float (2 n,)
-            Coordinates and rates [SI].
-        contact, drive : int
-            Index of that contact, or of that drive; none if -1.
-
-        Returns
-        -------
-        array (n,), array (c,)
-            Forces and loads [SI].
-        """
+        """Return forces and loads with a unit of friction at a contact, or of a drive."""
         import numpy as np
 
         from stickslip.kernels import state_layout as at
@@ -241,22 +203,7 @@ class DynamicsOfContacts:
         return np.array(w[forces : forces + n]), np.array(w[load : load + count])
 
     def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
-        """Return the numbers of `Dynamics` in coordinates of the mechanism.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        t : float
-            Time [s].
-        state : sequence of float (2 n,)
-            Coordinates and rates [SI].
-
-        Returns
-        -------
-        dict of str to object
-            Arguments of `Dynamics`, but the names of the drives.
-        """
+        """Return the numbers of `Dynamics` in coordinates of the mechanism."""
         import numpy as np
 
         from stickslip.kernels import state_layout as at

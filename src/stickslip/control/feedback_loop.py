@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["ClosedLoop", "Controller", "closed_loop"]
-
 REPORTS = 100
 """Calls of a progress callback in a run."""
 

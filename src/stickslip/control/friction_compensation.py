@@ -10,33 +10,12 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound, is_bound
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["FrictionCompensation", "Load", "compensation", "sliding_force"]
-
 Load: TypeAlias = float | Callable[[float, Mapping[str, float]], float]
 """A normal force [N] or a contact input, or a function of time and what is measured."""
 
 
 def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
     """Return the friction force of steady sliding [N], 0 at rest.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law; bristles are taken in their steady state.
-    velocity : float
-        Slip velocity [m/s].
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    float
-        Friction force, with the sign of the velocity [N].
-
-    Raises
-    ------
-    InputError
-        If the law is none of the kinds that have a force of steady sliding.
 
     Examples
     --------

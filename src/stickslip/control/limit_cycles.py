@@ -11,8 +11,6 @@ from stickslip.formatting import number
 from stickslip.quantities import Quantity
 from stickslip.trajectory import Trajectory
 
-__all__ = ["LimitCycle", "limit_cycle"]
-
 Kind: TypeAlias = Literal["limit cycle", "growing", "decaying", "irregular", "none"]
 
 SAMPLES = 20_000

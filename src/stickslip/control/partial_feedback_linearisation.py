@@ -14,8 +14,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["PartialLinearisation"]
-
 ROUNDING = 1e-12
 """Share of its parts at which an acceleration per command is none."""
 

@@ -10,26 +10,12 @@ from stickslip.control.feedback_loop import Controller
 from stickslip.errors import InputError, ParameterError
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["PID", "Signal", "value_at"]
-
 Signal: TypeAlias = float | Callable[[float], float]
 """A number, or a function of time."""
 
 
 def value_at(signal: Signal, t: float) -> float:
     """Return the value of a number or a function of time.
-
-    Parameters
-    ----------
-    signal : Signal
-        A number, or a function of time [s].
-    t : float
-        Time [s].
-
-    Returns
-    -------
-    float
-        The value, in the signal's unit.
 
     Examples
     --------

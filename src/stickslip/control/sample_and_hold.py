@@ -8,8 +8,6 @@ from typing import Annotated, TypeAlias, final
 from stickslip.drives import PiecewiseAffine, Sampled
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["Commands", "Stretch", "Timing", "drive_of"]
-
 SAME = 1e-9
 """Share of a period that counts as none: delays are multiples of it or are not."""
 
@@ -54,20 +52,7 @@ class Commands:
     """Commands as they take effect: after the delay, and held."""
 
     def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
-        """Take the times of the samples.
-
-        Parameters
-        ----------
-        timing : Timing
-            Period, delay and limit of the loop.
-        samples : sequence of float (n,)
-            Times of the samples [s].
-        hold : str
-            ``"zero"``: a command is held until the next one. ``"first"``: it goes on as a straight
-            line.
-        t_end : float
-            End of the run [s].
-        """
+        """Take the times of the samples."""
         self.whole, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
         self.told: list[float] = []
@@ -90,22 +75,7 @@ class Commands:
         return now, (now - self.told[index - 1]) / self.period
 
     def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
-        """Return what acts from a sample to the next, in one stretch or two.
-
-        Parameters
-        ----------
-        index : int
-            Index of the sample, from 0.
-        start : float
-            Time of the sample [s].
-        end : float
-            Time of the next sample, or end of the run [s].
-
-        Returns
-        -------
-        list of Stretch
-            One or two stretches: start [s], value at the start, slope.
-        """
+        """Return what acts from a sample to the next, in one stretch or two."""
         value, slope = self._line(index - self.whole)
         if self.rest <= 0.0:
             return [(start, value, slope)]
@@ -116,22 +86,7 @@ class Commands:
 
 
 def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | PiecewiseAffine:
-    """Return commands as a drive; a line ends, at the end at the latest, and its value is held.
-
-    Parameters
-    ----------
-    hold : str
-        ``"zero"`` for values that are held, ``"first"`` for straight lines.
-    stretches : sequence of Stretch
-        Stretches in the order of time: start [s], value at the start, slope.
-    end : float
-        End of the last line [s]; without effect where values are held.
-
-    Returns
-    -------
-    Sampled or StraightPieces
-        The drive that takes these values.
-    """
+    """Return commands as a drive; a line ends, at the end at the latest, and its value is held."""
     if hold == "zero":
         times, values, _ = (tuple(column) for column in zip(*stretches, strict=True))
         return Sampled(times=times, values=values)

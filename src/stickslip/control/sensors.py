@@ -8,8 +8,6 @@ import numpy as np
 from stickslip.errors import UnknownNameError
 from stickslip.quantities import Quantity
 
-__all__ = ["Sensors"]
-
 SPREAD = Quantity("sigma", low=0)
 STEP = Quantity("q", above=0)
 
@@ -33,19 +31,7 @@ class Sensors:
         quantisation: Mapping[str, float] | None = None,
         seed: int = 0,
     ) -> None:
-        """Take the names of what is measured.
-
-        Parameters
-        ----------
-        names : sequence of str
-            States in their order.
-        noise : mapping, optional
-            Standard deviation of each sample by state, in the state's unit.
-        quantisation : mapping, optional
-            Step of the sensor by state, in the state's unit.
-        seed : int
-            Of the noise.
-        """
+        """Take the names of what is measured."""
         self.names = tuple(names)
         self._noise = self._checked("noise", noise or {}, SPREAD)
         self._steps = self._checked("quantisation", quantisation or {}, STEP)

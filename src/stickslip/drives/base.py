@@ -14,18 +14,6 @@ from stickslip.formatting import number
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = [
-    "BEGINNING",
-    "MOST_PIECES",
-    "Drive",
-    "Piece",
-    "Straight",
-    "Sum",
-    "earlier",
-    "least",
-    "repeated",
-]
-
 BEGINNING = -1e300
 """Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
 
@@ -197,27 +185,6 @@ class Sum(Drive):
 def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -> tuple[Piece, ...]:
     """Return the pieces of a cycle again and again: of all cycles that begin up to a time.
 
-    Parameters
-    ----------
-    owner : str
-        What is repeated, for the error.
-    cycle : sequence of Piece
-        The pieces of the first cycle, in the order of time.
-    period : float or array
-        Duration of a cycle [s].
-    until : float
-        The time, counted from the first piece [s].
-
-    Returns
-    -------
-    tuple of Piece
-        Pieces of all cycles that begin up to the time, in the order of time.
-
-    Raises
-    ------
-    ParameterError
-        If these are more than a million pieces.
-
     Examples
     --------
     >>> [piece.start for piece in repeated("Beat", [Piece(0.0, 1.0, 0.0)], 0.5, 1.2)]
@@ -240,18 +207,6 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
 
 def earlier(first: Scalar, second: Scalar) -> Scalar:
     """Return the earlier of two times, or of (n,) of them one by one; parts may be imaginary.
-
-    Parameters
-    ----------
-    first : float or array (n,) or a number
-        Times [s].
-    second : float or array (n,) or a number
-        Times [s]; taken where they are earlier by their real parts.
-
-    Returns
-    -------
-    float or array (n,) or a number
-        The earlier ones [s].
 
     Examples
     --------

@@ -14,8 +14,6 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Numbers, Quantity
 
-__all__ = ["PiecewiseAffine", "PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "Square"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

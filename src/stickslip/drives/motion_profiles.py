@@ -16,16 +16,6 @@ from stickslip.formatting import number
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Numbers, Quantity
 
-__all__ = [
-    "Profile",
-    "SampledSwing",
-    "SevenStep",
-    "SineSwing",
-    "SplineSwing",
-    "ThreePhase",
-    "TimedThreePhase",
-]
-
 GAP = 3.0
 """Step of time over the usual one from which on a recorded motion has a gap."""
 FEWEST = 8

@@ -15,8 +15,6 @@ from stickslip.drives.motion_profiles import (
     TimedThreePhase,
 )
 
-__all__ = ["DRIVES", "PROFILES"]
-
 DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
     {
         "piecewise-linear": PiecewiseLinear,

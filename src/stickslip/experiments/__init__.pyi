@@ -8,9 +8,10 @@ from stickslip.experiments.carrying import estimates_by_contact as estimates_by_
 from stickslip.experiments.carrying import extrapolations as extrapolations
 from stickslip.experiments.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.experiments.checking.data_quality import Checks as Checks
-from stickslip.experiments.checking.data_quality import Finding as Finding
 from stickslip.experiments.checking.data_quality import check as check
 from stickslip.experiments.checking.dynamics import inertia_of as inertia_of
+from stickslip.experiments.checking.finding import Finding as Finding
+from stickslip.experiments.checking.finding import sentences_of as sentences_of
 from stickslip.experiments.checking.mains import CURE as CURE
 from stickslip.experiments.checking.mains import MainsLine as MainsLine
 from stickslip.experiments.checking.mains import is_narrow as is_narrow

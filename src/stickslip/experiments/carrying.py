@@ -23,17 +23,6 @@ from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, turned, vary
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "CarriedLaw",
-    "CarriedLaws",
-    "bristle_remark",
-    "carried",
-    "carried_by_contact",
-    "estimates_by_contact",
-    "extrapolations",
-    "unfitted_bristles",
-]
-
 PER_LOAD: Final = ("1", "1/m", "s/m")
 """Units of what stands over the normal force: levels, stiffness and damping of bristles."""
 SAMPLES: Final = 4001
@@ -82,26 +71,6 @@ def carried_by_contact(
 ) -> CarriedLaws:
     """Return the laws of a rig's contacts as they are on another mechanism with these contacts.
 
-    Parameters
-    ----------
-    rig : Rig
-        Whose laws they are, such as `load_rig` reads from the ``law.toml`` of several joints.
-    mechanism : Mechanism
-        What they are for.
-    names : str or mapping of str to str, optional
-        Which law of each contact, as in `Rig.law_by_contact`.
-
-    Returns
-    -------
-    CarriedLaws
-        The laws, their estimates, and remarks on what does not carry over.
-
-    Raises
-    ------
-    InputError
-        If the rig has no laws by contact, its contacts have other names than those of the
-        mechanism, or levels are coefficients there and forces or torques here.
-
     Examples
     --------
     >>> from stickslip import BlockChain, Coulomb
@@ -142,20 +111,7 @@ def carried_by_contact(
 
 
 def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
-    """Return how well laws by contact are known; None where a rig's estimates are of others.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig, with the estimates of its file.
-    laws : Laws
-        Laws by contact.
-
-    Returns
-    -------
-    LawEstimates or None
-        The estimates of the rig, if they are of these laws.
-    """
+    """Return how well laws by contact are known; None where a rig's estimates are of others."""
     known = rig.estimates
     named = {} if known is None or isinstance(known.law, str) else known.law
     known = known if named and named.items() <= laws.names.items() else None
@@ -178,27 +134,6 @@ def carried(
 
     Levels over the normal force carry over. Levels that are forces, because the rig's normal force
     was not known, do so only where they are divided by it.
-
-    Parameters
-    ----------
-    rig : Rig
-        Whose law it is, such as `load_rig` reads from a ``law.toml``.
-    mechanism : Mechanism
-        What it is for.
-    law : str, optional
-        Which of the rig's laws; the only one that has a table of its own if not given.
-    load : float, optional
-        Normal force [N] in the rig, where its levels are forces.
-
-    Returns
-    -------
-    CarriedLaw
-        The law, its estimates, and remarks on what does not carry over.
-
-    Raises
-    ------
-    InputError
-        If the rig has several laws or none, or levels are forces and no load is given.
 
     Examples
     --------
@@ -246,22 +181,6 @@ def carried(
 
 def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
     """Return where a run leaves the speeds and normal forces at which its law was fitted.
-
-    Parameters
-    ----------
-    law : CarriedLaw
-        The law of the run, such as `carried` returns it.
-    mechanism : Mechanism
-        Whose run it is.
-    run : Trajectory
-        The run.
-
-    Returns
-    -------
-    tuple of str
-        A sentence for the speed and one for the normal force, where they lie more than 5 % outside
-        those of the fit. A law that states no range of its fit is compared by the normal force of
-        the mechanism that it is from, and on that very mechanism not at all.
 
     Examples
     --------
@@ -319,23 +238,6 @@ def unfitted_bristles(
     A contact that gives way elastically moves by up to twice its break-away level over its
     stiffness as the force on it reverses. They decide distances of which that is a tenth or more.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law of a run.
-    known : LawEstimates, optional
-        How well it is known; of a law without, no parameter counts as fitted.
-    distance : float
-        What the run gives, such as its back-slip [m] or [rad].
-    mechanism : Mechanism
-        What moves, for the units.
-
-    Returns
-    -------
-    tuple of str
-        Symbols between dollar signs with values and units; none where the law has no bristles, they
-        do not decide the distance, or all were fitted.
-
     Examples
     --------
     >>> from stickslip import Dahl, SpringBlock
@@ -371,22 +273,6 @@ def bristle_remark(
     mechanism: Mechanism,
 ) -> str:
     """Return which distances rest on bristles that no measurement determined, as a sentence.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law of a run.
-    known : LawEstimates, optional
-        How well it is known.
-    distances : mapping of str to float
-        What the run gives [m] or [rad], by what it is called.
-    mechanism : Mechanism
-        What moves, for the units.
-
-    Returns
-    -------
-    str
-        Empty where there are none.
 
     Examples
     --------

@@ -6,16 +6,9 @@ from collections.abc import Mapping
 
 from stickslip.errors import InputError, ParameterError
 
-__all__ = ["condition_name", "condition_unit", "plain_conditions"]
-
 
 def plain_conditions(given: object) -> dict[str, float | str]:
     """Return conditions by name as floats and texts.
-
-    Raises
-    ------
-    InputError
-        If they are no mapping, or a value is neither a finite number nor a text.
 
     Examples
     --------

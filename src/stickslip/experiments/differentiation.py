@@ -9,16 +9,6 @@ from stickslip.errors import InputError, check_even_times
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import number
 
-__all__ = [
-    "acceleration_of",
-    "interval_of",
-    "noise_of",
-    "smooth",
-    "step_of",
-    "usual_top_speed",
-    "velocity_of",
-]
-
 CUTOFF: Final = 0.1
 """Corner of the low pass over the sampling frequency: 100 Hz where 1 kHz was sampled."""
 ORDER: Final = 4
@@ -257,16 +247,6 @@ def _whole(ratio: Array) -> bool:
 def usual_top_speed(velocity: Array) -> float:
     """Return the speed that all but the fastest 2 % of samples stay below.
 
-    Parameters
-    ----------
-    velocity : array (n,)
-        Velocities [m/s], or any other values that a single outlier should not scale.
-
-    Returns
-    -------
-    float
-        The 98th percentile of their sizes [m/s].
-
     Examples
     --------
     >>> usual_top_speed(np.linspace(-1.0, 1.0, 201)), usual_top_speed(np.array([-0.5, 0.5]))
@@ -277,22 +257,6 @@ def usual_top_speed(velocity: Array) -> float:
 
 def noise_of(values: Array, step: float = 0.0, order: int = 3) -> float:
     """Return the standard deviation of the noise of samples, from what no smooth motion explains.
-
-    Parameters
-    ----------
-    values : array (n,)
-        Evenly spaced samples.
-    step : float
-        Step in which they come; its rounding is the least noise.
-    order : int
-        Order of the differences: higher ones show less of a motion with few samples in a period,
-        and of noise as much.
-
-    Returns
-    -------
-    float
-        From the median size of third differences, or of those of another order, which single jumps
-        do not move.
 
     Examples
     --------

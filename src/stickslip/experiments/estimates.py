@@ -16,19 +16,6 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 
-__all__ = [
-    "HARD",
-    "LOAD",
-    "LawEstimates",
-    "Levels",
-    "equated",
-    "levels_at",
-    "slips_in_angle",
-    "spread_of",
-    "unit_at_unit_load",
-    "unit_on",
-]
-
 T = TypeVar("T")
 Array: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Literal["per load", "forces", "torques"]
@@ -106,18 +93,6 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     A level over the normal force reads as a force where that force is left at 1, and about a pivot
     all are those of torque and angle.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism on which the law acts.
-    quantity : Quantity
-        The parameter of the law.
-
-    Returns
-    -------
-    str
-        SI unit.
-
     Examples
     --------
     >>> from stickslip import Axis, Pendulum
@@ -149,22 +124,6 @@ def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> floa
     """Return the standard deviation that an interval stands for.
 
     The longer side counts of an interval of 95 %: the other may be cut off where values end.
-
-    Parameters
-    ----------
-    value : float
-        The estimate.
-    low : float
-        Lower end of its interval, in the unit of the value.
-    high : float
-        Upper end, likewise.
-    kind : str
-        Kind of the interval; even between the ends for a rounding range or a stated interval.
-
-    Returns
-    -------
-    float
-        Standard deviation, in the unit of the value.
 
     Examples
     --------
@@ -302,18 +261,6 @@ class LawEstimates:
     def of_contact(self, contact: str, *, rotary: bool) -> "LawEstimates":
         """Return what is known of the law of one of several contacts.
 
-        Parameters
-        ----------
-        contact : str
-            Its name, one of those in `law`.
-        rotary : bool
-            Whether it slips by an angle, so that levels that are no coefficients are torques.
-
-        Returns
-        -------
-        LawEstimates
-            Estimates with the names of the law alone.
-
         Examples
         --------
         >>> known = LawEstimates(
@@ -392,13 +339,7 @@ class LawEstimates:
             )
 
     def checked(self, law: FrictionLaw | Laws) -> "LawEstimates":
-        """Return this where it fits a law, or laws by contact, or say which name or value does not.
-
-        Raises
-        ------
-        InputError
-            If a law has another name, lacks a parameter, or a value lies outside its interval.
-        """
+        """Return this where it fits a law, or laws by contact; say what does not fit."""
         self._check_laws(law)
         values = _values(law)
         owner = "the laws" if isinstance(law, Laws) else law.name
@@ -470,23 +411,6 @@ class LawEstimates:
         They are independent of the others. Beside ranges beyond which no value lies, they are the
         even distribution of that standard deviation.
 
-        Parameters
-        ----------
-        law : FrictionLaw or Laws
-            The law, or the laws by contact, with the values that are meant.
-        uncertainties : mapping of str to float
-            Standard uncertainties by parameter [SI].
-
-        Returns
-        -------
-        LawEstimates
-            With an interval of each of them.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such parameter.
-
         Examples
         --------
         >>> from stickslip import Coulomb
@@ -544,25 +468,6 @@ class LawEstimates:
         Normal with the covariance, and independent without one; even between the ends of a rounding
         range or a stated interval. Draws outside the valid ranges of the law are drawn again. Other
         parameters keep their values and are not among those returned.
-
-        Parameters
-        ----------
-        law : FrictionLaw or Laws
-            The law, or the laws by contact, whose values these are.
-        count : int
-            Number of draws.
-        seed : int
-            Seed of the random numbers.
-
-        Returns
-        -------
-        dict of str to array (count,)
-            Values [SI] by full path.
-
-        Raises
-        ------
-        InputError
-            If no parameter has an interval, or hardly a draw lies in the valid ranges.
         """
         self.checked(law)
         if count < 1:

@@ -4,25 +4,11 @@ import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["of_files", "with_files"]
-
 
 def with_files(digest: str, files: Sequence[Path]) -> str:
     """Return the SHA-256 of a digest and the contents of files; the digest as it is without any.
 
     Names do not count: a file that was moved is the same input.
-
-    Parameters
-    ----------
-    digest : str
-        A digest in hexadecimal.
-    files : sequence of Path
-        Files in the order in which they count.
-
-    Returns
-    -------
-    str
-        Digest in hexadecimal.
 
     Examples
     --------

@@ -10,8 +10,6 @@ from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.formatting import number
 
-__all__ = ["Line", "along"]
-
 SLENDER: Final = 3.0
 """Spread along a line over that across it from which on the points lie along it."""
 MOVED: Final = 0.02
@@ -61,23 +59,6 @@ def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.fl
     The line is the principal axis of the points, from which their squared distances are smallest.
     An error of its angle, about jitter over length and root of n, shortens ways by half its square
     only, so that nothing is gained by measuring the angle.
-
-    Parameters
-    ----------
-    x, y : array (n,)
-        Coordinates of the points in the order of time, both in one unit.
-
-    Returns
-    -------
-    position : array (n,)
-        Way from the first point, in that unit; positive where the body went first.
-    line : Line
-        Its lengths are in that unit.
-
-    Raises
-    ------
-    InputError
-        If the points do not lie along any line.
 
     Examples
     --------

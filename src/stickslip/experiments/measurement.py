@@ -31,21 +31,6 @@ from stickslip.units import converted, is_pint, number_in, pint_magnitude
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "BESIDE",
-    "BY_JOINT",
-    "KINDS_OF_UNCERTAINTY",
-    "QUANTITIES",
-    "TRAVELS",
-    "Array",
-    "Kind",
-    "Measurement",
-    "Uncertainty",
-    "as_turning",
-    "quantity_called",
-    "unit_of_input",
-]
-
 Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]
 Uncertainty = Literal["rounding", "standard", "interval"]
@@ -98,11 +83,6 @@ BY_JOINT = ("position", "velocity", "force")
 def quantity_called(name: str) -> Quantity:
     """Return what is measured under a name, that of a joint at its end or not.
 
-    Raises
-    ------
-    KeyError
-        If nothing is.
-
     Examples
     --------
     >>> quantity_called("force.elbow").symbol
@@ -116,18 +96,6 @@ def quantity_called(name: str) -> Quantity:
 
 def unit_of_input(name: str, *, turning: bool = False) -> str:
     """Return the unit of a contact input.
-
-    Parameters
-    ----------
-    name : str
-        One of `CONTACT_INPUTS`.
-    turning : bool
-        Whether the contact slips by an angle.
-
-    Returns
-    -------
-    str
-        Its SI unit; of a temperature, degC.
 
     Examples
     --------
@@ -629,18 +597,6 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
 
 def as_turning(measurement: Measurement, units: Collection[str]) -> Measurement:
     """Return a record of a mechanism all of whose coordinates are angles as one of angles.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        What was measured; each joint of a robot has units of its own.
-    units : collection of str
-        SI units of the coordinates.
-
-    Returns
-    -------
-    Measurement
-        The same numbers, which read in rad and N m where all of these units are rad.
 
     Examples
     --------

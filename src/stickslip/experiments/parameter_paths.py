@@ -6,25 +6,11 @@ from stickslip.errors import UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, Quantity, fields_of, full_path
 
-__all__ = ["PREFIX", "all_paths", "canonical", "quantity_at"]
-
 PREFIX = "mechanism"
 
 
 def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
     """Return the quantities below `root` by path, those that are not given included.
-
-    Parameters
-    ----------
-    root : Parametrised
-        Mechanism, drive or law.
-    prefix : str
-        Path of `root` itself.
-
-    Returns
-    -------
-    dict of str to Quantity
-        Quantities by full path.
 
     Examples
     --------
@@ -50,18 +36,6 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
 def canonical(mechanism: Mechanism, path: str) -> str:
     """Return the full path for a full path, or for a last name that only one parameter has.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Whose parameter it is.
-    path : str
-        Full path, or last name of a parameter.
-
-    Returns
-    -------
-    str
-        Full path.
-
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -72,25 +46,7 @@ def canonical(mechanism: Mechanism, path: str) -> str:
 
 
 def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
-    """Return the quantity at a full path, or say which known paths are nearest.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Whose parameter it is.
-    path : str
-        Full path.
-
-    Returns
-    -------
-    Quantity
-        Symbol, unit and range of the parameter.
-
-    Raises
-    ------
-    UnknownNameError
-        If the mechanism has no such parameter.
-    """
+    """Return the quantity at a full path, or say which known paths are nearest."""
     known = all_paths(mechanism, PREFIX)
     if path not in known:
         raise UnknownNameError("parameter", path, known)

@@ -4,20 +4,12 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
-from stickslip.experiments.checking.data_quality import Finding, check, faults
+from stickslip.experiments.checking.data_quality import check, faults
+from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.checking.map_coverage import same
 from stickslip.experiments.measurement import Measurement, quantity_called
 from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
-
-__all__ = [
-    "findings_text",
-    "refuse_faults",
-    "refuse_lack",
-    "refuse_same",
-    "refuse_unused",
-    "with_doubts",
-]
 
 MOST_LISTED = 6
 """Names of trials in a message."""
@@ -32,20 +24,6 @@ def refuse_faults(
     opening: str = "This record cannot be fitted.",
 ) -> None:
     """Refuse a measurement with errors that `check` finds.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        What was measured.
-    mechanism : Mechanism
-        What was measured on.
-    opening : str
-        First sentence of the message.
-
-    Raises
-    ------
-    InputError
-        With the opening sentence and the errors.
 
     Examples
     --------
@@ -90,18 +68,6 @@ def _listed(names: Sequence[str]) -> str:
 def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:
     """Refuse settings of records in time or of friction that would have no effect.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        The records.
-    inside : collection of str
-        States that nobody measured of a mechanism that drives itself: where these begin has effect.
-
-    Raises
-    ------
-    InputError
-        If a record has initial states or uncertainties.
-
     Examples
     --------
     >>> refuse_unused(Measurement(time=[0.0, 1.0], position=[0.0, 0.1], initial={"x": 1.0}))
@@ -127,20 +93,6 @@ def refuse_lack(
 ) -> None:
     """Refuse a record that has not what another one has that a fit was made to.
 
-    Parameters
-    ----------
-    first, second : Measurement
-        What was fitted, and what it is to predict.
-    compared : str
-        Quantity that predictions are compared with.
-    which : str
-        What the second is called.
-
-    Raises
-    ------
-    InputError
-        With what is missing.
-
     Examples
     --------
     >>> time, x = [0.0, 1.0], [0.0, 0.1]
@@ -165,18 +117,6 @@ def refuse_lack(
 
 def refuse_same(first: Measurement, second: Measurement) -> None:
     """Refuse a second record that holds what the fit is made to, number by number.
-
-    Parameters
-    ----------
-    first : Measurement
-        What the fit is made to.
-    second : Measurement
-        What it is judged on.
-
-    Raises
-    ------
-    InputError
-        If any of its records has the same samples as one of the first.
 
     Examples
     --------
@@ -205,25 +145,6 @@ def with_doubts(
     of: type[InputError | ConvergenceError] = InputError,
 ) -> Iterator[None]:
     """Add what `check` warns of to the message of a record that turns out not to serve.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        What was measured.
-    mechanism : Mechanism
-        What was measured on.
-    of : type of InputError or ConvergenceError
-        Type of the errors that are given the warnings.
-
-    Yields
-    ------
-    None
-        Once, for the body of a ``with`` statement.
-
-    Raises
-    ------
-    InputError, ConvergenceError
-        The error of the body, with the warnings at the end of its message.
 
     Examples
     --------

@@ -46,8 +46,6 @@ if TYPE_CHECKING:
 
     from stickslip.experiments.readers.table_reader import Frame
 
-__all__ = ["load_measurement", "read_data"]
-
 
 def load_measurement(
     path: "str | Path | Iterable[str | Path] | pd.DataFrame | Mapping[str, Numbers]",
@@ -185,26 +183,6 @@ def read_data(
     name: str = "",
 ) -> Measurement:
     r"""Return the measurement of one file, or of several as trials, read as they are to be.
-
-    Parameters
-    ----------
-    files : sequence of Path
-        Data files; several are several trials.
-    reading : Reading
-        Columns, units, gains, repairs and conditions.
-    mechanism : Mechanism, optional
-        Mechanism whose parameters columns may name.
-    overrides : mapping of str to float, optional
-        Parameters of every record [SI], by path.
-    initial : mapping of str to float, optional
-        Initial states of every record [SI], by name.
-    name : str
-        Name of the measurement; that of the file if empty.
-
-    Returns
-    -------
-    Measurement
-        What was measured, in SI.
 
     Examples
     --------

@@ -25,8 +25,6 @@ from stickslip.friction import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
-__all__ = ["KnownLaws", "Published", "Rig", "check_record", "state_units"]
-
 USUAL = "coulomb"
 """The law that is taken where the values of several are known, and none is named."""
 
@@ -434,29 +432,7 @@ def estimated_law(
     known: Mapping[str, FrictionLaw],
     contacts: Mapping[str, KnownLaws | None],
 ) -> FrictionLaw | Laws:
-    """Return the law that estimates name, or those that they name by contact.
-
-    Parameters
-    ----------
-    asked : str or mapping of str to str
-        `LawEstimates.law`.
-    known : mapping of str to FrictionLaw
-        Laws by name, of one contact or of all.
-    contacts : mapping of str to KnownLaws or None
-        Where contacts have laws of their own: these, None where nothing rubs.
-
-    Returns
-    -------
-    FrictionLaw or Laws
-        What `LawEstimates.checked` compares with.
-
-    Raises
-    ------
-    InputError
-        If there is no such law.
-    UnknownNameError
-        If there is no such law or contact.
-    """
+    """Return the law that estimates name, or those that they name by contact."""
     rubbing = {name: own for name, own in contacts.items() if own is not None}
     if rubbing:
         names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
@@ -503,24 +479,7 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
 
 
 def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
-    """Check that what a record overrides and starts from exists in the mechanism.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured on.
-    record : Measurement
-        One record.
-    label : str
-        What messages call the record.
-
-    Raises
-    ------
-    ParameterError
-        If an overridden value is outside its range.
-    UnknownNameError
-        If a path or an initial state does not exist.
-    """
+    """Check that what a record overrides and starts from exists in the mechanism."""
     for path in record.overrides:
         quantity_at(mechanism, path)
     try:

@@ -8,25 +8,9 @@ import numpy as np
 from stickslip.experiments.differentiation import GAP, interval_of
 from stickslip.experiments.measurement import SAMPLED, Measurement
 
-__all__ = ["between_gaps", "rows_of"]
-
 
 def rows_of(record: Measurement, first: int, end: int) -> Measurement:
     """Return the rows of a record in time from one on, up to another that is left out.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record in time, with n samples.
-    first : int
-        First row, from 0.
-    end : int
-        Row after the last one.
-
-    Returns
-    -------
-    Measurement
-        The record with ``end - first`` samples.
 
     Examples
     --------

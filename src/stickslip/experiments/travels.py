@@ -9,8 +9,6 @@ from stickslip.formatting import quantity
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_of
 from stickslip.quantities import vary
 
-__all__ = ["scale_of", "whole_cycles"]
-
 
 def scale_of(
     mechanism: Mechanism, record: Measurement, t_end: float, label: str
@@ -20,28 +18,6 @@ def scale_of(
     A mean velocity is that of the whole run, so that the travel is ``t_end`` times it. A travel per
     cycle is a mean over all whole cycles that end by ``t_end``, the first one included; the run of
     that trial ends with the last of them, and so one ``t_end`` serves trials at several periods.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism as it stands, which the trial overrides.
-    record : Measurement
-        One trial with a travel, a mean velocity or a travel per cycle.
-    t_end : float
-        Last time of runs [s].
-    label : str
-        What the trial is called in errors.
-
-    Returns
-    -------
-    float, int or None
-        Travel over what was measured, 1, [s] or a number of cycles; and that number, None where
-        the run ends at ``t_end``.
-
-    Raises
-    ------
-    InputError
-        If the drives have no cycle, or none that is over by ``t_end``.
 
     Examples
     --------
@@ -69,23 +45,6 @@ def scale_of(
 
 def whole_cycles(mechanism: Mechanism, t_end: float) -> int:
     """Return the number of cycles of the drives that end by a time [s], at least 1.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism with its drives.
-    t_end : float
-        Last time [s].
-
-    Returns
-    -------
-    int
-        Number of cycles.
-
-    Raises
-    ------
-    InputError
-        If there is none.
 
     Examples
     --------

@@ -14,8 +14,6 @@ from stickslip.experiments.readers.table_reader import Frame
 from stickslip.experiments.rig import check_record, state_units
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["read_trials", "travelled"]
-
 WORDS = ("name", "provenance", "uncertainty_kind")
 NUMBERS = (*TRAVELS, "uncertainty")
 
@@ -27,26 +25,7 @@ def read_trials(
     mechanism: Mechanism | None,
     conditions: Sequence[str] = (),
 ) -> Measurement:
-    """Return the trials of a table; what a row does not say is taken from `common`.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table, one row per trial.
-    common : mapping of str to object
-        Arguments of `Measurement` for all trials.
-    name : str
-        Name of the measurement, if there are several trials.
-    mechanism : Mechanism or None
-        Mechanism whose parameters columns may name.
-    conditions : sequence of str
-        Names of the columns that hold conditions.
-
-    Returns
-    -------
-    Measurement
-        The trials, in SI.
-    """
+    """Return the trials of a table; what a row does not say is taken from `common`."""
     keys = condition_keys(frame, conditions)
     named = {key: condition_cells(frame, column) for key, column in keys.items()}
     columns = {

@@ -11,32 +11,12 @@ from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
 from stickslip.units import LONGEST, NUMBER_WITH_UNIT, exact_factor, factor, is_of, number_in, shown
 
-__all__ = ["LARGEST", "check_uncertainty", "gain_factor", "read_gain", "read_number", "size_wanted"]
-
 LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
 
 
 def read_number(value: object, quantity: Quantity) -> float:
     """Return a number in SI from a number or from a text with a unit.
-
-    Parameters
-    ----------
-    value : object
-        As found in a file: a number in SI, or text such as ``"60 mm"``.
-    quantity : Quantity
-        What the number means.
-
-    Returns
-    -------
-    float
-        The checked number.
-
-    Raises
-    ------
-    ParameterError
-        If it cannot be used. The message begins with the symbol, so that the caller can put the
-        file and the key before it.
 
     Examples
     --------
@@ -65,18 +45,6 @@ def read_number(value: object, quantity: Quantity) -> float:
 
 def size_wanted(value: float, quantity: Quantity) -> str:
     """Return what magnitude a number must have, if its own cannot be computed with.
-
-    Parameters
-    ----------
-    value : float
-        The number, in SI.
-    quantity : Quantity
-        What it means.
-
-    Returns
-    -------
-    str
-        Continues a sentence; empty if the number is 0 or of a usable magnitude.
 
     Examples
     --------
@@ -120,26 +88,6 @@ def check_uncertainty(
     uncertainty: float, value: float, quantity: Quantity, given: object = None
 ) -> float:
     """Return a standard uncertainty of a value in SI, or say what is wrong with it.
-
-    Parameters
-    ----------
-    uncertainty, value : float
-        In the unit of the quantity.
-    quantity : Quantity
-        What the value is of.
-    given : object, optional
-        The uncertainty as it was written; with its unit if not given.
-
-    Returns
-    -------
-    float
-        The uncertainty, as it was given.
-
-    Raises
-    ------
-    ParameterError
-        If it is not above 0, or half or more of a value that cannot be negative. The message begins
-        with the symbol, as that of `read_number`.
 
     Examples
     --------
@@ -190,21 +138,6 @@ def _from_text(text: str, quantity: Quantity) -> float:
 def read_gain(value: object) -> float | str:
     """Return a gain: a number, or a text with the unit that makes SI of the unit of a column.
 
-    Parameters
-    ----------
-    value : object
-        As found in a file: a number, or text such as ``"0.3 N m/A"`` for a column in A.
-
-    Returns
-    -------
-    float or str
-        The number; the text if it has a unit.
-
-    Raises
-    ------
-    ParameterError
-        If it cannot be used.
-
     Examples
     --------
     >>> read_gain(35.15), read_gain("-1"), read_gain("0.3 N m/A")
@@ -220,25 +153,6 @@ def read_gain(value: object) -> float | str:
 
 def gain_factor(gain: str, unit: str, target: str) -> float:
     """Return by what a column is multiplied whose gain has a unit.
-
-    Parameters
-    ----------
-    gain : str
-        Number and unit, from `read_gain`.
-    unit : str
-        Unit of the column.
-    target : str
-        SI unit of what is measured.
-
-    Returns
-    -------
-    float
-        The factor.
-
-    Raises
-    ------
-    ParameterError
-        If the product of both units is another one.
 
     Examples
     --------

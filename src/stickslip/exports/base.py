@@ -12,8 +12,6 @@ from stickslip.documents import unwritable, write_files
 from stickslip.errors import InputError
 from stickslip.exports.subject import Subject
 
-__all__ = ["Export", "Target"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -35,25 +33,7 @@ class Export:
     """What does not carry over, in sentences."""
 
     def save(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
-        """Write the files into a folder, all or none.
-
-        Parameters
-        ----------
-        folder : str or Path
-            The folder; made if it is not there.
-        force : bool
-            Whether files that exist are replaced.
-
-        Returns
-        -------
-        tuple of Path
-            The files.
-
-        Raises
-        ------
-        InputError
-            If a file exists without `force`, or cannot be written.
-        """
+        """Write the files into a folder, all or none."""
         place = Path(folder)
         paths = {place / name: text for name, text in self.files.items()}
         for path in paths:

@@ -11,8 +11,6 @@ from stickslip.exports.program import Function
 from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
 
-__all__ = ["CCode"]
-
 NOTES = (
     "Functions have no memory and no side effects. Where an argument is not a number, or one that"
     " must be above 0 is not, the results are NaN. Compile without -ffast-math, which ignores NaN.",

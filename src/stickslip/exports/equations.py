@@ -13,8 +13,6 @@ from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 from stickslip.quantities import Quantity, parameters, shadow
 
-__all__ = ["LOCAL", "BySense", "Equations", "Parameter", "equations_of"]
-
 Values: TypeAlias = tuple[se.Expr, ...]
 
 LOCAL: Final = (
@@ -89,21 +87,6 @@ VELOCITY, LOAD, PERIOD = map(se.Symbol, ("velocity", "load", "period"))
 
 def equations_of(law: FrictionLaw) -> Equations:
     """Return the equations of a law, whoever wrote it.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law with its values.
-
-    Returns
-    -------
-    Equations
-        Its equations, with names that all languages accept.
-
-    Raises
-    ------
-    InputError
-        If it is no friction law, or not written with `stickslip.maths` alone.
 
     Examples
     --------

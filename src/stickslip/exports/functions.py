@@ -40,8 +40,6 @@ from stickslip.exports.program import (
 from stickslip.formulation import collapsed
 from stickslip.quantities import turned
 
-__all__ = ["functions_of", "input_variables", "rotary_code", "rotary_words", "turned_variable"]
-
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
@@ -73,19 +71,6 @@ T = TypeVar("T")
 def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...]:
     """Return the functions of a law, each after those that it calls.
 
-    Parameters
-    ----------
-    law : Equations
-        The law.
-    rotary : bool
-        Whether it is of a rotary axis, so that forces are torques and displacements angles.
-
-    Returns
-    -------
-    tuple of Function
-        ``friction``, ``break_away``, ``step`` and ``compensation``, ``rates`` and ``steady`` of a
-        law with bristles, and what they call.
-
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -104,20 +89,7 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
 
 
 def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
-    """Return the contact inputs of a law as arguments of its functions.
-
-    Parameters
-    ----------
-    law : Equations
-        The law.
-    rotary : bool
-        Whether it is of a rotary axis.
-
-    Returns
-    -------
-    tuple of Variable
-        One for each.
-    """
+    """Return the contact inputs of a law as arguments of its functions."""
     return tuple(
         Variable(
             name=name,
@@ -478,6 +450,14 @@ class _Writer:
         given = (APPLIED, LOAD, MASS, GAMMA * PERIOD)
         ratio = (1.0 - GAMMA) / GAMMA
         states = (VELOCITY, *self.states)
+        between: list[Statement] = [
+            Assign((end,), (one + ratio * (se.Symbol(end) - one),))
+            for end, one in zip(outputs, states, strict=True)
+        ]
+        if self.law.moved is not None:  # a straight line would lead elements past their limits
+            rest = (1.0 - GAMMA) * PERIOD
+            reached = (se.Symbol("velocity_end"), *self.states, LOAD, rest)
+            between = [Call(tuple(self.ends), "settle", reached), between[0]]
         return Function(
             name="slide",
             summary="Velocity and bristle states after a period.",
@@ -485,10 +465,7 @@ class _Writer:
             outputs=self._slid(),
             body=(
                 Call(outputs, "implicit", (*states, *given)),
-                *(
-                    Assign((end,), (one + ratio * (se.Symbol(end) - one),))
-                    for end, one in zip(outputs, states, strict=True)
-                ),
+                *between,
                 Call(outputs, "implicit", (*map(se.Symbol, outputs), *given)),
             ),
             inner=True,

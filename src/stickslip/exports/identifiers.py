@@ -5,8 +5,6 @@ import unicodedata
 from collections.abc import Collection, Sequence
 from typing import Final
 
-__all__ = ["RESERVED", "identifier", "identifiers"]
-
 LONGEST: Final = 40
 """Characters of a name; MATLAB takes 63, of which a function's own suffix needs some."""
 TEMPORARY: Final = re.compile(r"[csx]\d+")
@@ -50,18 +48,6 @@ def identifier(text: str) -> str:
 
 def identifiers(texts: Sequence[str], taken: Collection[str] = ()) -> tuple[str, ...]:
     """Return names of texts that differ from one another and from those that are taken.
-
-    Parameters
-    ----------
-    texts : sequence of str (n,)
-        Symbols or titles.
-    taken : collection of str
-        Names that are given already.
-
-    Returns
-    -------
-    tuple of str (n,)
-        Names, in the order of the texts.
 
     Examples
     --------

@@ -16,17 +16,6 @@ from stickslip.formatting import quantity
 from stickslip.friction import Dahl, FrictionLaw, LuGre
 from stickslip.quantities import turned, vary
 
-__all__ = [
-    "HARD",
-    "SOFT",
-    "TIMESTEP",
-    "Mjcf",
-    "Urdf",
-    "as_lugre",
-    "bristle_step",
-    "inertia_of",
-]
-
 TIMESTEP: Final = 1e-3
 """Longest step of a model for MuJoCo [s]."""
 STEADINESS: Final = 0.5
@@ -154,22 +143,7 @@ def as_lugre(law: FrictionLaw) -> LuGre | None:
 
 
 def bristle_step(law: LuGre, load: float, inertia: float) -> tuple[float, float]:
-    """Return a time step for bristles on an inertia, and the shortest time constant of both [s].
-
-    Parameters
-    ----------
-    law : LuGre
-        The law.
-    load : float
-        Normal force [N].
-    inertia : float
-        Inertia of what slips [kg].
-
-    Returns
-    -------
-    tuple of float
-        Step and time constant.
-    """
+    """Return a time step for bristles on an inertia, and the shortest time constant of both [s]."""
     stiffness, damping = law.bristle_stiffness * load, law.bristle_damping * load
     shortest = math.sqrt(inertia / stiffness)
     if damping > 0.0:

@@ -19,8 +19,6 @@ from stickslip.exports.program import (
 )
 from stickslip.formulation import Block, Syntax
 
-__all__ = ["MATLAB", "MODELICA", "C", "Language", "Written", "contains", "written"]
-
 WIDTH: Final = 96
 SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
 
@@ -138,30 +136,7 @@ def written(
     results: bool,
     depth: int = 1,
 ) -> Written:
-    """Return what stands inside of a function.
-
-    Parameters
-    ----------
-    function : Function
-        The function.
-    language : Language
-        The language.
-    program : str
-        Name of the program.
-    constants : sequence of Constant
-        Parameters of the law.
-    functions : mapping of str to Function
-        All functions of the program by name, for the results of calls.
-    results : bool
-        Whether results are declared like other variables.
-    depth : int
-        Levels of indentation.
-
-    Returns
-    -------
-    Written
-        Lines.
-    """
+    """Return what stands inside of a function."""
     block = Block(language.syntax, depth)
     _Writer(block=block, language=language, program=program, functions=functions).write(
         function.body
@@ -186,20 +161,7 @@ def written(
 
 
 def contains(lines: Sequence[str], name: str) -> bool:
-    """Return whether a line contains a name as a word.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        The lines.
-    name : str
-        The name.
-
-    Returns
-    -------
-    bool
-        Whether one does.
-    """
+    """Return whether a line contains a name as a word."""
     word = re.compile(rf"\b{name}\b")
     return any(word.search(line) for line in lines)
 

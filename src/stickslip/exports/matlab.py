@@ -11,8 +11,6 @@ from stickslip.exports.program import Function
 from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
 
-__all__ = ["Matlab"]
-
 BLOCK: Final = "block"
 
 

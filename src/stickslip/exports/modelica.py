@@ -15,8 +15,6 @@ from stickslip.exports.program import Function, Variable
 from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
 
-__all__ = ["Modelica", "modelica_unit"]
-
 DEPTH = 2
 STOPPED = "            reinit(v, 0.0);"
 

@@ -6,23 +6,6 @@ from typing import TypeAlias, final
 
 import symengine as se
 
-__all__ = [
-    "Assign",
-    "Branch",
-    "Call",
-    "Constant",
-    "Function",
-    "Leave",
-    "Repeat",
-    "Statement",
-    "Variable",
-    "assigned",
-    "called",
-    "floored",
-    "renamed",
-    "used",
-]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -133,40 +116,14 @@ class Function:
 
 
 def floored(name: str, value: se.Expr) -> tuple[Statement, ...]:
-    """Return the assignment of a value, or of 0 where it is negative.
-
-    Parameters
-    ----------
-    name : str
-        The name.
-    value : Expr
-        The value.
-
-    Returns
-    -------
-    tuple of Statement
-        The assignment.
-    """
+    """Return the assignment of a value, or of 0 where it is negative."""
     zero = se.Integer(0)
     below = Branch(se.Symbol(name), zero, (Assign((name,), (zero,)),))
     return Assign((name,), (value,)), below
 
 
 def renamed(body: tuple[Statement, ...], names: Mapping[str, str]) -> tuple[Statement, ...]:
-    """Return statements with other names of variables.
-
-    Parameters
-    ----------
-    body : tuple of Statement
-        The statements.
-    names : mapping of str to str
-        New names by old ones; none of them occurs in the statements.
-
-    Returns
-    -------
-    tuple of Statement
-        The statements.
-    """
+    """Return statements with other names of variables."""
     symbols = {se.Symbol(old): se.Symbol(new) for old, new in names.items()}
 
     def called_by(old: tuple[str, ...]) -> tuple[str, ...]:

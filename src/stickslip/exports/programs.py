@@ -11,8 +11,6 @@ from stickslip.exports.languages import Language, Written, written
 from stickslip.exports.program import Constant, Function, called
 from stickslip.exports.subject import Subject
 
-__all__ = ["Source", "commented"]
-
 WIDTH = 96
 
 
@@ -53,22 +51,7 @@ class Source:
         )
 
     def inside(self, function: Function, *, results: bool, depth: int = 1) -> Written:
-        """Return what stands inside of a function.
-
-        Parameters
-        ----------
-        function : Function
-            One of `functions`.
-        results : bool
-            Whether results are declared like other variables.
-        depth : int
-            Levels of indentation.
-
-        Returns
-        -------
-        Written
-            Lines.
-        """
+        """Return what stands inside of a function."""
         return written(
             function,
             self.language,
@@ -89,20 +72,7 @@ class Source:
 
 
 def commented(lines: Sequence[str], before: str) -> Iterator[str]:
-    """Yield lines as comments, long ones folded.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        The lines.
-    before : str
-        What a line of a comment begins with.
-
-    Yields
-    ------
-    str
-        A line.
-    """
+    """Yield lines as comments, long ones folded."""
     for line in lines:
         indent = line[: len(line) - len(line.lstrip())]
         folded = textwrap.wrap(

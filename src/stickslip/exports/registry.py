@@ -11,8 +11,6 @@ from stickslip.exports.matlab import Matlab
 from stickslip.exports.modelica import Modelica
 from stickslip.exports.tables import CsvTable, JsonDocument
 
-__all__ = ["TARGETS"]
-
 TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
     {
         one.name: one

@@ -22,8 +22,6 @@ from stickslip.quantities import Quantity, turned
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["JointFriction", "Simplified", "about_load", "simplified", "steady_force"]
-
 SPEEDS: Final = 2001
 """Speeds in each direction at which the law is compared with its simplification."""
 TIMES: Final = 2001
@@ -85,27 +83,7 @@ class Simplified:
 def steady_force(
     subject: Subject, velocity: NDArray[np.float64], load: float
 ) -> NDArray[np.float64]:
-    """Return the friction force of steady sliding.
-
-    Parameters
-    ----------
-    subject : Subject
-        The law.
-    velocity : array (n,)
-        Slip velocities [m/s].
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    array (n,)
-        Friction forces [N].
-
-    Raises
-    ------
-    InputError
-        If one of them is not finite.
-    """
+    """Return the friction force of steady sliding."""
     law = subject.law
     assert subject.equations is not None  # refuses what is no law
     try:
@@ -123,21 +101,6 @@ def steady_force(
 
 def simplified(subject: Subject) -> Simplified:
     """Return level and damping of a joint for a law, with what they leave.
-
-    Parameters
-    ----------
-    subject : Subject
-        The law, with load and range of speeds.
-
-    Returns
-    -------
-    Simplified
-        The simplification.
-
-    Raises
-    ------
-    InputError
-        If no load or no range of speeds is known.
 
     Examples
     --------
@@ -219,20 +182,7 @@ def _lost(
 
 
 def about_load(subject: Subject, load: float) -> str:
-    """Return that a joint has its friction at one normal force, in a sentence.
-
-    Parameters
-    ----------
-    subject : Subject
-        The law.
-    load : float
-        The normal force [N].
-
-    Returns
-    -------
-    str
-        The sentence.
-    """
+    """Return that a joint has its friction at one normal force, in a sentence."""
     return (
         f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
         if subject.levels == "per load"

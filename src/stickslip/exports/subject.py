@@ -16,8 +16,6 @@ from stickslip.identification import inputs_text
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, turned
 
-__all__ = ["Subject"]
-
 LOAD_TEXT: Final = {
     "per load": "Levels are over the normal force: the load is the normal force in N.",
     "torques per load": "Levels are friction torques over the normal force, in N m per N: the load"
@@ -120,13 +118,7 @@ class Subject:
         return inputs_text(self.at, turning=self.rotary)
 
     def needed_load(self) -> float:
-        """Return the load of tables and joints.
-
-        Raises
-        ------
-        InputError
-            If none is known.
-        """
+        """Return the load of tables and joints."""
         if self.load is not None:
             return self.load
         raise InputError(
@@ -135,13 +127,7 @@ class Subject:
         )
 
     def needed_speed(self) -> float:
-        """Return the end of the range of use [m/s] or [rad/s].
-
-        Raises
-        ------
-        InputError
-            If none is known.
-        """
+        """Return the end of the range of use [m/s] or [rad/s]."""
         if self.largest_speed is not None:
             return self.largest_speed
         unit = turned("m/s", self.rotary)

@@ -12,8 +12,6 @@ from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
 from stickslip.quantities import fields_of, turned
 
-__all__ = ["CsvTable", "JsonDocument"]
-
 EVEN: Final = 200
 """Evenly spaced speeds in each direction."""
 DENSE: Final = 100

@@ -31,18 +31,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep, SoftConstraint, Solver
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "PROGRAMS",
-    "Drake",
-    "Karnopp",
-    "MuJoCo",
-    "MuJoCoMotor",
-    "Program",
-    "Simscape",
-    "Twin",
-    "twin",
-]
-
 SHARE: Final = 0.6
 """Share of break-away of the force under which creep is told, if none is given."""
 TIMES: Final = 4001

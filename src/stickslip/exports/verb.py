@@ -29,6 +29,7 @@ from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification import Fit
 from stickslip.mechanisms import (
     Mechanism,
+    input_field,
     slip_names,
     slips_by_angle,
     static_normal_force,
@@ -39,8 +40,6 @@ from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
     Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | Rig
-
-__all__ = ["export"]
 
 SPEED = Quantity("v_max", "m/s", above=0)
 """End of a range of speeds along a line; about an axis, in rad/s."""
@@ -288,7 +287,8 @@ def _inputs(subject: Subject, target: Target, given: Mapping[str, Given]) -> Map
     for name in asked:
         unit = unit_of_input(name, turning=subject.rotary)
         quantity = CONTACT_INPUTS[name].quantity(unit)
-        own = None if told is None else getattr(told, f"contact_{name}", None)
+        fields = [input_field(one, name) for one in (subject.contact, "")]
+        own = next((getattr(told, one) for one in fields if hasattr(told, one)), None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
             raise InputError(

@@ -18,28 +18,6 @@ from typing import Final, NamedTuple
 
 from stickslip.errors import InputError
 
-__all__ = [
-    "MINUS",
-    "NOT_FINITE",
-    "NO_VALUE",
-    "PLAIN_POWERS",
-    "UNBOUNDED",
-    "EstimateText",
-    "estimate",
-    "estimate_text",
-    "fixed",
-    "interval",
-    "number",
-    "percent",
-    "ratio",
-    "residue",
-    "rounded",
-    "signed",
-    "signed_percent",
-    "significant",
-    "within",
-]
-
 MINUS: Final = "\N{MINUS SIGN}"
 NOT_FINITE: Final = "not finite"
 NO_VALUE: Final = "—"
@@ -65,23 +43,6 @@ class EstimateText(NamedTuple):
 def significant(value: float, digits: int = 3) -> str:
     """Return a number rounded to some significant digits, zeros at its end kept.
 
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        How many digits to keep, at least 1.
-
-    Returns
-    -------
-    str
-        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
-
-    Raises
-    ------
-    InputError
-        If `digits` is below 1.
-
     Examples
     --------
     >>> significant(0.2, 3), significant(24841, 5), significant(2e9, 2), significant(-3.14159)
@@ -104,18 +65,6 @@ def significant(value: float, digits: int = 3) -> str:
 def number(value: float, digits: int = 3) -> str:
     """Return a number rounded to some significant digits, without zeros at its end.
 
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        Significant digits at most.
-
-    Returns
-    -------
-    str
-        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
-
     Examples
     --------
     >>> number(24841.3), number(-0.3), number(2.5e9), number(math.inf)
@@ -130,18 +79,6 @@ def number(value: float, digits: int = 3) -> str:
 def signed(value: float, digits: int = 3) -> str:
     """Return a number as `number` does, with a sign also if it is positive.
 
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        Significant digits at most.
-
-    Returns
-    -------
-    str
-        The number; zero has no sign.
-
     Examples
     --------
     >>> signed(0.25), signed(-0.25), signed(0.0)
@@ -152,18 +89,6 @@ def signed(value: float, digits: int = 3) -> str:
 
 def fixed(value: float, decimals: int) -> str:
     """Return a number with a given number of decimals, for the columns of a table.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    decimals : int
-        How many digits follow the point.
-
-    Returns
-    -------
-    str
-        The number, or what it is in words if it is not finite.
 
     Examples
     --------
@@ -182,23 +107,6 @@ def estimate(value: float, half_width: float) -> str:
 
     The error has one digit, or two if it begins with 1.
 
-    Parameters
-    ----------
-    value : float
-        The estimate.
-    half_width : float
-        Its standard error or half the width of its interval; not negative.
-
-    Returns
-    -------
-    str
-        Such as "158 ± 4". The value alone, with six digits, if the error is below a millionth.
-
-    Raises
-    ------
-    InputError
-        If the half width is negative.
-
     Examples
     --------
     >>> estimate(158.2, 4.1), estimate(231.4, 11.9), estimate(0.0195, 0.00073)
@@ -211,23 +119,6 @@ def estimate(value: float, half_width: float) -> str:
 
 def estimate_text(value: float, half_width: float) -> EstimateText:
     """Return the two parts of `estimate`, for a page that sets them in different sizes.
-
-    Parameters
-    ----------
-    value : float
-        The estimate.
-    half_width : float
-        Its standard error or half the width of its interval; not negative.
-
-    Returns
-    -------
-    EstimateText
-        The two texts; a power of ten, which both have, stands with the second.
-
-    Raises
-    ------
-    InputError
-        If the half width is negative.
 
     Examples
     --------
@@ -252,23 +143,6 @@ def estimate_text(value: float, half_width: float) -> EstimateText:
 def rounded(value: float, half_width: float) -> str:
     """Return a value alone, ending at the digit where `estimate` ends it.
 
-    Parameters
-    ----------
-    value : float
-        The estimate.
-    half_width : float
-        Its standard error or half the width of its interval; not negative.
-
-    Returns
-    -------
-    str
-        The value; three digits of it if the half width is not finite.
-
-    Raises
-    ------
-    InputError
-        If the half width is negative.
-
     Examples
     --------
     >>> rounded(21.13, 0.42), rounded(2.13e-6, 4e-8), rounded(21.13, math.inf)
@@ -281,21 +155,6 @@ def rounded(value: float, half_width: float) -> str:
 
 def interval(low: float, high: float) -> str:
     """Return a range, its ends rounded to two digits of its width.
-
-    Parameters
-    ----------
-    low, high : float
-        The ends; infinite if that side is open.
-
-    Returns
-    -------
-    str
-        Such as "0.249 to 0.261".
-
-    Raises
-    ------
-    InputError
-        If `low` is above `high`.
 
     Examples
     --------
@@ -321,18 +180,6 @@ def interval(low: float, high: float) -> str:
 def within(value: float, low: float, high: float) -> str:
     """Return a value with as many digits as `interval` shows of the range that it lies in.
 
-    Parameters
-    ----------
-    value : float
-        The value.
-    low, high : float
-        The ends of its range; three digits of the value if one of them is infinite.
-
-    Returns
-    -------
-    str
-        Such as "0.255" of 0.249 to 0.261.
-
     Examples
     --------
     >>> within(0.25512, 0.24871, 0.26113), within(4.999965, 4.99985, 5.00008)
@@ -351,16 +198,6 @@ def within(value: float, low: float, high: float) -> str:
 def percent(fraction: float) -> str:
     """Return a fraction in per cent with two digits.
 
-    Parameters
-    ----------
-    fraction : float
-        The fraction: 0.019 is 1.9 %.
-
-    Returns
-    -------
-    str
-        The percentage with its sign if it is negative.
-
     Examples
     --------
     >>> percent(0.019), percent(0.2306), percent(0.999), percent(12.34), percent(0.05)
@@ -376,16 +213,6 @@ def percent(fraction: float) -> str:
 def signed_percent(fraction: float) -> str:
     """Return a fraction in per cent with two digits and always a sign, except for zero.
 
-    Parameters
-    ----------
-    fraction : float
-        The fraction: -0.23 is −23 %.
-
-    Returns
-    -------
-    str
-        The percentage.
-
     Examples
     --------
     >>> signed_percent(0.0191), signed_percent(-0.23), signed_percent(0.0)
@@ -398,16 +225,6 @@ def signed_percent(fraction: float) -> str:
 def ratio(value: float) -> str:
     """Return how many times one thing is another, with two digits.
 
-    Parameters
-    ----------
-    value : float
-        The ratio.
-
-    Returns
-    -------
-    str
-        Such as "3.8 ×".
-
     Examples
     --------
     >>> ratio(3.78), ratio(1.0), ratio(1234.0)
@@ -418,16 +235,6 @@ def ratio(value: float) -> str:
 
 def residue(value: float) -> str:
     """Return a small leftover, such as an energy mismatch, with one digit.
-
-    Parameters
-    ----------
-    value : float
-        The leftover.
-
-    Returns
-    -------
-    str
-        Such as "3 × 10⁻¹⁵"; a true zero is "exactly 0".
 
     Examples
     --------

@@ -5,18 +5,6 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-__all__ = [
-    "NO_BREAK_SPACE",
-    "capital",
-    "count",
-    "in_words",
-    "joined",
-    "lower_first",
-    "parameter_words",
-    "printable",
-    "unbroken",
-]
-
 NO_BREAK_SPACE: Final = "\N{NO-BREAK SPACE}"
 _WORDS: Final = [
     "no",
@@ -57,18 +45,6 @@ def printable(text: str, *, lines: bool = False) -> str:
     Characters that steer a terminal, turn the direction of writing or are no characters are
     replaced by their escapes, which JSON knows too.
 
-    Parameters
-    ----------
-    text : str
-        Any text.
-    lines : bool
-        Whether ends of lines and tabs stay as they are.
-
-    Returns
-    -------
-    str
-        The same text without such characters.
-
     Examples
     --------
     >>> print(printable("\x1b[31mred, \u202edesrever"))
@@ -84,16 +60,6 @@ def printable(text: str, *, lines: bool = False) -> str:
 def unbroken(text: str) -> str:
     r"""Return a text whose lines do not end within a number and its unit, as pages want it.
 
-    Parameters
-    ----------
-    text : str
-        Any text with ordinary spaces.
-
-    Returns
-    -------
-    str
-        The same text with no-break spaces within numbers, doubts, powers of ten and units.
-
     Examples
     --------
     >>> unbroken("158 ± 4 N s/m at (2.5 ± 0.2) × 10⁻⁷ m")
@@ -107,18 +73,6 @@ def unbroken(text: str) -> str:
 def count(size: int, word: str, many: str = "") -> str:
     """Return how many of something there are.
 
-    Parameters
-    ----------
-    size : int
-        How many.
-    word, many : str
-        One of them and several; with an s if not given.
-
-    Returns
-    -------
-    str
-        Number and noun.
-
     Examples
     --------
     >>> count(1, "sample"), count(24841, "sample"), count(0, "gap")
@@ -129,16 +83,6 @@ def count(size: int, word: str, many: str = "") -> str:
 
 def in_words(size: int) -> str:
     """Return a small whole number in words.
-
-    Parameters
-    ----------
-    size : int
-        The number.
-
-    Returns
-    -------
-    str
-        A word up to ten, digits beyond.
 
     Examples
     --------
@@ -151,16 +95,6 @@ def in_words(size: int) -> str:
 def joined(parts: Sequence[str]) -> str:
     """Return a list as it stands in a sentence.
 
-    Parameters
-    ----------
-    parts : sequence of str
-        The items.
-
-    Returns
-    -------
-    str
-        Commas between them, and "and" before the last.
-
     Examples
     --------
     >>> joined(["Dahl", "LuGre", "Stribeck"]), joined(["Dahl"]), joined([])
@@ -171,16 +105,6 @@ def joined(parts: Sequence[str]) -> str:
 
 def capital(text: str) -> str:
     """Return a text with its first letter in upper case, the others as they are.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text as a sentence begins with it.
 
     Examples
     --------
@@ -193,16 +117,6 @@ def capital(text: str) -> str:
 def lower_first(text: str) -> str:
     """Return a text with its first letter in lower case, the others as they are.
 
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text as it goes on within a sentence, after a colon.
-
     Examples
     --------
     >>> lower_first("The rig: mass and stiffness.")
@@ -213,16 +127,6 @@ def lower_first(text: str) -> str:
 
 def parameter_words(path: str) -> str:
     """Return the name of a parameter in words, as it stands within a sentence.
-
-    Parameters
-    ----------
-    path : str
-        Its path or its name.
-
-    Returns
-    -------
-    str
-        The last part of the path, with spaces; proper names begin with a capital.
 
     Examples
     --------

@@ -18,8 +18,6 @@ from stickslip.formatting.numbers import (
     significant,
 )
 
-__all__ = ["Scale", "quantities", "quantity", "scale_of", "span", "unit_text", "with_unit"]
-
 PREFIXES: Final = {
     "m": ((1e3, 1e-3, "km"), (0.1, 1e3, "mm"), (1e-4, 1e6, "µm")),
     "m/s": ((0.1, 1e3, "mm/s"), (1e-4, 1e6, "µm/s")),
@@ -53,53 +51,15 @@ class Scale(NamedTuple):
     """The unit that is shown."""
 
     def number(self, value: float, digits: int = 3) -> str:
-        """Return an SI value in this unit, without the unit.
-
-        Parameters
-        ----------
-        value : float
-            The value, SI.
-        digits : int
-            Significant digits.
-
-        Returns
-        -------
-        str
-            The number.
-        """
+        """Return an SI value in this unit, without the unit."""
         return number(self.factor * value, digits)
 
     def quantity(self, value: float, digits: int = 3) -> str:
-        """Return an SI value with this unit.
-
-        Parameters
-        ----------
-        value : float
-            The value, SI.
-        digits : int
-            Significant digits.
-
-        Returns
-        -------
-        str
-            Number and unit.
-        """
+        """Return an SI value with this unit."""
         return with_unit(self.number(value, digits), self.unit)
 
     def error(self, value: float, digits: int = 3) -> str:
         """Return an SI error or residual with this unit, zeros at its end kept.
-
-        Parameters
-        ----------
-        value : float
-            The error, SI.
-        digits : int
-            Significant digits.
-
-        Returns
-        -------
-        str
-            Number and unit.
 
         Examples
         --------
@@ -110,16 +70,6 @@ class Scale(NamedTuple):
 
     def interval(self, low: float, high: float) -> str:
         """Return an SI range in this unit, its ends rounded to two digits of its width.
-
-        Parameters
-        ----------
-        low, high : float
-            The ends, SI.
-
-        Returns
-        -------
-        str
-            Both ends and unit; one number where they agree to six digits.
 
         Examples
         --------
@@ -133,50 +83,16 @@ class Scale(NamedTuple):
         return with_unit(interval(self.factor * low, self.factor * high), self.unit)
 
     def estimate(self, value: float, half_width: float) -> str:
-        """Return an SI value with its error and this unit.
-
-        Parameters
-        ----------
-        value, half_width : float
-            The value and its standard error or half width, SI.
-
-        Returns
-        -------
-        str
-            Value, error and unit.
-        """
+        """Return an SI value with its error and this unit."""
         return with_unit(estimate(self.factor * value, self.factor * half_width), self.unit)
 
     def estimate_text(self, value: float, half_width: float) -> EstimateText:
-        """Return an SI value and its error apart, without the unit.
-
-        Parameters
-        ----------
-        value, half_width : float
-            The value and its standard error or half width, SI.
-
-        Returns
-        -------
-        EstimateText
-            Two texts.
-        """
+        """Return an SI value and its error apart, without the unit."""
         return estimate_text(self.factor * value, self.factor * half_width)
 
 
 def scale_of(values: Iterable[float], unit: str) -> Scale:
     """Return the multiple of a unit that saves leading zeros; the largest value chooses.
-
-    Parameters
-    ----------
-    values : iterable of float
-        What is to be shown, SI; an array for an axis.
-    unit : str
-        Its SI unit.
-
-    Returns
-    -------
-    Scale
-        Factor and unit; the SI unit itself for zero, and for what is too small for any prefix.
 
     Examples
     --------
@@ -199,22 +115,6 @@ def quantities(
 ) -> list[str]:
     """Return numbers with their unit, which the largest of them chooses.
 
-    Parameters
-    ----------
-    values : sequence of float
-        The numbers, SI.
-    unit : str
-        Their SI unit.
-    digits : int
-        Significant digits.
-    degrees : bool
-        Whether angles are given in degrees: those of a rig, not those of a joint that moves.
-
-    Returns
-    -------
-    list of str
-        One text for each.
-
     Examples
     --------
     >>> quantities([0.156, 0.148], "N"), quantities([0.002, 0.0305], "m")
@@ -231,22 +131,6 @@ def quantities(
 def quantity(value: float, unit: str, digits: int = 3, *, degrees: bool = False) -> str:
     """Return a number with its unit, in thousandths where it would begin with zeros.
 
-    Parameters
-    ----------
-    value : float
-        The number, SI.
-    unit : str
-        Its SI unit; ``"1"`` for a pure number.
-    digits : int
-        Significant digits.
-    degrees : bool
-        Whether an angle is given in degrees.
-
-    Returns
-    -------
-    str
-        Number and unit.
-
     Examples
     --------
     >>> quantity(24.84, "s"), quantity(0.0005, "m"), quantity(1000.02, "Hz"), quantity(5e-8, "m")
@@ -259,20 +143,6 @@ def quantity(value: float, unit: str, digits: int = 3, *, degrees: bool = False)
 
 def span(low: float, high: float, unit: str, digits: int = 3) -> str:
     """Return the ends of a range with the unit that both share.
-
-    Parameters
-    ----------
-    low, high : float
-        The ends, SI.
-    unit : str
-        Their SI unit.
-    digits : int
-        Significant digits.
-
-    Returns
-    -------
-    str
-        Both ends, or one if they read the same.
 
     Examples
     --------
@@ -287,16 +157,6 @@ def span(low: float, high: float, unit: str, digits: int = 3) -> str:
 def unit_text(unit: str) -> str:
     """Return a unit as it is printed: exponents raised, nothing for a pure number.
 
-    Parameters
-    ----------
-    unit : str
-        The unit, such as ``"N s^2/m^2"``.
-
-    Returns
-    -------
-    str
-        The text.
-
     Examples
     --------
     >>> unit_text("N s^2/m^2"), unit_text("1"), unit_text("N/degC")
@@ -310,18 +170,6 @@ def unit_text(unit: str) -> str:
 
 def with_unit(text: str, unit: str) -> str:
     """Return a formatted number and its unit.
-
-    Parameters
-    ----------
-    text : str
-        The number; words such as "unbounded" take no unit.
-    unit : str
-        The unit; ``"1"`` or nothing for a pure number.
-
-    Returns
-    -------
-    str
-        Both.
 
     Examples
     --------

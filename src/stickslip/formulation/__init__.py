@@ -3,7 +3,8 @@
 from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
 from stickslip.formulation.matrix_form import LINKS, mass_fault, mass_vanishes
-from stickslip.formulation.model import Model, formulate, refuse_inputs_of_parts
+from stickslip.formulation.model import formulate
+from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.slip_directions import refuse_singular
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
@@ -22,6 +23,5 @@ __all__ = [
     "formulate",
     "mass_fault",
     "mass_vanishes",
-    "refuse_inputs_of_parts",
     "refuse_singular",
 ]

@@ -13,8 +13,6 @@ from itertools import combinations
 
 import symengine as se
 
-__all__ = ["MOST_TRIALS", "NO_LOOPS", "Loops", "loops_of", "trials_of", "vanishes"]
-
 MOST_TRIALS = 1500
 """Most sets of held contacts that are tried for the cuts of one loop."""
 
@@ -45,18 +43,7 @@ NO_LOOPS = Loops()
 
 
 def vanishes(e: se.Expr) -> bool:
-    """Whether an expression of parameters is 0, whatever these are: tried for two sets of them.
-
-    Parameters
-    ----------
-    e : Expr
-        Expression.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Whether an expression of parameters is 0, whatever these are: tried for two sets of them."""
     if se.expand(e) == 0:
         return True
     symbols = sorted(e.free_symbols, key=str)
@@ -70,18 +57,7 @@ def _trials(symbols: Sequence[se.Symbol]) -> Iterator[dict[se.Symbol, float]]:
 
 
 def trials_of(closing: Sequence[Row]) -> list[tuple[list[int], int]]:
-    """Return how many sets of held contacts are tried for the cuts of each loop.
-
-    Parameters
-    ----------
-    closing : sequence of Row (m, n)
-        Factors of the coordinates in each closing slip.
-
-    Returns
-    -------
-    list of (list of int, int)
-        Indices of the closing slips of each loop, and the number of sets.
-    """
+    """Return how many sets of held contacts are tried for the cuts of each loop."""
     found = []
     for own in _components(closing):
         s = len({j for d in own for j, e in enumerate(closing[d]) if e != 0})
@@ -90,18 +66,7 @@ def trials_of(closing: Sequence[Row]) -> list[tuple[list[int], int]]:
 
 
 def loops_of(closing: Sequence[Row]) -> Loops | None:
-    """Return the cuts of the loops that some slips close.
-
-    Parameters
-    ----------
-    closing : sequence of Row (m, n)
-        Factors of the coordinates in each closing slip.
-
-    Returns
-    -------
-    Loops or None
-        Closing slips, cuts and crossings; None if a loop has too many contacts to try them.
-    """
+    """Return the cuts of the loops that some slips close."""
     cuts: list[Row] = []
     crossings: list[Row] = []
     for own, trials in trials_of(closing):

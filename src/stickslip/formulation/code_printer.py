@@ -13,8 +13,6 @@ from stickslip.formulation.infix import INDENT, Block, Syntax
 from stickslip.formulation.trace import collapsed
 from stickslip.kernels.state_layout import NUMBERS
 
-__all__ = ["Case", "Cases", "function", "program"]
-
 Case = Sequence[se.Expr]
 """The expressions that one case of a function writes, in order."""
 
@@ -38,27 +36,16 @@ PYTHON: Final = Syntax(
 )
 
 
-def program(functions: Mapping[str, Cases], parameters: Collection[int]) -> tuple[str, int]:
+def program(
+    functions: Mapping[str, Cases], parameters: Collection[int], first: int
+) -> tuple[str, int]:
     """Return the text of functions, and how many constants they read.
 
-    Functions of parameters alone, such as the sine of an incline, become constants behind the
+    Functions of parameters alone, such as the sine of an incline, become constants behind all
     parameters: ``constants`` writes them, once for a run. What only one side of a switch needs is
     left where it is.
-
-    Parameters
-    ----------
-    functions : mapping of str to Cases
-        Cases of each function by its name.
-    parameters : collection of int
-        Numbers of the symbols p that are parameters.
-
-    Returns
-    -------
-    tuple of str and int
-        Text of the definitions, and the number of constants.
     """
     everything = [e for cases in functions.values() for case in cases.values() for e in case]
-    first = max(parameters, default=0) + 1
     calls = _calls_of(everything, {f"p{i}" for i in parameters})
     if calls:
         found = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}
@@ -105,18 +92,6 @@ def function(name: str, cases: Cases) -> str:
 
     Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after
     it; the results go to the place ``to`` and after it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function.
-    cases : Cases
-        Expressions by the value of ``mode``.
-
-    Returns
-    -------
-    str
-        Text of the definition, which ends with a line break.
     """
     lines = [f"def {name}(mode, flags, t, w, at, to):"]
     for mode, case in cases.items():

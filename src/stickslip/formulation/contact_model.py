@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import symengine as se
 
@@ -23,11 +24,9 @@ from stickslip.friction import (
     Laws,
     bristle_names,
 )
-from stickslip.kernels.header import ContactSizes
+from stickslip.kernels.header import ContactSizes, law_rows
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
-
-__all__ = ["contact_model"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +46,19 @@ class _Own:
     structures: tuple[FrictionLaw, ...]
     """A law of each structure."""
 
+    def shadows(self, rows: Sequence[int], board: Switchboard) -> dict[str, FrictionLaw]:
+        """Return laws by contact whose parameters are symbols, of which each row begins before."""
+        twins = []
+        for row, (prefix, one) in zip(rows, self.distinct, strict=False):
+            place = {p: row + i for i, (p, _, _) in enumerate(parameters(one, prefix), 1)}
+            symbol = partial(_symbol, place, board)
+            twins.append(shadow(one, prefix, symbol))
+        return {name: twins[index] for name, index in zip(self.contacts, self.shared, strict=True)}
+
+
+def _symbol(place: Mapping[str, int], board: Switchboard, path: str) -> Traced:
+    return Traced(se.Symbol(f"p{place[path]}"), board)
+
 
 def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
     if isinstance(law, Laws):
@@ -64,34 +76,25 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
 
 
 def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
-    """Trace a mechanism with several contacts and their laws.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        The law that all contacts share, or the law of each.
-    slopes : bool, default False
-        Whether to derive the parts with respect to parameters, too.
-
-    Returns
-    -------
-    Model
-        Text of the parts of the equations and the meaning of their numbers.
-    """
+    """Trace a mechanism with several contacts and their laws."""
     own = _own_laws(mechanism, law)
     board = Switchboard()
     paths = [path for path, _, _ in parameters(mechanism, "mechanism")]
     first = 4 * len(mechanism.drives()) + 1
     index = {path: first + i for i, path in enumerate(paths)}
-    twin = shadow(mechanism, "mechanism", lambda p: Traced(se.Symbol(f"p{index[p]}"), board))
+    twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
     bristles = [len(one.states) for one in own.laws]
     constants = frozenset(f"p{i}" for i in index.values())
     symbols = symbols_of(twin, sum(bristles), constants, board)
+    rows = law_rows(
+        first + len(paths),
+        [len(list(parameters(one, prefix))) for prefix, one in own.distinct],
+        [len(one.inputs) for one in own.laws],
+        bristles,
+    )
     parts = derive_parts(
         twin,
-        own.contacts,
+        own.shadows(rows, board),
         symbols.t,
         dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
         dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
@@ -111,7 +114,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
         along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
     columns = equations.part_slopes(along)
-    text, found = program(_functions(equations, columns), index.values())
+    text, found = program(_functions(equations, columns), index.values(), rows[-1])
     sizes = _sizes(
         mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
         constants=found,
@@ -182,6 +185,7 @@ class _Equations:
         self.forces = [closed(e) for e in parts.forces]
         self.given_forces = [e.subs(symbols.given) for e in parts.forces[:n]]
         self.loads = [closed(e) for e in parts.loads]
+        self.inputs = [closed(e) for own in parts.inputs for e in own.values()]
         self.supplied = closed(parts.supplied)
         self.efforts = [closed(e) for e in parts.efforts.values()]
         self.limits = [closed(e) for e in parts.limits.values()]
@@ -216,8 +220,8 @@ class _Equations:
         """Return the derivatives of all parts, by row, along each variable; None is in no part.
 
         Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
-        and of held ones; then come loads, how contacts slip, margins of switches, and places and
-        restitutions of stops.
+        and of held ones; then come loads, how contacts slip, margins of switches, places and
+        restitutions of stops, and contact inputs.
         """
         behind = _motion(self.symbols, 0).accelerations
         rows = [-e for e in self.forces]
@@ -225,7 +229,7 @@ class _Equations:
             rows[i] += entry * behind[j]
             if j < i < len(self.parts.coordinates):
                 rows[j] += entry * behind[i]
-        rows += [*self.loads, *self.geometry, *self.margins, *self.walls]
+        rows += [*self.loads, *self.geometry, *self.margins, *self.walls, *self.inputs]
         names = [_names(e) for e in rows]
         return [
             {
@@ -252,10 +256,9 @@ class _Equations:
         return not any(self.varies(e) for e in self.parts.mass.values())
 
     def constant_loads(self) -> bool:
-        """Whether all prescribed loads are constant."""
-        return not any(_flags(e) for e in self.loads) and not any(
-            _names(e) & (self.moving | self._driven()) for e in self.loads
-        )
+        """Whether all prescribed loads and contact inputs are constant."""
+        given = [*self.loads, *self.inputs]
+        return not any(_flags(e) or _names(e) & (self.moving | self._driven()) for e in given)
 
     def _driven(self) -> set[str]:
         """Return the symbols of the drives' numbers, which change from piece to piece."""
@@ -318,6 +321,7 @@ def _sizes(
         kinds=own.kinds,
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
+        inputs_of=tuple(len(one.inputs) for one in own.laws),
         bristles_of=tuple(bristles),
         holds=tuple(one.holds for one in own.laws),
         directional=tuple(one.directional for one in own.laws),
@@ -345,7 +349,7 @@ def _functions(equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]) 
     same: Mapping[str, Sequence[se.Expr]] = {
         "forces": equations.forces,
         "masses": list(parts.mass.values()),
-        "loads": equations.loads,
+        "loads": [*equations.loads, *equations.inputs],
         "geometry": equations.geometry,
         "force_slopes": [*equations.slopes.values(), *equations.time_slopes.values()],
         "energy": [parts.energy],

@@ -18,12 +18,11 @@ from stickslip.formulation.mechanics import Rows, lagrange_rows
 from stickslip.formulation.prescribed_motion import guides_of, own_limits
 from stickslip.formulation.slip_directions import SlipDirections, direction_of, slip_directions
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 from stickslip.kernels.header import LAW_NUMBERS
-from stickslip.mechanisms import Contact, Mechanism
+from stickslip.maths import Scalar
+from stickslip.mechanisms import Contact, Mechanism, of_contact
 from stickslip.quantities import parameters, shadow
-
-__all__ = ["ContactParts", "LawParts", "derive_parts", "law_parts"]
 
 
 @dataclass(frozen=True)
@@ -50,6 +49,8 @@ class ContactParts:
     """Forces on the moving coordinates, then on the held ones, friction left out."""
     loads: tuple[se.Expr, ...]
     """Prescribed load of each contact, 0 where it is a reaction."""
+    inputs: tuple[Mapping[str, se.Expr], ...]
+    """What the law of each contact asks of it, by name."""
     energy: se.Expr
     """Kinetic and potential energy [J]."""
     supplied: se.Expr
@@ -81,7 +82,7 @@ class Motion:
 
 def derive_parts(
     mechanism: Mechanism,
-    rubbing: Sequence[str],
+    rubbing: Mapping[str, FrictionLaw],
     t: se.Symbol,
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
@@ -89,38 +90,7 @@ def derive_parts(
     motion: Motion,
     board: Switchboard,
 ) -> ContactParts:
-    """Trace the energies, forces and contacts of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    rubbing : sequence of str
-        Names of the contacts that have a law.
-    t : Symbol
-        Time [s].
-    q : mapping of str to Symbol
-        Symbols of the coordinates by name, in their order.
-    q_dot : mapping of str to Symbol
-        Symbols of the rates by name of the coordinate.
-    drives : mapping of str to Symbol
-        Symbols of the drives' values by name.
-    motion : Motion
-        Symbols of accelerations and friction.
-    board : Switchboard
-        Collects the switches met in the energies and forces.
-
-    Returns
-    -------
-    ContactParts
-        The parts.
-
-    Raises
-    ------
-    InputError
-        If the contacts do not determine what they should, or a guide or a limit does not fit the
-        mechanism.
-    """
+    """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
     contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
@@ -128,7 +98,9 @@ def derive_parts(
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
     )
-    loads = _loads(mechanism, contacts, t, places, rates, drives, board)
+    seen = [{k: Traced(s, board) for k, s in given.items()} for given in (places, rates, drives)]
+    loads = _loads(mechanism, contacts, mechanism.loads(Traced(t, board), *seen))
+    informed = _informed(mechanism, rubbing, Traced(t, board), *seen)
     _check_shares(mechanism, contacts, directions, held)
     guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
     arms = [_along(direction_of(one.slip), held) for one in contacts]
@@ -136,7 +108,7 @@ def derive_parts(
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
     forces, mass = _guided(rows, guides)
     traced = {name: Traced(force, board) for name, force in reactions.items()}
-    limits = own_limits(mechanism, traced)
+    limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
     _check_switches(mechanism, motion, board)
     guided = mechanism.guided()
     work = [reactions[name] * q_dot[name] for name in guided]
@@ -151,6 +123,10 @@ def derive_parts(
         mass=mass,
         forces=forces,
         loads=loads,
+        inputs=tuple(
+            {name: expression(law.contact(name)) for name in law.inputs}
+            for law in (informed[one.name] for one in contacts)
+        ),
         energy=rows.energy,
         supplied=rows.supplied + sum(work, se.Integer(0)),
         efforts={guide.effort: reactions[name] for name, guide in guided.items()},
@@ -306,18 +282,33 @@ def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:
             )
 
 
-def _loads(
+def _informed(
     mechanism: Mechanism,
-    contacts: Sequence[Contact],
-    t: se.Symbol,
-    q: Mapping[str, se.Expr],
-    q_dot: Mapping[str, se.Expr],
-    drives: Mapping[str, se.Expr],
-    board: Switchboard,
+    rubbing: Mapping[str, FrictionLaw],
+    t: Traced,
+    *motion: Mapping[str, Traced],
+) -> Mapping[str, FrictionLaw]:
+    """Return laws that see what the mechanism tells of their contacts."""
+    if not any(law.inputs for law in rubbing.values()):
+        return rubbing
+    told = mechanism.contact_inputs(t, *motion)
+    return {name: bound(law, of_contact(told, name)) for name, law in rubbing.items()}
+
+
+def _limits_of_laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> dict[str, Scalar]:
+    """Return what ends a run because a law has no meaning beyond it, with the contact's name."""
+    alone = len(mechanism.contacts()) == 1
+    return {
+        limit if alone else f"{contact}: {limit}": margin
+        for contact, law in laws.items()
+        for limit, margin in (law.limits() if law.inputs else {}).items()
+    }
+
+
+def _loads(
+    mechanism: Mechanism, contacts: Sequence[Contact], given: Mapping[str, Scalar]
 ) -> tuple[se.Expr, ...]:
     """Return the prescribed loads, 0 where a load is a reaction."""
-    traced = [{k: Traced(s, board) for k, s in given.items()} for given in (q, q_dot, drives)]
-    given = mechanism.loads(Traced(t, board), *traced)
     known = [one.name for one in mechanism.contacts()]
     for name in given:
         if name not in known:
@@ -347,7 +338,7 @@ class LawParts:
     """As `kernels.contacts.assembly.ask_law` writes them."""
     slopes: Mapping[int, Sequence[se.Expr]]
     """Derivatives of constant and factor of friction and level, and of the rates of bristles, with
-    respect to speed, parameters, bristles and load: a row each."""
+    respect to speed, parameters, contact inputs, bristles and load: a row each."""
     margins: Sequence[se.Expr]
     """Margins of its switches."""
     margin_slopes: Sequence[se.Expr]
@@ -373,37 +364,24 @@ class LawParts:
 
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
-    """Trace a law: y0 is the slip speed, then come its parameters, its bristles and its load.
+    """Trace a law: y0 is the slip speed, then come parameters, contact inputs, bristles and load.
 
     These are the variables along which slopes are taken, in this order.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law; its values do not matter.
-    bristles : int
-        How many bristle states it has.
-
-    Returns
-    -------
-    LawParts
-        Its numbers in both directions of slip.
-
-    Raises
-    ------
-    InputError
-        If it has a latched switch that outlasts slip.
-    TracingError
-        If friction is not affine in the load.
     """
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}
     twin = shadow(law, "friction", lambda path: Traced(se.Symbol(f"y{place[path]}"), board))
     speed, load = se.Symbol("y0"), se.Symbol("N")
-    states = tuple(se.Symbol(f"y{len(paths) + 1 + k}") for k in range(bristles))
-    own_load = se.Symbol(f"y{len(paths) + 1 + bristles}")
-    variables = [speed, *(se.Symbol(f"y{place[path]}") for path in paths), *states, own_load]
+    variables = [
+        speed,
+        *(se.Symbol(f"y{1 + k}") for k in range(len(paths) + len(law.inputs) + bristles + 1)),
+    ]
+    own_load, states = variables[-1], variables[-1 - bristles : -1]
+    inputs = variables[1 + len(paths) :]
+    twin = bound(
+        twin, {name: Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)}
+    )
     numbers, slopes = {}, {}
     for side in (1, -1):
         one = twin.towards(side)

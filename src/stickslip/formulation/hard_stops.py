@@ -8,8 +8,6 @@ import symengine as se
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Mechanism, stops_of
 
-__all__ = ["Wall", "derive_walls", "impact_events", "wall_guards"]
-
 SIDES = {"lower": -1, "upper": 1}
 
 
@@ -30,20 +28,7 @@ class Wall:
 
 
 def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
-    """Return the stops of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    q : mapping of str to Symbol
-        Symbols of the coordinates by name, in their order.
-
-    Returns
-    -------
-    tuple of Wall
-        A wall for each stop, in the order of `stops_of`.
-    """
+    """Return the stops of a mechanism whose parameters are symbols."""
     names = list(q)
     found = []
     for stop in stops_of(mechanism):
@@ -64,22 +49,7 @@ def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall
 def impact_events(
     walls: Sequence[Wall], coordinates: Sequence[str], slip: int | None
 ) -> tuple[str | None, ...]:
-    """Return what an impact of each coordinate is called, None where it has no stop.
-
-    Parameters
-    ----------
-    walls : sequence of Wall
-        Hard stops.
-    coordinates : sequence of str (n,)
-        Names of the coordinates.
-    slip : int or None
-        Index of the slip coordinate, None where several contacts rub.
-
-    Returns
-    -------
-    tuple of str or None (n,)
-        Reasons of events.
-    """
+    """Return what an impact of each coordinate is called, None where it has no stop."""
     names = ["hits stop" if i == slip else f"{q} hits stop" for i, q in enumerate(coordinates)]
     stopped = {wall.coordinate for wall in walls}
     return tuple(name if i in stopped else None for i, name in enumerate(names))
@@ -89,20 +59,6 @@ def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
     """Return the margins that a mode watches.
 
     A body that slips one way meets the stop on that side only, and one that is held meets none.
-
-    Parameters
-    ----------
-    walls : sequence of Wall (m,)
-        Hard stops.
-    slip : int
-        Index of the slip coordinate.
-    mode : int
-        1 slip forward, -1 slip backward, 0 stick, 2 and -2 pressed against a stop.
-
-    Returns
-    -------
-    list of Expr (m,)
-        Margins, in the units of the coordinates; the constant 0 where a stop is not watched.
     """
     watched = [wall.coordinate != slip or wall.side == mode for wall in walls]
     return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]

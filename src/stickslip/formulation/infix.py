@@ -15,8 +15,6 @@ import symengine as se
 from stickslip.errors import TracingError
 from stickslip.formulation.trace import has_switch
 
-__all__ = ["INDENT", "Block", "Syntax"]
-
 INDENT = "    "
 
 
@@ -66,15 +64,7 @@ class Block:
         self.lines.append(INDENT * self.depth + text)
 
     def assign(self, name: str, value: str) -> None:
-        """Add the assignment of a text to a name.
-
-        Parameters
-        ----------
-        name : str
-            The name.
-        value : str
-            Text of its value.
-        """
+        """Add the assignment of a text to a name."""
         self.line(self.syntax.assign.format(name=name, value=value))
 
     def fresh(self) -> str:

@@ -14,8 +14,6 @@ from stickslip.formulation.trace import Switchboard, Traced, collapsed
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["JointTorques"]
-
 Array = NDArray[np.float64]
 
 
@@ -62,25 +60,6 @@ class JointTorques:
         """Derive the forces, and find whether they are linear in some parameters.
 
         Where they are not, slopes are those at the values of the mechanism.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves; drives of its own count as not there.
-        linear : sequence of str
-            Paths of the parameters that slopes are wanted by.
-        by_position : bool, default False
-            Whether slopes by the coordinates are wanted too.
-
-        Returns
-        -------
-        JointTorques
-            The forces as a function of the motion.
-
-        Raises
-        ------
-        InputError
-            If the mechanism has latched switches.
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
@@ -128,23 +107,7 @@ class JointTorques:
     def along(
         self, mechanism: Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
     ) -> tuple[Array, Array]:
-        """Return the forces along a motion, and their slopes.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            The mechanism with its parameters' values.
-        time : array (n,)
-            Times [s].
-        q, q_dot, q_ddot : array (n, m)
-            Coordinates, their rates and their accelerations.
-
-        Returns
-        -------
-        (array (n, m), array (n, m, k))
-            Forces [N] or torques [N m], and what a unit of each parameter adds to them; with
-            `by_position`, what a unit of each coordinate does behind these (n, m, k + m).
-        """
+        """Return the forces along a motion, and their slopes."""
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
         fixed = np.broadcast_to([values[path] for path in self.paths], (len(time), len(self.paths)))
         table = np.column_stack([time, q, q_dot, q_ddot, fixed])
@@ -153,20 +116,7 @@ class JointTorques:
         return found[:, :count], found[:, count:].reshape(len(time), count, -1)
 
     def inertias(self, mechanism: Mechanism, q: Array) -> Array:
-        """Return what moves as each coordinate does (m,), all else at rest.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            The mechanism with its parameters' values.
-        q : array (m,)
-            Where it is.
-
-        Returns
-        -------
-        array (m,)
-            Diagonal of the mass matrix [kg] or [kg m^2].
-        """
+        """Return what moves as each coordinate does (m,), all else at rest."""
         count = len(self.coordinates)
         places, none = np.tile(q, (count, 1)), np.zeros((count, count))
         time = np.zeros(count)

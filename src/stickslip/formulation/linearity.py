@@ -6,8 +6,6 @@ import symengine as se
 
 from stickslip.formulation.trace import LONGEST, has_switch
 
-__all__ = ["linear_where"]
-
 MOST_SWITCHES = 4
 """A mode that depends on more switches than this is not examined."""
 
@@ -15,22 +13,7 @@ MOST_SWITCHES = 4
 def linear_where(
     expressions: Sequence[se.Expr], variables: Sequence[se.Symbol], switches: Sequence[se.Symbol]
 ) -> se.Expr:
-    """Return 1 where all expressions are affine in the variables together, else 0.
-
-    Parameters
-    ----------
-    expressions : sequence of Expr
-        Rates and guards of a mode.
-    variables : sequence of Symbol
-        States and time.
-    switches : sequence of Symbol
-        Symbols of the switches; the answer is a choice between numbers where it depends on them.
-
-    Returns
-    -------
-    Expr
-        1, 0, or a choice between them by the switches; 0 where there are too many switches to try.
-    """
+    """Return 1 where all expressions are affine in the variables together, else 0."""
     names = {str(s) for e in expressions for s in e.free_symbols}
     used = [switch for switch in switches if str(switch) in names]
     if len(used) > MOST_SWITCHES:

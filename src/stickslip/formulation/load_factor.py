@@ -6,31 +6,9 @@ from stickslip.errors import TracingError
 from stickslip.formulation.trace import collapsed
 from stickslip.friction import FrictionLaw
 
-__all__ = ["load_factor"]
-
 
 def load_factor(law: FrictionLaw, friction: se.Expr, load: se.Symbol) -> se.Expr:
-    """Return b of friction a + b N.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, for the message.
-    friction : Expr
-        Its friction force or its break-away level.
-    load : Symbol
-        The load N.
-
-    Returns
-    -------
-    Expr
-        The derivative with respect to the load.
-
-    Raises
-    ------
-    TracingError
-        If it depends on the load itself.
-    """
+    """Return b of friction a + b N."""
     factor = collapsed(friction.diff(load))
     if se.expand(collapsed(factor.diff(load))) != 0:
         raise TracingError(

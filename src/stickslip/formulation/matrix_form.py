@@ -13,8 +13,6 @@ from stickslip.formatting import number
 from stickslip.formulation.trace import expression, is_zero
 from stickslip.mechanisms import MatrixMechanism
 
-__all__ = ["mass_fault", "mass_vanishes", "matrix_rows", "matrix_supply"]
-
 FEW = 3
 """Coordinates that are eliminated by symbols, at most."""
 SAME = 1e-9
@@ -33,27 +31,7 @@ SINGULAR = 1e-13
 def matrix_rows(
     mechanism: MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
 ) -> list[se.Expr]:
-    """Return the mass matrix row by row, those of held coordinates last.
-
-    Parameters
-    ----------
-    mechanism : MatrixMechanism
-        Mechanism with `mass_matrix`.
-    places : mapping of str to object
-        Traced coordinates by name, held ones included.
-    held : sequence of str (m,)
-        Names of the coordinates held at 0.
-
-    Returns
-    -------
-    ((n + m) n,)
-        Entries of the matrix, rows one after the other.
-
-    Raises
-    ------
-    InputError
-        If the matrix does not have n + m rows of n entries, or is not symmetric.
-    """
+    """Return the mass matrix row by row, those of held coordinates last."""
     n = len(mechanism.coordinates)
     rows = [list(row) for row in mechanism.mass_matrix(places)]
     if len(rows) != n + len(held) or any(len(row) != n for row in rows):
@@ -119,20 +97,7 @@ def _asymmetry(
 
 
 def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
-    """Return what is wrong with a mass matrix at a place: nothing, or a sentence.
-
-    Parameters
-    ----------
-    mechanism : MatrixMechanism
-        Mechanism with `mass_matrix`.
-    places : sequence of float (n,)
-        Coordinates, in their order and units.
-
-    Returns
-    -------
-    str
-        Which rows and columns are not symmetric or not positive definite; empty if all are.
-    """
+    """Return what is wrong with a mass matrix at a place: nothing, or a sentence."""
     names, owner = mechanism.coordinates, type(mechanism).__name__
     n, mass = len(names), _mass_at(mechanism, places)
     q = dict(zip(names, map(float, places), strict=True))
@@ -172,26 +137,7 @@ def matrix_supply(
     places: Mapping[str, se.Symbol],
     speeds: Mapping[str, se.Symbol],
 ) -> se.Expr:
-    """Return the power supplied [W]: what is given, or what the forces do beyond the energies.
-
-    Parameters
-    ----------
-    given : object
-        What `MatrixMechanism.power` returned: an expression, or None.
-    energy : Expr
-        Kinetic and potential energy [J].
-    force : mapping of str to Expr
-        Generalised forces by coordinate, friction left out.
-    places : mapping of str to Symbol
-        Symbols of the coordinates by name.
-    speeds : mapping of str to Symbol
-        Symbols of the rates by name of the coordinate.
-
-    Returns
-    -------
-    Expr
-        Power supplied [W].
-    """
+    """Return the power supplied [W]: what is given, or what the forces do beyond the energies."""
     if given is not None:
         return expression(given)
     pairs = [(f * speeds[i], energy.diff(places[i]) * speeds[i]) for i, f in force.items()]
@@ -201,20 +147,7 @@ def matrix_supply(
 
 
 def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Sequence[float]) -> bool:
-    """Whether some motion has next to no mass any more at the end of a run.
-
-    Parameters
-    ----------
-    mechanism : MatrixMechanism
-        Mechanism with `mass_matrix`.
-    start, end : sequence of float (n,)
-        Coordinates as the run begins and ends.
-
-    Returns
-    -------
-    bool
-        Whether the least of them is a millionth of what it was, or less.
-    """
+    """Whether some motion has next to no mass any more at the end of a run."""
     before, after = (_mass_at(mechanism, places) for places in (start, end))
     scale = 1.0 / np.sqrt(before.diagonal())
     least = [np.linalg.eigvalsh(m * np.outer(scale, scale))[0] for m in (before, after)]

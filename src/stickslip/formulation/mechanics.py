@@ -15,8 +15,6 @@ from stickslip.formulation.slip_directions import SlipDirections
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression, is_zero
 from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism, only_contact, slip_of
 
-__all__ = ["Mechanics", "Motion", "Rows", "derive_mechanics", "lagrange_rows"]
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -100,20 +98,7 @@ class Mechanics:
         return found
 
     def surplus(self, row: int, accelerations: Sequence[se.Expr]) -> se.Expr:
-        """Return the force that a coordinate needs beside those that act on it.
-
-        Parameters
-        ----------
-        row : int
-            Index of the coordinate; held ones follow the moving ones.
-        accelerations : sequence of Expr (n,)
-            Accelerations of the moving coordinates.
-
-        Returns
-        -------
-        Expr
-            Generalised force [unit of energy over that of the coordinate].
-        """
+        """Return the force that a coordinate needs beside those that act on it."""
         inertia = [self.mass[row, j] * a for j, a in enumerate(accelerations)]
         return sum(inertia, se.Integer(0)) - self.forces[row]
 
@@ -127,18 +112,6 @@ class Mechanics:
 
         The mass matrix is solved first; what remains is one scalar equation for N, whose pivot
         1 + (row M^-1 W) factor vanishes only where the physics does (Painleve).
-
-        Parameters
-        ----------
-        constant : Expr
-            Part of the friction force that does not depend on the normal force [N].
-        factor : Expr
-            Friction force over the normal force, with the sign of the slip velocity [1].
-
-        Returns
-        -------
-        Motion
-            Accelerations, normal force and pivot of the scalar equation for it.
         """
         n = len(self.coordinates)
         free = self._solved(self.free, constant)
@@ -174,20 +147,7 @@ class Mechanics:
         return found
 
     def power(self, motion: Motion, rates: Sequence[se.Expr]) -> se.Expr:
-        """Return the power supplied, that of the guides included.
-
-        Parameters
-        ----------
-        motion : Motion
-            Accelerations and normal force.
-        rates : sequence of Expr (n,)
-            Rates of the moving coordinates.
-
-        Returns
-        -------
-        Expr
-            Power [W].
-        """
+        """Return the power supplied, that of the guides included."""
         guiding = [self.surplus(i, motion.accelerations) * rates[i] for i in self.guides]
         return self.supplied + sum(guiding, se.Integer(0))
 
@@ -208,18 +168,7 @@ class Mechanics:
         return rows
 
     def rates_after(self, rates: Sequence[se.Expr]) -> list[list[se.Expr]]:
-        """Return the rates after an impact at each stop, then those after one that does not bounce.
-
-        Parameters
-        ----------
-        rates : sequence of Expr (n,)
-            Rates of the moving coordinates before.
-
-        Returns
-        -------
-        list of list of Expr (2 m, n)
-            Rates after the impact, first with the restitution of each of the m stops, then with 0.
-        """
+        """Return the rates after an impact at each stop, then those without a bounce."""
         wide = 3 + len(rates)
         rows = self.wall_rows()
         walls = [rows[i : i + wide] for i in range(0, len(rows), wide)]
@@ -308,32 +257,7 @@ def lagrange_rows(
     board: Switchboard,
     directions: SlipDirections | None = None,
 ) -> Rows:
-    """Trace the energies and forces of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    t : Symbol
-        Time [s].
-    q : mapping of str to Symbol
-        Symbols of the coordinates by name, in their order.
-    q_dot : mapping of str to Symbol
-        Symbols of the rates by name of the coordinate.
-    drives : mapping of str to Symbol
-        Symbols of the drives' values by name.
-    held : sequence of str
-        Names of the coordinates held at 0.
-    board : Switchboard
-        Collects the switches met in the energies and forces.
-    directions : SlipDirections, optional
-        What the symbols of the coordinates stand for, if not for those of the mechanism.
-
-    Returns
-    -------
-    Rows
-        Mass matrix, forces, energy and power.
-    """
+    """Trace the energies and forces of a mechanism whose parameters are symbols."""
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
     traced = functools.partial(_traced, board=board)
@@ -375,28 +299,7 @@ def derive_mechanics(
     drives: Mapping[str, se.Symbol],
     board: Switchboard,
 ) -> Mechanics:
-    """Trace the energies and forces of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    t : Symbol
-        Time [s].
-    q : mapping of str to Symbol
-        Symbols of the coordinates by name, in their order.
-    q_dot : mapping of str to Symbol
-        Symbols of the rates by name of the coordinate.
-    drives : mapping of str to Symbol
-        Symbols of the drives' values by name.
-    board : Switchboard
-        Collects the switches met in the energies and forces.
-
-    Returns
-    -------
-    Mechanics
-        Mass matrix, forces, energy, power and stops of the moving coordinates.
-    """
+    """Trace the energies and forces of a mechanism whose parameters are symbols."""
     contact = only_contact(mechanism)
     held = held_of(mechanism)
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)

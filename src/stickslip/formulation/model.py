@@ -5,8 +5,6 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
-from stickslip.errors import InputError
-from stickslip.formatting import joined
 from stickslip.formulation.code_printer import Case, Cases, program
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
@@ -22,9 +20,6 @@ from stickslip.kernels.header import ModeSizes
 from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
-__all__ = ["Model", "formulate", "refuse_inputs_of_parts"]
-
-
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
 """Models by the structure of their mechanism and law, those last asked for at the end."""
 MOST_MODELS = 256
@@ -35,21 +30,6 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
 
     Equations of the same structure are traced once in a process. With `slopes` the text has the
     derivatives with respect to parameters too.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contact; one law that all its contacts share, or the law of each.
-    slopes : bool, default False
-        Whether to derive the equations with respect to parameters, as sensitivities need.
-
-    Returns
-    -------
-    Model
-        Text of the equations and the meaning of their numbers; parameters enter it by place, not
-        value.
 
     Examples
     --------
@@ -81,41 +61,8 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     return mapped or type(mechanism).loads is not Mechanism.loads
 
 
-def refuse_inputs_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:
-    """Refuse laws with contact inputs where equations are parts, which do not tell laws of any.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contact, or the law of each.
-
-    Raises
-    ------
-    InputError
-        With the law and its inputs.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, SpringBlock
-    >>> refuse_inputs_of_parts(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2))
-    """
-    laws = law.members if isinstance(law, Laws) else (("", law),)
-    for contact, one in laws:
-        if one.inputs and _is_of_parts(mechanism, law):
-            where = f" of the contact {contact!r}" if contact else ""
-            raise InputError(
-                f"runs of {type(mechanism).__name__} have no laws with contact inputs: these need a"
-                " mechanism with one contact that slips along one coordinate, under a load that is"
-                f" constant or a reaction. The law {one.name}{where} depends on"
-                f" {joined(one.inputs)}: give a law without inputs."
-            )
-
-
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
-    refuse_inputs_of_parts(mechanism, law)
     if _is_of_parts(mechanism, law):
         return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts
@@ -124,7 +71,8 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     quantities = _quantities(symbols, index.values()) if slopes else []
     switches = list(board.switches.values())
     functions = _functions(symbols, mechanics, modes, board, quantities)
-    text, constants = program(functions, index.values())
+    first = 4 * len(symbols.drives) + 1 + len(index)
+    text, constants = program(functions, index.values(), first)
     sizes = _sizes(symbols, mechanics, modes, len(switches), len(index), constants)
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",

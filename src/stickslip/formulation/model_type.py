@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from stickslip.kernels.header import Sizes
 
-__all__ = ["Model"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
@@ -58,18 +56,5 @@ class Model:
         return (*own, *self.channels)
 
     def column(self, kind: str, contact: str) -> str:
-        """Return the column of a contact: its name stands in it where there are several.
-
-        Parameters
-        ----------
-        kind : str
-            What it holds, such as ``"friction"``.
-        contact : str
-            Name of the contact.
-
-        Returns
-        -------
-        str
-            Name of the column.
-        """
+        """Return the column of a contact: its name stands in it where there are several."""
         return kind if self.alone else f"{kind}:{contact}"

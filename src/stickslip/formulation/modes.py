@@ -13,8 +13,6 @@ from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw
 from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
-__all__ = ["PAINLEVE", "Mode", "ModeEquations", "mode_equations"]
-
 PAINLEVE = "painleve"
 """What a limit is called that every mechanism has whose normal force depends on friction."""
 
@@ -103,29 +101,7 @@ def mode_equations(
     constants: frozenset[str],
     board: Switchboard,
 ) -> Mapping[Mode, ModeEquations]:
-    """Return the equations of every mode that the law has.
-
-    Parameters
-    ----------
-    mechanics : Mechanics
-        Equations of motion with friction left open.
-    law : FrictionLaw
-        Friction of the contact; its parameters are symbols.
-    coordinate_rates : sequence of Symbol (n,)
-        Symbols of the rates, in the order of the coordinates.
-    bristles : sequence of Symbol (b,)
-        Symbols of the bristle states.
-    constants : frozenset of str
-        Names of the symbols that do not change with time: parameters.
-    board : Switchboard
-        Collects the switches; its signs are set for each mode and cleared afterwards.
-
-    Returns
-    -------
-    mapping of Mode to ModeEquations
-        Equations of slip in both directions, of stick unless bristles alone carry friction, and of
-        rest pressed against each stop of the slip coordinate.
-    """
+    """Return the equations of every mode that the law has."""
     velocity = coordinate_rates[mechanics.slip]
     context = _Context(
         mechanics, law, velocity, list(coordinate_rates), list(bristles), constants, board

@@ -7,8 +7,6 @@ import symengine as se
 from stickslip.errors import InputError
 from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 
-__all__ = ["guides_of", "held_of", "own_limits"]
-
 TAKEN = ("t", "friction", "normal_force", "mode")
 """Columns that every run has."""
 RESERVED = ("lift-off", "painleve")
@@ -16,23 +14,7 @@ RESERVED = ("lift-off", "painleve")
 
 
 def held_of(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the coordinates held at 0, the contact's normal one first.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism.
-
-    Returns
-    -------
-    tuple of str
-        Names of the held coordinates.
-
-    Raises
-    ------
-    InputError
-        If a held coordinate also moves or is held twice.
-    """
+    """Return the coordinates held at 0, the contact's normal one first."""
     normal = normal_of(mechanism)
     held = (*(() if normal is None else (normal,)), *mechanism.held())
     for name in held:
@@ -47,27 +29,7 @@ def held_of(mechanism: Mechanism) -> tuple[str, ...]:
 def guides_of(
     mechanism: Mechanism, slips: Sequence[str], drives: Mapping[str, se.Symbol]
 ) -> dict[int, se.Expr]:
-    """Return the accelerations of guided coordinates by index.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism.
-    slips : sequence of str
-        Coordinates along which its contacts slip.
-    drives : mapping of str to Symbol
-        Symbols of the drives' values by name.
-
-    Returns
-    -------
-    dict of int to Expr
-        Symbol of the acceleration by index of the coordinate.
-
-    Raises
-    ------
-    InputError
-        If a guide does not fit the mechanism, such as one of an unknown coordinate.
-    """
+    """Return the accelerations of guided coordinates by index."""
     found = {}
     for name, guide in mechanism.guided().items():
         wrong = _fault(mechanism, slips, name, guide, list(drives))
@@ -105,25 +67,7 @@ def _fault(
 
 
 def own_limits(mechanism: Mechanism, forces: Mapping[str, object]) -> Mapping[str, object]:
-    """Return the limits that a mechanism has of its own.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism.
-    forces : mapping of str to object
-        Forces that limits may ask for, by name.
-
-    Returns
-    -------
-    mapping of str to object
-        Margins by the name of the limit, positive while the run may go on.
-
-    Raises
-    ------
-    InputError
-        If a limit asks for an unknown force, or has the name of one that the solver knows itself.
-    """
+    """Return the limits that a mechanism has of its own."""
     owner = type(mechanism).__name__
     try:
         limits = mechanism.limits(forces)

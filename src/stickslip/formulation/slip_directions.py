@@ -26,8 +26,6 @@ from stickslip.formulation.closed_loops import (
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 
-__all__ = ["SlipDirections", "direction_of", "refuse_singular", "slip_directions"]
-
 SINGULAR = 1e-12
 """Volume of slips of length 1 below which they count as dependent: digits are gone by then."""
 
@@ -51,52 +49,19 @@ class SlipDirections:
     """Closing slips over the coordinates of the equations, and how loops break open."""
 
     def seen(self, symbols: Sequence[se.Symbol]) -> list[se.Expr]:
-        """Return the mechanism's coordinates, or their rates, by symbols of the equations' ones.
-
-        Parameters
-        ----------
-        symbols : sequence of Symbol (n,)
-            Symbols of the coordinates of the equations, or of their rates.
-
-        Returns
-        -------
-        list of Expr (n,)
-            Those of the mechanism.
-        """
+        """Return the mechanism's coordinates, or their rates, by symbols of the equations' ones."""
         if not self.backward:
             return list(symbols)
         return [_product(row, symbols) for row in self.backward]
 
     def along(self, forces: Sequence[se.Expr]) -> list[se.Expr]:
-        """Return generalised forces along the coordinates of the equations.
-
-        Parameters
-        ----------
-        forces : sequence of Expr (n,)
-            Those along the coordinates of the mechanism.
-
-        Returns
-        -------
-        list of Expr (n,)
-            Forces of the same power.
-        """
+        """Return generalised forces along the coordinates of the equations."""
         if not self.backward:
             return list(forces)
         return [_product(column, forces) for column in zip(*self.backward, strict=True)]
 
     def congruent(self, mass: Sequence[Sequence[se.Expr]]) -> list[list[se.Expr]]:
-        """Return a mass matrix, of held coordinates below it, for the coordinates of the equations.
-
-        Parameters
-        ----------
-        mass : sequence of sequence of Expr (n + held, n)
-            That of the coordinates of the mechanism.
-
-        Returns
-        -------
-        list of list of Expr (n + held, n)
-            Of the same energy.
-        """
+        """Return a mass matrix for the coordinates of the equations, held ones below it."""
         if not self.backward:
             return [list(row) for row in mass]
         columns = [self.along(row) for row in mass]
@@ -113,18 +78,7 @@ def _product(row: Sequence[se.Expr], others: Sequence[se.Expr]) -> se.Expr:
 
 
 def direction_of(way: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
-    """Return a slip, or a normal direction, as factors by coordinate.
-
-    Parameters
-    ----------
-    way : str or mapping or None
-        A coordinate, or factors by coordinate.
-
-    Returns
-    -------
-    dict of str to Expr
-        Factors.
-    """
+    """Return a slip, or a normal direction, as factors by coordinate."""
     if way is None:
         return {}
     if isinstance(way, str):
@@ -133,26 +87,7 @@ def direction_of(way: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
 
 
 def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDirections:
-    """Return the coordinates along which contacts slip.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    contacts : sequence of Contact
-        The contacts that rub.
-
-    Returns
-    -------
-    SlipDirections
-        A coordinate for each contact, and the change of coordinates.
-
-    Raises
-    ------
-    InputError
-        If a contact slips along no moving coordinate, if no coordinate can be replaced by a slip,
-        or if a loop of contacts is too large.
-    """
+    """Return the coordinates along which contacts slip."""
     names, owner = list(mechanism.coordinates), type(mechanism).__name__
     rows = [_row(mechanism, one, names) for one in contacts]
     kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
@@ -206,19 +141,6 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
 
 def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
     """Refuse values of parameters at which slips cannot take the places of coordinates.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism with its values.
-    contacts : mapping of str to int
-        Index of the coordinate that stands for the slip of each contact that rubs; an index beyond
-        all coordinates is that of a slip that follows from others.
-
-    Raises
-    ------
-    InputError
-        If the change of coordinates is singular.
 
     Examples
     --------

@@ -7,8 +7,6 @@ import symengine as se
 from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["Symbols", "symbols_of"]
-
 
 @dataclass(frozen=True)
 class Symbols:
@@ -44,24 +42,7 @@ class Symbols:
 def symbols_of(
     twin: Mechanism, bristles: int, constants: frozenset[str], board: Switchboard
 ) -> Symbols:
-    """Return the symbols of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    twin : Mechanism
-        The mechanism.
-    bristles : int
-        Number of bristle states.
-    constants : frozenset of str
-        Names of the symbols that do not change with time: parameters.
-    board : Switchboard
-        Collects the switches met in smooth drives.
-
-    Returns
-    -------
-    Symbols
-        The symbols.
-    """
+    """Return the symbols of a mechanism whose parameters are symbols."""
     n = len(twin.coordinates)
     y = [se.Symbol(f"y{i}") for i in range(2 * n + bristles)]
     t = se.Symbol("t")

@@ -16,18 +16,7 @@ import symengine as se
 from typing_extensions import override
 
 from stickslip.errors import TracingError
-
-__all__ = [
-    "LONGEST",
-    "Condition",
-    "Switch",
-    "Switchboard",
-    "Traced",
-    "collapsed",
-    "expression",
-    "has_switch",
-    "is_zero",
-]
+from stickslip.maths import NO_COMPARISON
 
 LONGEST = 2000
 """Characters of an expression beyond which it is not expanded to look for cancellations."""
@@ -62,22 +51,7 @@ class Switchboard:
     def switch(
         self, margin: se.Expr, events: tuple[str, str] | None, hold: se.Expr | None = None
     ) -> Switch:
-        """Return the switch of a margin, a new one if it was not met before.
-
-        Parameters
-        ----------
-        margin : Expr
-            Positive where the condition holds.
-        events : (str, str) or None
-            Names in the events of a run; None for a switch that stays inside.
-        hold : Expr, optional
-            What the switch lasts by once it is on, if it is latched.
-
-        Returns
-        -------
-        Switch
-            The switch; names given later for a known margin are ignored.
-        """
+        """Return the switch of a margin, a new one if it was not met before."""
         key = str(se.expand(margin)) + ("" if hold is None else f" while {se.expand(hold)}")
         if key not in self.switches:
             symbol = se.Symbol(f"s{len(self.switches)}")
@@ -122,26 +96,7 @@ class Switchboard:
         events: tuple[str, str] | None = None,
         hold: se.Expr | None = None,
     ) -> se.Expr:
-        """Return `yes` where the margin is positive, else `no`.
-
-        Parameters
-        ----------
-        margin : Expr
-            Positive where the condition holds.
-        yes : Expr
-            Value where it holds.
-        no : Expr
-            Value where it does not.
-        events : (str, str), optional
-            Names in the events of a run, when the condition comes true and ceases to hold.
-        hold : Expr, optional
-            What the choice of `yes` lasts by, if it is latched.
-
-        Returns
-        -------
-        Expr
-            One of the two where the sign is known or both are the same, else a choice by a switch.
-        """
+        """Return `yes` where the margin is positive, else `no`."""
         sign = self.known_sign(margin)
         if sign is not None:
             return yes if sign > 0 else no
@@ -270,6 +225,8 @@ class Traced:
         if name == "latched":
             margin, hold, yes, no = map(expression, arguments)
             return self._new(self.board.choose(margin, yes, no, hold=hold))
+        if name == "where":
+            raise TracingError(NO_COMPARISON)
         if name == "sign":
             return self._new(self.board.choose(self.expr, se.Integer(1), se.Integer(-1)))
         return self._new(getattr(se, name)(self.expr))
@@ -315,18 +272,7 @@ class Condition:
 
 
 def is_zero(e: se.Expr) -> bool:
-    """Whether the terms of an expression cancel; long ones are not examined.
-
-    Parameters
-    ----------
-    e : Expr
-        An expression.
-
-    Returns
-    -------
-    bool
-        Whether it is known to be 0.
-    """
+    """Whether the terms of an expression cancel; long ones are not examined."""
     return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
 
 

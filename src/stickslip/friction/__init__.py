@@ -93,13 +93,16 @@ INSIDE = {
     "anywhere": "base",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
+    "curves_beside": "parts.curves",
     "force_parameters": "base",
     "given_to": "by_contact",
     "is_bound": "base",
     "is_composition": "registry",
+    "law_of": "by_contact",
     "listed": "registry",
     "rungs": "ladder",
     "said_of": "classes",
+    "simpler_laws": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -20,11 +20,13 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
+from stickslip.friction.by_contact import law_of as law_of
 from stickslip.friction.classes import said_of as said_of
 from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.ladder import Rung as Rung
 from stickslip.friction.ladder import rungs as rungs
 from stickslip.friction.ladder import usual_specifications as usual_specifications
+from stickslip.friction.parts.curves import curves_beside as curves_beside
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -45,6 +47,7 @@ from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
+from stickslip.friction.registry import simpler_laws as simpler_laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar

@@ -16,19 +16,6 @@ from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
-__all__ = [
-    "BristleLaw",
-    "Containment",
-    "FrictionLaw",
-    "Passivity",
-    "SetValuedLaw",
-    "Typical",
-    "anywhere",
-    "bound",
-    "force_parameters",
-    "is_bound",
-]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -53,17 +40,6 @@ class Containment:
 
     def embed(self, simpler: "FrictionLaw") -> dict[str, float] | None:
         """Return values of the richer law that make it the simpler one.
-
-        Parameters
-        ----------
-        simpler : FrictionLaw
-            A law of the contained type.
-
-        Returns
-        -------
-        dict of str to float, or None
-            By name, without those that have no effect and those that go to infinity. None if the
-            simpler law has values for which the richer one does not contain it.
 
         Examples
         --------
@@ -390,25 +366,7 @@ L = TypeVar("L", bound=FrictionLaw)
 
 
 def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
-    """Return a law whose equations see inputs of the contact, such as its temperature.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    inputs : mapping of str to float or array
-        Its `inputs` by name, in SI units; arrays along a record.
-
-    Returns
-    -------
-    FrictionLaw
-        A law with the same parameters, equal to the other one.
-
-    Raises
-    ------
-    InputError
-        If an input of the law is not given.
-    """
+    """Return a law whose equations see inputs of the contact, such as its temperature."""
     for name in law.inputs:
         if name not in inputs:
             given = ", ".join(inputs) or "none"

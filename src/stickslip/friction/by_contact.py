@@ -8,8 +8,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.base import FrictionLaw
 from stickslip.quantities import Group
 
-__all__ = ["Friction", "Laws", "assigned", "bristle_names", "given_to"]
-
 T = TypeVar("T")
 
 
@@ -48,25 +46,6 @@ Friction: TypeAlias = FrictionLaw | Mapping[str, FrictionLaw | None] | Laws
 def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
     """Return laws by contact, checked; or the one law that a single contact has, or all share.
 
-    Parameters
-    ----------
-    contacts : tuple of str
-        Names of the mechanism's contacts.
-    law : FrictionLaw or mapping of str to FrictionLaw
-        A law, or laws by the name of the contact; None where nothing rubs.
-
-    Returns
-    -------
-    FrictionLaw or Laws
-        The law that is shared, or the laws in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If a contact has no law, or a law is none.
-    UnknownNameError
-        If there is no contact of a name.
-
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -97,25 +76,6 @@ def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
 def given_to(contacts: tuple[str, ...], laws: Mapping[str, T | None]) -> dict[str, T | None]:
     """Return what is given for each contact, in their order.
 
-    Parameters
-    ----------
-    contacts : tuple of str
-        Names of the mechanism's contacts.
-    laws : mapping of str to object
-        Laws, types or names of laws by the name of the contact; None where nothing rubs.
-
-    Returns
-    -------
-    dict of str to object
-        The same, in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If a contact is left out, or none has a law.
-    UnknownNameError
-        If there is no contact of a name.
-
     Examples
     --------
     >>> given_to(("shoulder", "elbow"), {"elbow": "coulomb", "shoulder": None})
@@ -138,37 +98,12 @@ def given_to(contacts: tuple[str, ...], laws: Mapping[str, T | None]) -> dict[st
 
 
 def law_of(contact: str, law: FrictionLaw | Laws) -> FrictionLaw | None:
-    """Return the law of a contact, None where nothing rubs.
-
-    Parameters
-    ----------
-    contact : str
-        Name of the contact.
-    law : FrictionLaw or Laws
-        A law that is shared, or laws by contact.
-
-    Returns
-    -------
-    FrictionLaw or None
-        The law.
-    """
+    """Return the law of a contact, None where nothing rubs."""
     return dict(law.members).get(contact) if isinstance(law, Laws) else law
 
 
 def bristle_names(contacts: tuple[str, ...], law: FrictionLaw | Laws) -> tuple[str, ...]:
     """Return the names of the bristle states; with several contacts, ``z:elbow`` and its like.
-
-    Parameters
-    ----------
-    contacts : tuple of str
-        Names of the mechanism's contacts.
-    law : FrictionLaw or Laws
-        The laws, as `assigned` returns them.
-
-    Returns
-    -------
-    tuple of str
-        Names in the order of the contacts.
 
     Examples
     --------

@@ -18,8 +18,6 @@ from stickslip.friction.parts.base import Memory, Parameter
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.text import for_floats
 
-__all__ = ["CATALOGUE", "HOME", "Entry", "class_of", "composed", "said_of"]
-
 HOME = "stickslip.friction.registry"
 """Module in which pickle looks for classes without a name."""
 PUBLIC = "stickslip.friction"
@@ -88,18 +86,7 @@ class Entry:
 
 
 def said_of(law: Any) -> Iterator[tuple[str, str]]:
-    """Yield what an entry, or a class, says of its law beside formula and sources.
-
-    Parameters
-    ----------
-    law : Entry or type of FrictionLaw
-        The law.
-
-    Yields
-    ------
-    (str, str)
-        Heading and text.
-    """
+    """Yield what an entry, or a class, says of its law beside formula and sources."""
     if law.composition is not None:
         yield "Composition", str(law.composition)
     if law.typical is not None:
@@ -124,13 +111,6 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
 
     The statement says what the law is called and where it comes from. It may give parameters a
     default, or another quantity, as a dataclass does. Fields and equations are those of the parts.
-
-    Parameters
-    ----------
-    text : str
-        The composition.
-    names : mapping of str to str, optional
-        Fields by the names that parts have for them, where these differ.
     """
 
     def entered(statement: type) -> Entry:

@@ -6,17 +6,6 @@ from typing_extensions import Doc
 
 from stickslip.quantities import Quantity
 
-__all__ = [
-    "BristleDamping",
-    "BristleStiffness",
-    "FadingExponent",
-    "KineticCoefficient",
-    "StaticCoefficient",
-    "StribeckVelocity",
-    "ViscousCoefficient",
-    "ViscousExponent",
-]
-
 KineticCoefficient = Annotated[
     float,
     Quantity("mu_k", low=0, scale="level", bounds=(0.0, 100.0), start=1.0),

@@ -23,8 +23,6 @@ from stickslip.friction.notation import (
 from stickslip.friction.parts.base import Extra, Factor, Level, Parameter, Part, Slip
 from stickslip.quantities import Quantity
 
-__all__ = ["SIDES", "Choose", "Composition", "Leaf"]
-
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
 
@@ -261,7 +259,9 @@ class Composition:
 
     def _check(self) -> None:
         """Refuse levels that have nothing to stand on."""
-        if self.memory is not None and not any(leaf.part.name == "level" for leaf in self.inside):
+        if self.memory is not None and not any(
+            leaf.part.name in ("level", "table") for leaf in self.inside
+        ):
             self._refuse(
                 f"has {self.inside[0]} without level, by which a memory divides: write level +"
                 f" {self.inside[0]}."

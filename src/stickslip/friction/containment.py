@@ -23,8 +23,6 @@ from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import fields_of
 
-__all__ = ["Contained", "containment_of"]
-
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
 Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
@@ -48,19 +46,6 @@ class Contained:
 def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Containment | None:
     """Return how a type of law contains another one; None if it does not.
 
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    simpler : type
-        Type of the simpler one.
-
-    Returns
-    -------
-    Containment or None
-        The values at which the richer law is the simpler one. Of laws that are not composed of
-        parts, only what they declare at first hand.
-
     Examples
     --------
     >>> from stickslip import Coulomb, Dahl, LuGre
@@ -83,6 +68,24 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
             fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
             return found if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
+
+
+def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[str]]]:
+    """Yield the compositions one step simpler than a law, and which of its parameters each lacks.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> for term, gone in one_step_simpler(law("dahl(level) + drag")):
+    ...     print(term, sorted(gone))
+    level + drag ['bristle_stiffness', 'yield_exponent']
+    dahl(level) ['quadratic_coefficient']
+    """
+    if kind.made_of is None:
+        return
+    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
+    for term, values, limits in _reductions(kind.made_of.term):
+        yield term, frozenset(fields[one] for one in (*values, *limits) if one in fields)
 
 
 @functools.cache

@@ -21,24 +21,9 @@ from stickslip.friction.parts.base import (
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import unchecked
 
-__all__ = ["equations_of", "one_way"]
-
 
 def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, Any]:
-    """Return the methods of the class of a composition, by name.
-
-    Parameters
-    ----------
-    c : Composition
-        The composition.
-    one_way : callable
-        Gives the class of its law in one direction, of one that differs between the directions.
-
-    Returns
-    -------
-    dict of str to callable
-        Methods; of laws with memory the names of the states as well.
-    """
+    """Return the methods of the class of a composition, by name."""
     more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
         return more | _set_valued(c)

@@ -9,8 +9,6 @@ from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction.composition import Composition, Leaf
 from stickslip.friction.parts.base import Extra, Flow, Level, SmoothLevel
 
-__all__ = ["formula_of"]
-
 SGN = r"\operatorname{sgn} v"
 GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta", "xi")
 

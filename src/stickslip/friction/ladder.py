@@ -7,8 +7,6 @@ from typing import final
 
 from stickslip.friction.registry import CandidateSpec, law, laws, specification
 
-__all__ = ["Rung", "rungs", "usual_specifications"]
-
 BELOW = ("viscous", "coulomb")
 """Laws below the lowest rung."""
 

@@ -14,22 +14,8 @@ from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Parameter, Part
+from stickslip.friction.parts.curves import curve_text
 from stickslip.quantities import Quantity
-
-__all__ = [
-    "BOTH_WAYS",
-    "OPTIONAL",
-    "PER_DIRECTION",
-    "Around",
-    "Name",
-    "Product",
-    "Sum",
-    "Term",
-    "canonical",
-    "read",
-    "summed",
-    "terms_of",
-]
 
 OPTIONAL = ("step", "peak")
 """Parts that laws of one name may have or not."""
@@ -105,6 +91,13 @@ class Name(Term):
     def __post_init__(self) -> None:
         if self.name != BOTH_WAYS and self.name not in PARTS:
             raise UnknownNameError("part of a friction law", self.name, (*PARTS, BOTH_WAYS))
+        if self.name != BOTH_WAYS and PARTS[self.name].argument == "curve":
+            if not self.argument:
+                raise InputError(
+                    f'{self.name} does not say which curve: write {self.name}["curve.csv"], a file'
+                    f" of speeds and levels, or its points, {self.name}[0: 2, 0.01: 1.8]."
+                )
+            object.__setattr__(self, "argument", curve_text(self.argument))
         if self.argument and self.name == BOTH_WAYS and self.argument != "levels":
             raise InputError(
                 f"{self}: the brackets of both_ways hold nothing (all parameters differ between the"
@@ -290,19 +283,12 @@ TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+*])|(?P<other>\S))"
 )
 
-LONGEST, DEEPEST = 500, 20
-"""Characters and brackets of a law: one with all parts in it has fewer."""
+LONGEST, DEEPEST = 2_000, 20
+"""Characters and brackets of a law: one with all parts and a curve of measured levels has fewer."""
 
 
 def read(text: str) -> Term:
     """Return the term that a text stands for.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read; the message names the place.
-    UnknownNameError
-        If it names a part that does not exist.
 
     Examples
     --------
@@ -366,6 +352,8 @@ class _Reader:
         kind, argument, _ = self.here()
         self.at += kind == "argument"
         given = argument[1:-1].split(",") if kind == "argument" else ()
+        if argument[1:2] in ("'", '"'):
+            given = (argument[1:-1],)  # the name of a file
         try:
             name = Name(word.replace("-", "_"), ", ".join(one.strip() for one in given))
         except UnknownNameError as error:

@@ -21,9 +21,6 @@ from stickslip.friction.base import FrictionLaw
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["PRINTED_EQUATIONS", "PRINTED_FORMS", "PrintedForm", "RightEquation"]
-
-
 Mu = Annotated[float, Quantity("mu_k", low=0)]
 MuStatic = Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]
 Sigma0 = Annotated[float, Quantity("sigma_0", "N/m", above=0)]
@@ -89,44 +86,11 @@ class PrintedForm(Parametrised, ABC):
     def force(
         self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
-        """Return the friction force [N] that the printed equation gives.
-
-        Parameters
-        ----------
-        velocity : float
-            Slip velocity [m/s].
-        load : float
-            Normal force [N].
-        states : tuple of float
-            Bristle deflection [m] of the forms that have one.
-        applied : float
-            Sum of the other forces on the body [N], the paper's F_x, which some forms use at rest.
-
-        Returns
-        -------
-        float
-            Friction force by the sign rule of the package [N]: it acts against the slip velocity
-            where it has its sign.
-        """
+        """Return the friction force [N] that the printed equation gives."""
 
     @abstractmethod
     def rates(self, velocity: float, load: float, states: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the rates of the bristle states, empty where there are none.
-
-        Parameters
-        ----------
-        velocity : float
-            Slip velocity [m/s].
-        load : float
-            Normal force [N].
-        states : tuple of float
-            Bristle deflection [m] of the forms that have one.
-
-        Returns
-        -------
-        tuple of float
-            Rate of the deflection [m/s].
-        """
+        """Return the rates of the bristle states, empty where there are none."""
 
 
 @dataclass(frozen=True, kw_only=True)

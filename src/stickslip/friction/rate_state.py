@@ -13,8 +13,6 @@ from typing_extensions import override
 from stickslip.errors import ParameterError
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["RATE_STATE_FORMS", "Evolution", "RateState", "RateStateForm"]
-
 Array: TypeAlias = NDArray[np.float64]
 Evolution: TypeAlias = Literal["ageing", "slip", "prz", "nagata", "none"]
 

@@ -1,8 +1,9 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
+import contextlib
 import functools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -13,23 +14,11 @@ from stickslip.friction import LAW_MODULES
 from stickslip.friction import named as entries
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.classes import CATALOGUE, Entry, class_of
+from stickslip.friction.containment import one_step_simpler
 from stickslip.friction.notation import Term, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
-from stickslip.quantities import gathered, named, own_classes
-
-__all__ = [
-    "LAWS",
-    "CandidateSpec",
-    "contained_laws",
-    "is_composition",
-    "law",
-    "law_type",
-    "laws",
-    "listed",
-    "special_specifications",
-    "specification",
-]
+from stickslip.quantities import fields_of, gathered, named, own_classes
 
 
 @final
@@ -63,6 +52,8 @@ class _Lazy(Mapping[str, type[FrictionLaw]]):
 LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
+LINEAR = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
+"""Scales of parameters in which friction is linear."""
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
@@ -82,20 +73,7 @@ class CandidateSpec:
 
     @classmethod
     def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
-        """Return a law with all it can fit.
-
-        Parameters
-        ----------
-        name : str
-            Key of the candidate.
-        law : FrictionLaw or type
-            The law, whose title is taken.
-
-        Returns
-        -------
-        CandidateSpec
-            The candidate, with all parameters of the law's `fit_order` free.
-        """
+        """Return a law with all it can fit."""
         return cls(name=name, title=law.title, law=law)
 
 
@@ -173,11 +151,6 @@ def special_specifications() -> tuple[CandidateSpec, ...]:
 def specification(name: str) -> CandidateSpec:
     """Return the candidate for records of that name: a special one, or a law with all it can fit.
 
-    Raises
-    ------
-    UnknownNameError
-        With the nearest known names.
-
     Examples
     --------
     >>> specification("dahl").free
@@ -197,24 +170,6 @@ def specification(name: str) -> CandidateSpec:
 def law(composition: str | Term) -> type[FrictionLaw]:
     """Return the class of laws that a composition stands for; the same one each time.
 
-    Parameters
-    ----------
-    composition : str or term
-        Parts, such as ``"lugre(level + stribeck) + power"``: ``+`` puts parts beside each other,
-        brackets stand around what a memory, a smooth sign or ``both_ways`` is applied to.
-
-    Returns
-    -------
-    type
-        Subclass of `FrictionLaw`; that of the package where the composition has a name.
-
-    Raises
-    ------
-    InputError
-        If the text cannot be read, or its parts cannot stand together.
-    UnknownNameError
-        If it names an unknown part.
-
     Examples
     --------
     >>> law("viscous + level").__name__
@@ -225,10 +180,17 @@ def law(composition: str | Term) -> type[FrictionLaw]:
     >>> Thinning.title, Thinning.contained[0].law
     ('dahl(level + lorentz) + power', 'dahl')
     """
-    term = read(composition) if isinstance(composition, str) else composition
-    if not isinstance(term, Term):
+    if not isinstance(composition, str | Term):
         raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
-    return class_of(term)
+    text = str(composition).strip()
+    named = CATALOGUE.get(text)
+    if named is not None and text != named.composition:
+        part = " is a part, and" if text in PARTS else ""
+        raise InputError(
+            f"{text!r}{part} is the name of the law {named.composition}: give that"
+            f" composition, or take the class stickslip.friction.{named.statement.__name__}."
+        )
+    return class_of(read(composition) if isinstance(composition, str) else composition)
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:
@@ -272,6 +234,27 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     ('dahl', 'stribeck', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
+
+
+def simpler_laws(
+    kind: type[FrictionLaw], free: Collection[str] | None = None
+) -> tuple[type[FrictionLaw], ...]:
+    """Return the laws that a type of law contains at first hand, with a name and without.
+
+    Examples
+    --------
+    >>> [one.name for one in simpler_laws(law("dahl(level + lorentz) + viscous"))]
+    ['hess-soom', 'dahl', 'dahl(level) + viscous']
+    """
+    known, fields = laws(), fields_of(kind)
+    names = kind.fit_order if free is None else free
+    searched = {name for name in names if name in fields and fields[name].scale not in LINEAR}
+    found = [known[one.law] for one in kind.contained if one.law in known]
+    for term, gone in one_step_simpler(kind):
+        if searched & gone:
+            with contextlib.suppress(InputError):  # parts that cannot stand together
+                found.append(class_of(term))
+    return tuple(dict.fromkeys(found))
 
 
 def _walk(kind: type[FrictionLaw]) -> Iterator[str]:

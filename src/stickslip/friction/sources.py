@@ -2,8 +2,6 @@
 
 from types import MappingProxyType
 
-__all__ = ["SOURCES"]
-
 SOURCES = MappingProxyType(
     {
         "paper": "Modelling of the pendulum-driven cart system with friction.",

@@ -9,8 +9,6 @@ from stickslip.friction.base import bound
 from stickslip.maths import Scalar, latched, power, sign
 from stickslip.quantities import fields_of, unchecked
 
-__all__ = ["for_floats"]
-
 
 @final
 class Written:

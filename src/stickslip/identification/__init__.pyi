@@ -88,6 +88,7 @@ from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
 from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import far_above_dry as far_above_dry
+from stickslip.identification.results import spanning as spanning
 from stickslip.identification.sensor_response import SensorResponse as SensorResponse
 from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import inside as inside
@@ -113,8 +114,10 @@ from stickslip.identification.travels.model import uncertainties_of as uncertain
 from stickslip.identification.travels.propagation import covariance_of as covariance_of
 from stickslip.identification.travels.result import TravelFit as TravelFit
 from stickslip.identification.travels.several_travels import expected_fit as expected_fit
+from stickslip.identification.travels.several_travels import law_from as law_from
 from stickslip.identification.travels.start_values import Start as Start
 from stickslip.identification.travels.start_values import doubling_slope as doubling_slope
+from stickslip.identification.travels.start_values import nuisances_of as nuisances_of
 from stickslip.identification.travels.start_values import required_of as required_of
 from stickslip.identification.travels.start_values import starting_law as starting_law
 from stickslip.identification.travels.start_values import starting_points as starting_points
@@ -132,6 +135,7 @@ from stickslip.identification.validation import covers as covers
 from stickslip.identification.validation import law_quantities as law_quantities
 from stickslip.identification.validation import laws_of as laws_of
 from stickslip.identification.validation import names_of as names_of
+from stickslip.identification.validation import refuse_of_laws as refuse_of_laws
 
 __all__ = [
     "Estimate",

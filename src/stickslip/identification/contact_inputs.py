@@ -10,53 +10,34 @@ from numpy.typing import NDArray
 
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Drive, Sampled
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, unit_of_input
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
+    ContactInputs,
     Mechanism,
+    gear_inputs,
     given_inputs,
     given_names,
     input_names,
     of_contact,
     only_contact,
     slip_of,
+    told_fields,
 )
-from stickslip.quantities import vary
-
-__all__ = [
-    "as_informed",
-    "check_inputs",
-    "inputs_along",
-    "inputs_text",
-    "known_inputs",
-    "recorded_inputs",
-    "typical_inputs",
-    "unvaried",
-    "with_inputs",
-]
+from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
 
 SAME = 1e-9
 """Relative change of an input that is none: rounding of its unit."""
+MOVED = 1.001
+"""Factor on a parameter by which it is seen what depends on it."""
 
 
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the contact inputs that a fit of a measurement can use.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-
-    Returns
-    -------
-    tuple of str
-        Names of what the mechanism or every record tells.
 
     Examples
     --------
@@ -73,24 +54,11 @@ def check_inputs(
     mechanism: Mechanism,
     measurement: Measurement,
     known: Collection[str] | None = None,
+    *,
+    contact: str = "",
+    fitted: Sequence[str] = (),
 ) -> None:
     """Refuse a law that asks for a contact input which nothing tells.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        The law.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-    known : collection of str, optional
-        Inputs that are known; what mechanism and records tell if not given.
-
-    Raises
-    ------
-    InputError
-        With the columns that there are.
 
     Examples
     --------
@@ -100,23 +68,31 @@ def check_inputs(
     known = known_inputs(mechanism, measurement) if known is None else known
     for name in getattr(law, "inputs", ()):
         if name not in known:
-            raise InputError(_missing(law, name, mechanism, measurement, known))
+            why = _why(name, mechanism, measurement, contact, fitted)
+            raise InputError(_missing(law, name, why, measurement, known))
+
+
+def _why(
+    name: str, mechanism: Mechanism, measurement: Measurement, contact: str, fitted: Sequence[str]
+) -> str:
+    """Return why a contact input is not known."""
+    records = measurement.records()
+    some = sum(name in one.contact_inputs() for one in records)
+    if name in input_names(mechanism, contact):
+        why = f"{type(mechanism).__name__} tells it by a force or motion that was not measured"
+        return f"{why}, or by what is fitted, {joined(fitted)}" if fitted else why
+    if some:
+        return f"only {some} of {len(records)} trials have it"
+    return f"neither {type(mechanism).__name__} nor the record tells it"
 
 
 def _missing(
-    law: Any, name: str, mechanism: Mechanism, measurement: Measurement, known: Collection[str]
+    law: Any, name: str, why: str, measurement: Measurement, known: Collection[str]
 ) -> str:
     """Return what a law lacks, and what there is."""
     records = measurement.records()
-    some = sum(name in one.contact_inputs() for one in records)
     unused = dict.fromkeys(column for one in records for column in one.unused)
     columns = [*measurement.quantities(), *(one for one in unused if one not in known)]
-    if name in input_names(mechanism):
-        why = f"{type(mechanism).__name__} tells it by a force or motion that was not measured"
-    elif some:
-        why = f"only {some} of {len(records)} trials have it"
-    else:
-        why = f"neither {type(mechanism).__name__} nor the record tells it"
     return (
         f"{law.name} depends on the contact input {name!r}, and {why}. Known inputs:"
         f" {', '.join(known) or 'none'}; columns of the record: {', '.join(columns)}. Name the"
@@ -135,24 +111,6 @@ def inputs_along(
     force: Array | float = math.nan,
 ) -> dict[str, Array]:
     """Return contact inputs at each sample (n,): the mechanism's, then the record's, then given.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    record : Measurement
-        One record.
-    time : array (n,)
-        Times [s] at which they are wanted; row numbers of a table.
-    position, velocity : array (n,)
-        Motion of the coordinate that slips; not known if not given.
-    force : array (n,)
-        Force of the drive [N]; not known if not given.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        By name, those that are known.
 
     Examples
     --------
@@ -178,28 +136,77 @@ def inputs_along(
         unknown({slip: velocity}),
         unknown(drives | {"drive": force}),
     )
-    own: Mapping[str, Any] = of_contact(told, only_contact(mechanism).name)
-    given = set(given_names(mechanism))
+    return _known(mechanism, only_contact(mechanism).name, told, record, time)
+
+
+def _known(
+    mechanism: Mechanism, contact: str, told: ContactInputs, record: Measurement, time: Array
+) -> dict[str, Array]:
+    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones."""
+    own: Mapping[str, Any] = of_contact(told, contact)
+    given = set(given_names(mechanism, contact))
     first = {name: own[name] for name in own if name not in given}
     found = {**own, **recorded_inputs(record, time), **first}
     columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
     return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
 
 
+def joint_inputs(
+    mechanism: Mechanism,
+    contacts: Mapping[str, str],
+    record: Measurement,
+    time: Array,
+    places: Array,
+    rates: Array,
+    applied: Array,
+    *,
+    fitted: Sequence[str] = (),
+    zeros: bool = False,
+) -> list[dict[str, Array]]:
+    """Return contact inputs of each joint at each sample (n,), the motor's force as measured.
+
+    What changes with a parameter that is fitted is left out, and what changes with the place where
+    positions count from an unknown zero.
+    """
+    names = mechanism.coordinates
+
+    def told_by(one: Mechanism, offset: float = 0.0) -> list[dict[str, Array]]:
+        given = {
+            name: np.array([drive.value(float(t)) for t in time])
+            for name, drive in one.drives().items()
+            if name in told_fields(one)
+        }
+        drives = defaultdict(lambda: np.zeros_like(time), given)
+        q, q_dot = (dict(zip(names, rows.T, strict=True)) for rows in (places + offset, rates))
+        told = one.contact_inputs(time, q, q_dot, drives)
+        found = []
+        for name, force in zip(names, applied.T, strict=True):
+            own = _known(one, contacts.get(name, ""), told, record, time)
+            computed = own.keys() - given_names(one, contacts.get(name, ""))
+            own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
+            found.append(own)
+        return found
+
+    found = told_by(mechanism)
+    moved = [told_by(_nudged(mechanism, path)) for path in fitted]
+    moved += [told_by(mechanism, 1.0)] if zeros else []
+    return [
+        {k: x for k, x in own.items() if all(np.array_equal(x, one[i][k]) for one in moved)}
+        for i, own in enumerate(found)
+    ]
+
+
+def _nudged(mechanism: Mechanism, path: str) -> Mechanism:
+    """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit."""
+    value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
+    try:
+        return vary(mechanism, "mechanism", {path: value * MOVED or SAME})
+    except ParameterError:
+        return vary(mechanism, "mechanism", {path: value / MOVED})
+
+
 def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
     """Return the contact inputs that a record has, at times.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    time : array (n,)
-        Times [s]; of a table, whose values stay as they are, the row numbers.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        By name.
 
     Examples
     --------
@@ -216,20 +223,6 @@ def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
 
 def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mechanism:
     """Return a mechanism that tells its laws what a record has of contact inputs.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; what it tells itself stays.
-    record : Measurement
-        One record.
-    times : array (n,)
-        Times of the record [s] between which inputs go straight; the first is 0 in a run.
-
-    Returns
-    -------
-    Mechanism
-        A copy with the inputs that do not change as parameters, and others as drives.
 
     Examples
     --------
@@ -263,20 +256,6 @@ def as_informed(
 ) -> tuple[Mechanism, tuple[str, ...]]:
     """Return a mechanism with what was measured of a law's inputs, and what is to be said of it.
 
-    Parameters
-    ----------
-    law : FrictionLaw or Laws
-        The law, or the law of each contact, whose inputs are meant.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-
-    Returns
-    -------
-    (Mechanism, tuple of str)
-        With the value of each input, the median if it changes; and sentences that say so.
-
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock
@@ -306,18 +285,6 @@ def as_informed(
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
     """Return sentences on inputs of a law that never change.
 
-    Parameters
-    ----------
-    law : FrictionLaw or Laws
-        The law, or the law of each contact.
-    inputs : sequence of mapping of str to array
-        Inputs (n,) of each stretch, by name.
-
-    Returns
-    -------
-    tuple of str
-        One for each such input.
-
     Examples
     --------
     >>> from stickslip.friction import law
@@ -338,20 +305,6 @@ def typical_inputs(
     law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
 ) -> dict[str, float]:
     """Return what a law's inputs usually were, at which curves are drawn: medians.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The records.
-
-    Returns
-    -------
-    dict of str to float
-        By name; of a force, which changes its sign, the median of its size.
 
     Examples
     --------
@@ -388,18 +341,6 @@ def typical_inputs(
 
 def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
     """Return values of contact inputs in words.
-
-    Parameters
-    ----------
-    inputs : mapping of str to float
-        Values by name.
-    turning : bool
-        Whether the contact slips by an angle.
-
-    Returns
-    -------
-    str
-        A list; empty if there are none.
 
     Examples
     --------

@@ -11,8 +11,6 @@ from stickslip.errors import ConvergenceError
 from stickslip.identification.estimation.jackknife import quantile_of
 from stickslip.identification.records.fit import RecordFit
 
-__all__ = ["Allowed", "largest_allowed"]
-
 FIRST = 0.2
 """First step over the value, where no interval says how far the end may be."""
 

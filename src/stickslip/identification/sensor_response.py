@@ -6,8 +6,6 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PROMPT", "SensorResponse"]
-
 Array = NDArray[np.float64]
 
 
@@ -41,39 +39,13 @@ class SensorResponse:
         return self.delay != 0.0 or self.lag != 0.0
 
     def shown(self, time: Array, force: Array) -> Array:
-        """Return what the channel shows of forces.
-
-        Parameters
-        ----------
-        time : array (n,)
-            Times of the samples [s]; a lag takes them as even.
-        force : array (n,) or (n, copies)
-            Forces at the samples [N].
-
-        Returns
-        -------
-        array
-            The same shape; before the first sample, the force is taken to be constant.
-        """
+        """Return what the channel shows of forces."""
         if self.delay:
             force = _at(time - self.delay, time, force)
         return self.filtered(time, force)
 
     def filtered(self, time: Array, force: Array) -> Array:
-        """Return forces as `shown` does, without the delay.
-
-        Parameters
-        ----------
-        time : array (n,)
-            Times of the samples [s], taken as even.
-        force : array (n,) or (n, copies)
-            Forces at the samples [N].
-
-        Returns
-        -------
-        array
-            The same shape.
-        """
+        """Return forces as `shown` does, without the delay."""
         if not self.lag:
             return force
         from scipy.signal import lfilter
@@ -85,36 +57,12 @@ class SensorResponse:
         return np.asarray(force[:1] + lfilter(weights, [1.0, -a], force - force[:1], axis=0))
 
     def known(self, time: Array) -> NDArray[np.bool_]:
-        """Return at which samples of a force the motion that came with it was measured.
-
-        Parameters
-        ----------
-        time : array (n,)
-            Times of the samples [s].
-
-        Returns
-        -------
-        array of bool (n,)
-            False within the delay from the first sample, or before the last one.
-        """
+        """Return at which samples of a force the motion that came with it was measured."""
         shown = time - self.delay
         return np.asarray((shown >= time[0]) & (shown <= time[-1]))
 
     def moved(self, time: Array, values: Array) -> Array:
-        """Return what was measured of a motion when the force was that which is shown.
-
-        Parameters
-        ----------
-        time : array (n,)
-            Times of the samples [s].
-        values : array (n,)
-            Positions or velocities at the samples.
-
-        Returns
-        -------
-        array (m,)
-            The same, earlier by the delay, at the samples at which it is `known`.
-        """
+        """Return what was measured of a motion when the force was that which is shown."""
         return np.interp((time - self.delay)[self.known(time)], time, values)
 
 

@@ -10,8 +10,6 @@ from stickslip.errors import ParameterError, UnknownNameError, not_whole
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.quantities import Quantity
 
-__all__ = ["LEAST", "RESOLUTION", "Hold", "RecordSettings"]
-
 Hold: TypeAlias = Literal["zero", "first"]
 """What an applied force does between samples: keeps its value, or goes straight to the next."""
 RESOLUTION = 100

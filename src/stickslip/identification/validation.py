@@ -1,31 +1,16 @@
 """What verbs take: which parameters are varied and which fixed; slips that Python lets pass."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import Generic, TypeAlias, TypeVar, cast, final
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig, all_paths
-from stickslip.friction import FrictionLaw, RateState
+from stickslip.friction import FrictionLaw, RateState, laws
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
-
-__all__ = [
-    "LAW",
-    "Laws",
-    "Parameters",
-    "called",
-    "check_given",
-    "check_varied",
-    "covers",
-    "fixed_values",
-    "law_quantities",
-    "laws_of",
-    "names_of",
-    "varied_paths",
-]
 
 AnyLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | None
 L = TypeVar("L", bound=AnyLaw)
@@ -70,30 +55,6 @@ class Parameters(Generic[L]):
         measurement: Measurement | None = None,
     ) -> "Parameters[L]":
         """Resolve names to full paths, and set what is fixed.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What was measured.
-        law : FrictionLaw or type, optional
-            The law; None where several are compared, of each of which the default is fitted.
-        vary : str or sequence of str, optional
-            Full paths, last names that are unique, and patterns with ``*``; ``"friction.*"`` if not
-            given. A law without values is fitted whether or not it is named.
-        fixed : mapping of str to float, optional
-            Values by the same names. A pattern in `vary` leaves out what is fixed.
-        measurement : Measurement, optional
-            Its trials must not override what is fixed.
-
-        Returns
-        -------
-        `Parameters`
-            Full paths of what is fitted, and law and mechanism with what is fixed.
-
-        Raises
-        ------
-        InputError
-            If a name is not known or ambiguous, or in both; or a value is out of range.
 
         Examples
         --------
@@ -153,48 +114,33 @@ def _fixed_values(
     fixed: Fixed,
 ) -> dict[str, float]:
     """Return fixed values by full path, each within the range of its parameter."""
-    if law is None and isinstance(fixed, Mapping):
-        for name in fixed:
-            if str(name).startswith("friction."):
-                raise InputError(
-                    "fixed takes only parameters of the mechanism when laws are compared, got"
-                    f" {name}: give the law with its values, or fit it alone."
-                )
     known = {**of_law, **all_paths(mechanism, "mechanism")}
+    if law is None and isinstance(fixed, Mapping):
+        refuse_of_laws(map(str, fixed), known)
     kind = law if isinstance(law, type) else type(law)
     return fixed_values(
         fixed, known, lambda path: (kind if path in of_law else type(mechanism)).__name__
     )
 
 
+def refuse_of_laws(names: Iterable[str], known: Collection[str]) -> None:
+    """Refuse values of laws where these are compared: by their free parameters, all of each."""
+    own = {path.rpartition(".")[2] for path in known}
+    for name in names:
+        field = name.removeprefix("friction.")
+        if name in (*known, *own) or not any(field in fields_of(kind) for kind in laws().values()):
+            continue
+        raise InputError(
+            "fixed (--fixed) takes only parameters of the mechanism when laws are compared, got"
+            f" {name}: all parameters of each law are fitted. To hold one, fit its law alone"
+            " (`stickslip fit --law NAME --fixed NAME=VALUE`)."
+        )
+
+
 def fixed_values(
     fixed: Fixed, known: Mapping[str, Quantity], owner: Callable[[str], str]
 ) -> dict[str, float]:
-    """Return fixed values by full path, each within the range of its parameter.
-
-    Parameters
-    ----------
-    fixed : mapping of str to float, optional
-        Values by path, or by last name where only one has it.
-    known : mapping of str to Quantity
-        All parameters by full path.
-    owner : callable
-        Returns whose parameter a path is, for errors.
-
-    Returns
-    -------
-    dict of str to float
-        Values by full path [SI].
-
-    Raises
-    ------
-    InputError
-        If there are no names, or one is given twice.
-    ParameterError
-        If a value is out of range.
-    UnknownNameError
-        If there is no such parameter.
-    """
+    """Return fixed values by full path, each within the range of its parameter."""
     if fixed is None:
         return {}
     if not isinstance(fixed, Mapping):
@@ -235,31 +181,7 @@ def _varied(
 def varied_paths(
     names: Sequence[str], known: Collection[str], fixed: Collection[str], kept: Collection[str]
 ) -> list[str]:
-    """Return the full paths of what is varied, each once.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Paths, last names where only one has them, and patterns.
-    known : collection of str
-        Full paths of all parameters.
-    fixed : collection of str
-        Full paths of those that are fixed, which patterns leave out.
-    kept : collection of str
-        Patterns that stay as they are.
-
-    Returns
-    -------
-    list of str
-        The paths, and the patterns that are kept.
-
-    Raises
-    ------
-    InputError
-        If a parameter that is named is fixed, too.
-    UnknownNameError
-        If there is no such parameter.
-    """
+    """Return the full paths of what is varied, each once."""
     found: list[str] = []
     for name in names:
         if name in kept:
@@ -285,18 +207,6 @@ def is_pattern(name: str) -> bool:
 def covers(name: str, path: str) -> bool:
     """Whether a name or a pattern stands for a path; without a dot it is that of a last name.
 
-    Parameters
-    ----------
-    name : str
-        Last name, full path or pattern with ``*``.
-    path : str
-        Full path of a parameter.
-
-    Returns
-    -------
-    bool
-        True if the pattern matches.
-
     Examples
     --------
     >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.exponent")
@@ -307,20 +217,6 @@ def covers(name: str, path: str) -> bool:
 
 def check_given(verb: str, mechanism: object, measurement: object) -> None:
     """Check that a verb was given a mechanism and a measurement.
-
-    Parameters
-    ----------
-    verb : str
-        Name of the function that was called, for the error.
-    mechanism : object
-        What was given as mechanism.
-    measurement : object
-        What was given as measurement.
-
-    Raises
-    ------
-    InputError
-        If one is something else, such as a rig or the name of a file.
 
     Examples
     --------
@@ -354,13 +250,7 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
 
 
 def check_varied(count: int) -> None:
-    """Refuse a fit of no parameters.
-
-    Raises
-    ------
-    InputError
-        If the number of varied parameters is 0.
-    """
+    """Refuse a fit of no parameters."""
     if not count:
         raise InputError("there is nothing to fit: name at least one parameter in vary.")
 

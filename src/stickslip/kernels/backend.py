@@ -7,8 +7,6 @@ memory, and what is called here by its place in a list is called by its address.
 from collections.abc import Callable, MutableSequence
 from typing import Any, TypeAlias, TypeVar
 
-__all__ = ["Vector", "Wholes", "call_contacts", "call_model", "rare"]
-
 Vector: TypeAlias = MutableSequence[float]
 """A list of floats in the Python tier, an array in the compiled one."""
 Wholes: TypeAlias = MutableSequence[int]
@@ -18,45 +16,14 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 
 def rare(function: Kernel) -> Kernel:
-    """Mark what few mechanisms need: compiled code calls it, and is not made longer by its text.
-
-    Parameters
-    ----------
-    function : callable
-        The function.
-
-    Returns
-    -------
-    callable
-        The same.
-    """
+    """Mark what few mechanisms need: compiled code calls it, and is not made longer by its text."""
     return function
 
 
 def call_model(
     w: Vector, place: int, name: int, mode: int, flags: int, t: float, at: int, to: int
 ) -> None:
-    """Call a function of the equations that the vector of the run names.
-
-    Parameters
-    ----------
-    w : list (SIZE,)
-        Vector of the run.
-    place : int
-        Place in it of the functions; compiled ones have an address there.
-    name : int
-        Number of the function.
-    mode : int
-        Contact mode.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result.
-    """
+    """Call a function of the equations that the vector of the run names."""
     functions: Any = w[place]
     functions[name](mode, flags, t, w, at, to)
 
@@ -67,23 +34,6 @@ def call_contacts(
     """Call what works out the equations of several contacts.
 
     It is called by its place, as the equations are, since it asks the kernels in its turn.
-
-    Parameters
-    ----------
-    w : list (SIZE,)
-        Vector of the run.
-    place : int
-        Place in it of the function, or of its address.
-    whole : list (WHOLES,)
-        Whole numbers of the run.
-    name : int
-        Number of the question, as in `contacts.answers`.
-    t : float
-        Time [s].
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result.
     """
     function: Any = w[place]
     function(name, t, w, whole, at, to)

@@ -14,6 +14,7 @@ from stickslip.kernels.state_layout import (
     EVENTS,
     GROSS,
     LOST,
+    N_COORDINATES,
     N_STATES,
     NUMBERS,
     POLYNOMIAL,
@@ -34,8 +35,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["EVIDENCE", "batch", "batch_sensed"]
-
 EVIDENCE = 5
 """Energy error, guard violation, event residual, steps, rejected steps."""
 
@@ -43,14 +42,7 @@ EVIDENCE = 5
 def prepare_row(
     row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Wholes
 ) -> None:
-    """Set the vectors of a run back, with the numbers of one row in their places.
-
-    Reads: BOOKS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, drives, GIVEN, Y, Y1,
-    SCALE, END, POINT, VALUES, PULLS, REACHED, LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
-    """
+    """Set the vectors of a run back, with the numbers of one row in their places."""
     stages = whole[STAGES]
     reached = whole[REACHED]
     slopes = whole[SLOPES]
@@ -69,34 +61,34 @@ def prepare_row(
 
 
 def energy_at(t: float, w: Vector, whole: Wholes) -> float:
-    """Return the energy of the state in Y.
-
-    Reads: Y, MODE, FLAGS.
-    Writes: VALUES.
-    """
+    """Return the energy of the state in Y."""
     values = whole[VALUES]
     energy(t, w, whole, whole[Y], values)
     return w[values]
 
 
+def potential_at(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state in Y at rest, where it is left."""
+    n = whole[N_COORDINATES]
+    for i in range(n, 2 * n):
+        w[whole[Y] + i] = 0.0
+    return energy_at(t, w, whole)
+
+
 def keep_evidence(
     at: int, w: Vector, whole: Wholes, table: Vector, log: Vector, evidence: Vector
 ) -> None:
-    """Write how far the run may be trusted, and keep its last state.
-
-    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, TURN, MODE, FLAGS, STEPS,
-    REJECTED.
-    Writes: drives, Y, END, VALUES, MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
-    """
+    """Write how far the run may be trusted, and keep its last state."""
     n = whole[N_STATES]
     end = whole[END]
     y = whole[Y]
     for i in range(n):
         w[end + i] = state_seen(y, i, w, whole)
     last = energy_at(w[TIME], w, whole)
+    size = max(abs(last), w[GROSS], last - potential_at(w[TIME], w, whole))
     restore_start(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)
-    size = max(abs(first), abs(last), w[GROSS])
+    size = max(abs(first), size, first - potential_at(log[0], w, whole))
     mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
     evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
     evidence[at + 1] = w[VIOLATION]
@@ -126,19 +118,7 @@ def batch_row(
     statuses: Vector,
     evidence: Vector,
 ) -> bool:
-    """Make one run, or go on with it, and keep its outputs; return whether it found room.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
-    HELD_STRIDE, POLYNOMIAL, Y, SCALE, VALUES, PULLS, DENSE, REACHED, LOWEST, FORCE, MASS,
-    ACCELERATION, CHANGES, TURN, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, drives,
-    GIVEN, Y, Y1, SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
-    REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS,
-    STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-    """
+    """Make one run, or go on with it, and keep its outputs; return whether it found room."""
     n = len(outputs) // 2
     if whole[STATUS] != FULL:
         prepare_row(row, columns, places, base, w, whole)
@@ -185,65 +165,6 @@ def batch(
     `columns` has a row a run: the numbers that go to `places` of the vector of a run, which is
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
-    HELD_STRIDE, POLYNOMIAL, Y, SCALE, VALUES, PULLS, DENSE, REACHED, LOWEST, FORCE, MASS,
-    ACCELERATION, CHANGES, TURN, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, drives,
-    GIVEN, Y, Y1, SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
-    REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS,
-    STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    first : int
-        Row of the first run; one that found no room goes on.
-    count : int
-        Number of runs.
-    columns : array (count places,)
-        The numbers that vary, a row a run.
-    places : array
-        Places of these numbers in the vector of a run.
-    base : array (SIZE,)
-        Vector of a run, with all numbers that do not vary.
-    tables : array
-        Rows of the drives' pieces, a row of them a run, or one for all.
-    bounds : array
-        Bounds of the drives as in `run`, a row a run, or one for all.
-    caps : array
-        Longest step of each run, or of all [s]; its length tells which.
-    outputs : array (2 n,)
-        Kind and subject of each output, as in `reduced`.
-    arguments : array (2 n,) or (count 2 n,)
-        Two arguments of each output.
-    t_end : float
-        End of the run [s].
-    rtol : float
-        Relative tolerance.
-    limit : int
-        Most steps of a run.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    results : array (count n,)
-        Written: the outputs, a row a run.
-    statuses : array (count,)
-        Written: how each run ended.
-    evidence : array (count EVIDENCE,)
-        Written: how far each run may be trusted.
-
-    Returns
-    -------
-    int
-        The row to go on with; `count` if all are done.
     """
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     for row in range(first, count):
@@ -275,11 +196,6 @@ def sense_end(
 
     `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
     `sense`; `gradients` gets states by directions.
-
-    Reads: TIME, Y, DENSE, WALLS, TURN, FOLLOWED, STEPS, EVENTS, MODES, FOLLOWERS.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, WALLS, SIZE, BOUNDS,
-    MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2,
-    columns 3, columns 4, columns 5, directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)
@@ -301,78 +217,7 @@ def batch_sensed(
     statuses: Vector, evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int,
     gradients: Vector,
 ) -> int:  # fmt: skip
-    """Run rows as `batch` does, and take the sensitivities at their ends.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
-    HELD_STRIDE, POLYNOMIAL, Y, SCALE, VALUES, PULLS, DENSE, REACHED, LOWEST, WALLS, FORCE, MASS,
-    ACCELERATION, CHANGES, TURN, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, drives,
-    GIVEN, Y, Y1, SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
-    REACHED, LOWEST, SLOPES, WALLS, SIZE, BOUNDS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5,
-    directions, guard slopes.
-
-    Parameters
-    ----------
-    first : int
-        Row of the first run; one that found no room goes on.
-    count : int
-        Number of runs.
-    columns : array (count places,)
-        The numbers that vary, a row a run.
-    places : array
-        Places of these numbers in the vector of a run.
-    base : array (SIZE,)
-        Vector of a run, with all numbers that do not vary.
-    tables : array
-        Rows of the drives' pieces, a row of them a run, or one for all.
-    bounds : array
-        Bounds of the drives as in `run`, a row a run, or one for all.
-    caps : array
-        Longest step of each run, or of all [s]; its length tells which.
-    outputs : array (2 n,)
-        Kind and subject of each output, as in `reduced`.
-    arguments : array (2 n,) or (count 2 n,)
-        Two arguments of each output.
-    t_end : float
-        End of the run [s].
-    rtol : float
-        Relative tolerance.
-    limit : int
-        Most steps of a run.
-    w : array (sense_size,)
-        Vector of the run, with room for sensitivities.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    results : array (count n,)
-        Written: the outputs, a row a run.
-    statuses : array (count,)
-        Written: how each run ended.
-    evidence : array (count EVIDENCE,)
-        Written: how far each run may be trusted.
-    starts : array (N_STATES m,)
-        Sensitivities of the start, rows by states.
-    slopes : array
-        Derivatives of the tables, a column a direction; a row of them a run, or one for all.
-    own : array (m,)
-        Quantity of each direction, -1 for an initial state.
-    q : int
-        Number of quantities: numbers of the drives, then parameters.
-    gradients : array (count N_STATES m,)
-        Written: the sensitivities at the end of each run.
-
-    Returns
-    -------
-    int
-        The row to go on with; `count` if all are done.
-    """
+    """Run rows as `batch` does, and take the sensitivities at their ends."""
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     long = len(slopes) // len(caps)
     for row in range(first, count):

@@ -8,8 +8,6 @@ The coefficients stand at POLYNOMIAL, the intervals still to be looked at on a s
 from stickslip.kernels.backend import Vector
 from stickslip.kernels.state_layout import DEEPEST, INTERVAL, POLYNOMIAL, ROOM
 
-__all__ = ["FALLS_AT_ONCE", "NEVER_FALLS", "first_fall"]
-
 NEVER_FALLS = 2.0
 FALLS_AT_ONCE = -1.0
 ROUNDED = 4e-15
@@ -18,10 +16,7 @@ EPSILON = 2.220446049250313e-16
 
 
 def horner(w: Vector, first: int, degree: int, x: float) -> float:
-    """Return the polynomial over x to the power `first`.
-
-    Reads: POLYNOMIAL.
-    """
+    """Return the polynomial over x to the power `first`."""
     value = w[POLYNOMIAL + degree]
     for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
         value = value * x + w[k]
@@ -29,11 +24,7 @@ def horner(w: Vector, first: int, degree: int, x: float) -> float:
 
 
 def to_bernstein(w: Vector, first: int, d: int) -> None:
-    """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack.
-
-    Reads: POLYNOMIAL.
-    Writes: ROOM.
-    """
+    """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack."""
     w[ROOM] = 0.0
     w[ROOM + 1] = 1.0
     # b_i is the sum over j <= i of c_j binomial(i, j) / binomial(d, j): quotients, then sums of
@@ -48,10 +39,7 @@ def to_bernstein(w: Vector, first: int, d: int) -> None:
 
 
 def sign_changes(w: Vector, at: int, d: int) -> int:
-    """Return the number of sign changes, zeros left out; -1 if the first sign is negative.
-
-    Reads: `at`.
-    """
+    """Return the number of sign changes, zeros left out; -1 if the first sign is negative."""
     changes = 0
     sign = 0.0
     for i in range(at + 2, at + d + 3):
@@ -66,11 +54,7 @@ def sign_changes(w: Vector, at: int, d: int) -> int:
 
 
 def halve(w: Vector, at: int, d: int) -> None:
-    """Split an interval in two (de Casteljau): its right half stays, the left one goes on top.
-
-    Reads: `at`.
-    Writes: `at`.
-    """
+    """Split an interval in two (de Casteljau): its right half stays, the left one goes on top."""
     top = at + INTERVAL
     half = 0.5 * w[at + 1]
     w[top] = w[at]
@@ -85,10 +69,7 @@ def halve(w: Vector, at: int, d: int) -> None:
 
 
 def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
-    """Return the point just past the one sign change of an interval.
-
-    Reads: `at`, POLYNOMIAL.
-    """
+    """Return the point just past the one sign change of an interval."""
     low = w[at]
     high = low + w[at + 1]
     f_low = w[at + 2]
@@ -127,23 +108,7 @@ def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
 
 
 def first_fall(w: Vector, degree: int) -> float:
-    """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE.
-
-    Reads: POLYNOMIAL.
-    Writes: ROOM.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    degree : int
-        Degree of the polynomial, whose coefficients stand at POLYNOMIAL, the constant one first.
-
-    Returns
-    -------
-    float
-        A fraction of the step, `NEVER_FALLS` (above 1) or `FALLS_AT_ONCE` (below 0).
-    """
+    """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE."""
     total = 0.0
     down = 0.0
     for k in range(degree + 1):

@@ -7,28 +7,9 @@ rates follow alike, and so do sensitivities.
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.state_layout import IS_TURNED, N_COORDINATES, TURN, VALUES
 
-__all__ = ["state_seen", "turn_columns", "turn_states"]
-
 
 def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
-    """Turn `m` columns of states in place, row by row; bristles stay as they are.
-
-    Reads: `at`, TURN.
-    Writes: `at`, VALUES.
-
-    Parameters
-    ----------
-    at : int
-        Place in `w` of the states (N_STATES m,).
-    m : int
-        Number of columns.
-    back : int
-        0 to the coordinates of the equations, 1 to those of the mechanism.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Turn `m` columns of states in place, row by row; bristles stay as they are."""
     n, values = whole[N_COORDINATES], whole[VALUES]
     if not whole[IS_TURNED]:
         return
@@ -46,46 +27,12 @@ def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
 
 
 def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
-    """Turn one state in place, as `turn_columns` does.
-
-    Reads: `at`, TURN.
-    Writes: `at`, VALUES.
-
-    Parameters
-    ----------
-    at : int
-        Place in `w` of the state.
-    back : int
-        0 to the coordinates of the equations, 1 to those of the mechanism.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Turn one state in place, as `turn_columns` does."""
     turn_columns(at, 1, back, w, whole)
 
 
 def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
-    """Return one of the states of the mechanism.
-
-    Reads: `at`, TURN.
-
-    Parameters
-    ----------
-    at : int
-        Place in `w` of a state of the equations.
-    state : int
-        Index of the state.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The state.
-    """
+    """Return one of the states of the mechanism."""
     n = whole[N_COORDINATES]
     if not whole[IS_TURNED] or state >= 2 * n:
         return w[at + state]

@@ -29,28 +29,9 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.kernels.taylor_series import series_fill
 
-__all__ = ["piece_at", "play", "restore", "restore_modes", "restore_start", "row_at"]
-
 
 def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
-    """Return the last row that begins at or before a time.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    count : int
-        Number of rows of steps.
-    t : float
-        Time [s].
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the row; 0 before the first one begins.
-    """
+    """Return the last row that begins at or before a time."""
     width = whole[ROW_COLUMNS]
     low = 0
     high = count
@@ -64,24 +45,7 @@ def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
 
 
 def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
-    """Return the piece of the drives that holds at a time, `first` or a later one.
-
-    Parameters
-    ----------
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    first : int
-        Index of a piece that has begun.
-    t : float
-        Time [s].
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the piece.
-    """
+    """Return the piece of the drives that holds at a time, `first` or a later one."""
     width = 1 + 3 * whole[N_DRIVES]
     piece = first
     while (piece + 1) * width < len(table) and table[(piece + 1) * width] <= t:
@@ -90,22 +54,7 @@ def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
 
 
 def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
-    """Bring back the modes, flags and openings of a row that ends before a place.
-
-    Reads: TIME, Y.
-    Writes: ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    end : int
-        Place in `log` where the row has ended.
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Bring back the modes, flags and openings of a row that ends before a place."""
     n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
@@ -117,24 +66,7 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
 
 
 def restore_start(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
-    """Bring back the start of a row in Y, its mode, and the piece of its drives.
-
-    Reads: TIME.
-    Writes: drives, Y, MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    row : int
-        Index of the row of a step.
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Bring back the start of a row in Y, its mode, and the piece of its drives."""
     n = whole[N_STATES]
     y = whole[Y]
     at = row * whole[ROW_COLUMNS]
@@ -148,25 +80,7 @@ def restore_start(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes
 
 
 def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
-    """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
-
-    Reads: TIME.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    row : int
-        Index of the row of a step.
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Bring back the start of a row in Y, its dense output, mode and piece of the drives."""
     n = whole[N_STATES]
     y = whole[Y]
     dense = whole[DENSE]
@@ -196,31 +110,6 @@ def play(
     """Write states, friction, loads and what else is recorded, and the row, of each of the times.
 
     A body at rest for good is one row, during which its drives go on.
-
-    Reads: TIME, Y, TURN, MODE, FLAGS.
-    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED,
-    MODES, LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    count : int
-        Number of rows of steps.
-    times : array (n,)
-        Times [s].
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    states : array (n N_STATES,)
-        Written: states at each time.
-    forces : array (n N_COLUMNS,)
-        Written: what is recorded beside the states, as `model_interface.recorded` gives it.
-    rows : array (n,)
-        Written: index of the row that each time lies in.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]

@@ -8,28 +8,11 @@ steppers, y0 + x (F0 + (1 - x) (F1 + x (F2 + (1 - x) (F3 + x (F4 + (1 - x) (F5 +
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.state_layout import DENSE, N_STATES
 
-__all__ = ["NESTED_SHORT", "interpolate"]
-
 NESTED_SHORT = -1.0
 
 
 def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
-    """Evaluate the step at the fraction `x` of its length.
-
-    Reads: DENSE.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    x : float
-        Fraction of the length, 0 to 1.
-    to : int
-        Place in `w` of the states (N_STATES,).
-    """
+    """Evaluate the step at the fraction `x` of its length."""
     dense = whole[DENSE]
     n = whole[N_STATES]
     terms = int(w[dense])
@@ -70,11 +53,7 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
 
 
 def values_of_two(w: Vector, x: float, at: int, terms: int, to: int) -> None:
-    """Evaluate the series of two states, whose terms stand side by side from `at` on.
-
-    Reads: `at`.
-    Writes: `to`.
-    """
+    """Evaluate the series of two states, whose terms stand side by side from `at` on."""
     square = x * x
     last = at + 2 * terms
     even_x, even_v, odd_x, odd_v = w[last], w[last + 1], 0.0, 0.0

@@ -10,33 +10,12 @@ While a closing slip is held and its parts are not, one of them follows from the
 from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.state_layout import FOLLOWED, FOLLOWERS, LOOPS, N_COORDINATES, N_DIRECTIONS
 
-__all__ = ["bind", "combined", "factor_of", "size_along", "slip_rate_along", "spread"]
-
 ROUNDED = 1e-15
 """Share of the sizes of its parts below which a closing slip is at rest."""
 
 
 def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
-    """Return the factor of a coordinate in a direction or a cut.
-
-    Reads: LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction or cut.
-    j : int
-        Index of the coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The factor.
-    """
+    """Return the factor of a coordinate in a direction or a cut."""
     n = whole[N_COORDINATES]
     if i < n:
         return 1.0 if i == j else 0.0
@@ -44,26 +23,7 @@ def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
 
 
 def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
-    """Return what a vector of the coordinates is along a direction or a cut.
-
-    Reads: `at`, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction or cut.
-    at : int
-        Place in `w` of a number for each coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The number at its place, or a sum of several.
-    """
+    """Return what a vector of the coordinates is along a direction or a cut."""
     if i < whole[N_COORDINATES]:
         return w[at + i]
     return summed(i, at, w, whole)
@@ -71,10 +31,7 @@ def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
-    """Return what a vector of the coordinates is along a closing slip or a cut.
-
-    Reads: `at`, LOOPS.
-    """
+    """Return what a vector of the coordinates is along a closing slip or a cut."""
     n, total = whole[N_COORDINATES], 0.0
     row = whole[LOOPS] + (i - n) * n
     for j in range(n):
@@ -83,26 +40,7 @@ def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 
 def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
-    """Return how large the parts are of what a vector is along a direction or a cut.
-
-    Reads: `at`, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction or cut.
-    at : int
-        Place in `w` of a number for each coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        A sum of absolute values.
-    """
+    """Return how large the parts are of what a vector is along a direction or a cut."""
     if i < whole[N_COORDINATES]:
         return abs(w[at + i])
     return size_of_sum(i, at, w, whole)
@@ -110,10 +48,7 @@ def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
-    """Return how large the parts are of what a vector is along a closing slip or a cut.
-
-    Reads: `at`, LOOPS.
-    """
+    """Return how large the parts are of what a vector is along a closing slip or a cut."""
     n, total = whole[N_COORDINATES], 0.0
     row = whole[LOOPS] + (i - n) * n
     for j in range(n):
@@ -122,26 +57,7 @@ def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 
 def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
-    """Return the rate along a direction; what is left of a sum by rounding is 0.
-
-    Reads: `at`, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction.
-    at : int
-        Place in `w` of the state.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The rate.
-    """
+    """Return the rate along a direction; what is left of a sum by rounding is 0."""
     n = whole[N_COORDINATES]
     if i < n:
         return w[at + n + i]
@@ -150,33 +66,13 @@ def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
-    """Return the rate along a closing slip, 0 where it is rounding.
-
-    Reads: `rates`, LOOPS.
-    """
+    """Return the rate along a closing slip, 0 where it is rounding."""
     rate = summed(i, rates, w, whole)
     return 0.0 if abs(rate) <= ROUNDED * size_of_sum(i, rates, w, whole) else rate
 
 
 def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
-    """Take a force along a direction away from those along the coordinates.
-
-    Reads: `to`, LOOPS.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction.
-    force : float
-        The force.
-    to : int
-        Place in `w` of a force for each coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Take a force along a direction away from those along the coordinates."""
     if i < whole[N_COORDINATES]:
         w[to + i] -= force
     else:
@@ -185,11 +81,7 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 
 @rare
 def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
-    """Take a force along a closing slip away from those along the coordinates.
-
-    Reads: `to`, LOOPS.
-    Writes: `to`.
-    """
+    """Take a force along a closing slip away from those along the coordinates."""
     n = whole[N_COORDINATES]
     row = whole[LOOPS] + (i - n) * n
     for j in range(n):
@@ -198,22 +90,7 @@ def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 
 @rare
 def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
-    """Let coordinates follow from others where a closing slip is held.
-
-    Reads: `to`, FOLLOWED, FOLLOWERS.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    to : int
-        Place in `w` of a rate, or a change, for each coordinate; those of held ones are 0.
-    stride : int
-        Distance of their places.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Let coordinates follow from others where a closing slip is held."""
     n = whole[N_COORDINATES]
     for d in range(whole[N_DIRECTIONS] - n):
         follower, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n

@@ -8,15 +8,9 @@ from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.model_interface import field
 from stickslip.kernels.state_layout import DENSE, DOP853_STAGES, N_STATES, POINT, STAGES, Y1, Y
 
-__all__ = ["dop853_dense", "dop853_step"]
-
 
 def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Evaluate stage `s` from the ones before it, at a state that is written to `at`.
-
-    Reads: Y, STAGES, MODE, FLAGS.
-    Writes: `at`, STAGES, ANSWER, CHANGED.
-    """
+    """Evaluate stage `s` from the ones before it, at a state that is written to `at`."""
     stages = whole[STAGES]
     y = whole[Y]
     n = whole[N_STATES]
@@ -33,27 +27,6 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
     """Try a step; return its error over the tolerance.
 
     Stage 12 is the slope at the solution, which is left in Y1.
-
-    Reads: Y, SCALE, PULLS, MODE, FLAGS.
-    Writes: Y1, STAGES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    rtol : float
-        Relative tolerance.
-
-    Returns
-    -------
-    float
-        Error over the tolerance: the step is good up to 1.
     """
     stages = whole[STAGES]
     y1 = whole[Y1]
@@ -83,22 +56,7 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 
 
 def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
-    """Fill the dense output of the step just taken.
-
-    Reads: Y, Y1, STAGES, MODE, FLAGS.
-    Writes: POINT, STAGES, DENSE, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Fill the dense output of the step just taken."""
     dense = whole[DENSE]
     stages = whole[STAGES]
     y1 = whole[Y1]

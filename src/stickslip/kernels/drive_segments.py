@@ -20,25 +20,9 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["enter_pieces", "load_piece", "next_stop", "rests_for_good"]
-
 
 def load_piece(table: Vector, row: int, w: Vector, whole: Wholes) -> None:
-    """Put one row of the drives' table where the equations read it.
-
-    Writes: drives.
-
-    Parameters
-    ----------
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    row : int
-        Index of the piece.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Put one row of the drives' table where the equations read it."""
     n_drives = whole[N_DRIVES]
     width = 1 + 3 * n_drives
     for i in range(3 * n_drives):
@@ -46,44 +30,14 @@ def load_piece(table: Vector, row: int, w: Vector, whole: Wholes) -> None:
 
 
 def next_stop(table: Vector, t_end: float, whole: Wholes) -> float:
-    """Return the start of the next piece of the drives, or the end.
-
-    Reads: PIECE.
-
-    Parameters
-    ----------
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    t_end : float
-        End of the run [s].
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-
-    Returns
-    -------
-    float
-        Time up to which the drives are lines [s].
-    """
+    """Return the start of the next piece of the drives, or the end."""
     width = 1 + 3 * whole[N_DRIVES]
     following = (whole[PIECE] + 1) * width
     return min(table[following], t_end) if following < len(table) else t_end
 
 
 def enter_pieces(table: Vector, w: Vector, whole: Wholes) -> None:
-    """Load the piece of the drives that holds now.
-
-    Reads: TIME, PIECE.
-    Writes: drives, PIECE.
-
-    Parameters
-    ----------
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Load the piece of the drives that holds now."""
     width = 1 + 3 * whole[N_DRIVES]
     while (whole[PIECE] + 1) * width < len(table) and (
         table[(whole[PIECE] + 1) * width] <= w[TIME]
@@ -96,23 +50,6 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
     """Whether no drive can move the held body any more, nor pull it off its stop.
 
     `bounds` has least and largest value of each drive from the start of each piece on.
-
-    Reads: TIME, Y, MODE, FLAGS, PIECE.
-    Writes: GIVEN, VALUES, BOX, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    bounds : array (pieces N_DRIVES 2,)
-        Least and largest value of each drive from the start of each piece on.
-
-    Returns
-    -------
-    bool
-        Whether the body stays to the end of the run.
     """
     n_drives = whole[N_DRIVES]
     given = whole[GIVEN]

@@ -51,16 +51,6 @@ from stickslip.kernels.step import advance
 from stickslip.kernels.step_log import add_work, close_step, record
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = [
-    "begin",
-    "change",
-    "events_are_full",
-    "log_is_full",
-    "run",
-    "settle_all",
-    "turns_switch",
-]
-
 MEMORY = 0.1
 """Weight of the last time between events in their mean."""
 FEW_STALLS = 20
@@ -68,11 +58,7 @@ FEW_STALLS = 20
 
 
 def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
-    """Record a body that stays where it is up to a time.
-
-    Reads: TIME, Y, MODE, FLAGS, PIECE, STEPS, MODES, LAW_FLAGS, OPEN.
-    Writes: LENGTH, DENSE, STEPS.
-    """
+    """Record a body that stays where it is up to a time."""
     dense_size = whole[DENSE_SIZE]
     dense = whole[DENSE]
     n = whole[N_STATES]
@@ -88,20 +74,7 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
 
 
 def turns_switch(guard: int, whole: Wholes) -> bool:
-    """Whether a guard is that of a switch of the equations of one contact.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Whether a guard is that of a switch of the equations of one contact."""
     return whole[N_CONTACTS] == 0 and SWITCH <= guard < whole[FIRST_LIMIT]
 
 
@@ -115,15 +88,7 @@ def finish_step(
     log: Vector,
     events: Vector,
 ) -> None:
-    """Book the step just taken and pass on to what follows it.
-
-    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, RHYTHM,
-    Y, Y1, SCALE, VALUES, PULLS, DENSE, REACHED, CHANGES, LOOPS, FOLLOWED, MODE, FLAGS, PIECE,
-    STATUS, STEPS, EVENTS, STALLS, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM, drives, Y, Y1,
-    SCALE, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS,
-    STEPS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
-    """
+    """Book the step just taken and pass on to what follows it."""
     start = w[TIME]
     if w[FRACTION] > 0.0:
         if whole[BOOKS]:
@@ -150,11 +115,7 @@ def finish_step(
 
 
 def note_rhythm(guard: int, taken: float, w: Vector) -> None:
-    """Follow the mean length of steps that end with an event; one without an event raises it.
-
-    Reads: RHYTHM.
-    Writes: RHYTHM.
-    """
+    """Follow the mean length of steps that end with an event; one without an event raises it."""
     if guard == NO_GUARD or w[RHYTHM] == math.inf:
         w[RHYTHM] = max(taken, w[RHYTHM]) if guard == NO_GUARD else taken
     else:
@@ -167,11 +128,7 @@ def most_stalls(whole: Wholes) -> int:
 
 
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Take the new events of several contacts over into the rows of events.
-
-    Reads: TIME, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
-    Writes: STATUS, EVENTS, STALLS.
-    """
+    """Take the new events of several contacts over into the rows of events."""
     t = w[TIME]
     most = most_stalls(whole)
     for k in range(whole[CHANGED]):
@@ -182,24 +139,7 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make what follows from a guard that has fallen.
-
-    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS,
-    EVENTS, STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
-    CHANGED.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Room for the rows of events.
-    """
+    """Make what follows from a guard that has fallen."""
     if whole[N_CONTACTS] > 0:
         ask_of(CHANGE, w[TIME], w, whole, guard, 0)
         take_changes(w, whole, events)
@@ -212,22 +152,7 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make what follows from a jump of forces.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS,
-    EVENTS, STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
-    CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Room for the rows of events.
-    """
+    """Make what follows from a jump of forces."""
     if whole[N_CONTACTS] > 0:
         ask_here(SETTLE, w, whole)
         take_changes(w, whole, events)
@@ -237,11 +162,7 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def give_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
-    """Set the sizes that errors are compared with, by the state and the forces at hand.
-
-    Reads: TIME, Y.
-    Writes: SCALE, POINT, VALUES, ANSWER, CHANGED.
-    """
+    """Set the sizes that errors are compared with, by the state and the forces at hand."""
     if whole[N_CONTACTS] > 0:
         ask(FIRST_SIZES, t_end, w, whole)
     else:
@@ -249,10 +170,7 @@ def give_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
 
 
 def has_sizes(w: Vector, whole: Wholes) -> bool:
-    """Whether anything has moved yet, or forces were at hand that gave what rests a size.
-
-    Reads: SCALE.
-    """
+    """Whether anything has moved yet, or forces were at hand that gave what rests a size."""
     found = False
     for i in range(whole[N_STATES]):
         found = found or w[whole[SCALE] + i] != 0.0
@@ -260,27 +178,7 @@ def has_sizes(w: Vector, whole: Wholes) -> bool:
 
 
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Set what follows from the start: piece, mode, sizes, stepper.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, PULLS, CHANGES, FOLLOWED, MODE, FLAGS,
-    PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
-    Writes: STEP, STRIDE, SUPPLIED, GROSS, LOST, RHYTHM, HELD_STRIDE, drives, Y, Y1, SCALE, POINT,
-    VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS,
-    STALLS, STEPPER, SLOW, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    t_end : float
-        End of the run [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Room for the rows of events.
-    """
+    """Set what follows from the start: piece, mode, sizes, stepper."""
     n_guards = whole[N_GUARDS]
     lowest = whole[LOWEST]
     put_constants(w, whole)
@@ -302,14 +200,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 
 
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Take a run up that reached its end time, as if it had only met a new piece of the drives.
-
-    Reads: TIME, STEP, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, PULLS, REACHED, CHANGES, FOLLOWED,
-    MODE, FLAGS, PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
-    Writes: STEP, SUPPLIED, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, PULLS, STAGES, MATRIX,
-    PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
-    CHANGED.
-    """
+    """Take a run up that reached its end time, as if it had only met a new piece of the drives."""
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)
     settle_all(w, whole, events)
@@ -317,42 +208,12 @@ def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 
 
 def log_is_full(whole: Wholes, log: Vector) -> bool:
-    """Whether there is no room for the rows of a step and of its end.
-
-    Reads: STEPS.
-
-    Parameters
-    ----------
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    log : array
-        Room for the rows of steps.
-
-    Returns
-    -------
-    bool
-        Whether a run needs a longer vector to go on.
-    """
+    """Whether there is no room for the rows of a step and of its end."""
     return (whole[STEPS] + 2) * whole[ROW_COLUMNS] > len(log)
 
 
 def events_are_full(whole: Wholes, events: Vector) -> bool:
-    """Whether there is no room for a step, a jump and what it switches, and a limit after each.
-
-    Reads: EVENTS.
-
-    Parameters
-    ----------
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    events : array
-        Room for the rows of events.
-
-    Returns
-    -------
-    bool
-        Whether a run needs a longer vector to go on.
-    """
+    """Whether there is no room for a step, a jump and what it switches, and a limit after each."""
     return (whole[EVENTS] + whole[MOST_EVENTS]) * EVENT_COLUMNS > len(events)
 
 
@@ -375,38 +236,6 @@ def run(
     time goes on from there: pieces may be told as late as they begin. One that has reached its step
     limit goes on as if there had been none. One that finds no room for further rows has the status
     FULL, and goes on with longer vectors that begin with the same rows.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
-    HELD_STRIDE, POLYNOMIAL, Y, SCALE, VALUES, PULLS, REACHED, LOWEST, FORCE, MASS, ACCELERATION,
-    CHANGES, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER,
-    SLOW, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    RHYTHM, HELD_STRIDE, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, POINT, VALUES, PULLS,
-    STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS,
-    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    bounds : array (pieces N_DRIVES 2,)
-        Least and largest value of each drive from the start of each piece on.
-    t_end : float
-        End of the run [s].
-    rtol : float
-        Relative tolerance.
-    cap : float
-        Longest step [s].
-    limit : int
-        Most steps.
-    log : array
-        Room for the rows of steps; those of earlier stretches stand in it.
-    events : array
-        Room for the rows of events; those of earlier stretches stand in it.
     """
     if whole[STATUS] == END_TIME:
         go_on(table, t_end, w, whole, events)

@@ -1,48 +1,5 @@
 """Whole numbers that pass between generated modules, kernels and their readers."""
 
-__all__ = [
-    "AT",
-    "AT_REST",
-    "BACKWARD",
-    "BREAK_BACKWARD",
-    "BREAK_FORWARD",
-    "BROKE_AWAY",
-    "CLOSED_AGAIN",
-    "END_TIME",
-    "EVENT_COUNT",
-    "EVENT_TIME",
-    "EXACT",
-    "FINAL",
-    "FORWARD",
-    "FREE",
-    "FULL",
-    "GRADIENT",
-    "GREATEST",
-    "HELD",
-    "HELD_FAST",
-    "HIT",
-    "LEFT_GROUND",
-    "LEFT_STOP",
-    "LIFTED_OFF",
-    "LIFT_OFF",
-    "LIMITED",
-    "MEAN",
-    "OPENED",
-    "PUSHED",
-    "REVERSED",
-    "RUNNING",
-    "SMALLEST",
-    "SMOOTH",
-    "STEP_LIMIT",
-    "STEP_TOO_SMALL",
-    "STIFF",
-    "STOP",
-    "STOPPED",
-    "SWITCH",
-    "UNLOADED",
-    "ZENO",
-]
-
 # Index of each guard in the vector of guards; switch j has index SWITCH + j. Limits, which end the
 # run, follow the switches, and then the hard stops, here called walls.
 STOP = 0

@@ -10,45 +10,6 @@ the equations, which no mode enters: forces, mass matrix, loads, and each law on
 from stickslip.kernels.backend import Vector, Wholes, call_model
 from stickslip.kernels.state_layout import ADDRESS, CONSTANTS
 
-__all__ = [
-    "ANY_RATE",
-    "CALLED",
-    "CONSTANTS_OF",
-    "CONTACT",
-    "EFFORTS",
-    "ENERGY",
-    "FIELD",
-    "FIELD_SLOPES",
-    "FORCES",
-    "FORCE_SLOPES",
-    "GEOMETRY",
-    "GUARDS",
-    "GUARD_PARAMETERS",
-    "GUARD_SLOPES",
-    "IMPACT",
-    "IMPACT_PARAMETERS",
-    "IMPACT_SLOPES",
-    "JACOBIAN",
-    "LAW",
-    "LAW_MARGINS",
-    "LAW_MARGIN_SLOPES",
-    "LAW_SLOPES_OF",
-    "LIMITS",
-    "LINEAR",
-    "LOADS",
-    "LOOPS_OF",
-    "MARGINS",
-    "MASSES",
-    "PART_SLOPES_OF",
-    "POWER",
-    "REST",
-    "TIME_SLOPE",
-    "TURNING",
-    "WALLS_OF",
-    "evaluate",
-    "put_constants",
-]
-
 ANY_RATE = 0.7309
 """A rate [m/s or rad/s] that no threshold is likely to have: it tells what depends on rates."""
 FIELD = 0
@@ -121,40 +82,11 @@ LAW_MARGIN_SLOPES = 3_000_000
 
 
 def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Call one function of the equations in any mode.
-
-    Reads: `at`.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    name : int
-        Number of the function.
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result; its length is the function's.
-    """
+    """Call one function of the equations in any mode."""
     call_model(w, ADDRESS, name, mode, flags, t, at, to)
 
 
 def put_constants(w: Vector, whole: Wholes) -> None:
-    """Write what the equations need of parameters alone, where there is such a thing.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run, with its parameters.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Write what the equations need of parameters alone, where there is such a thing."""
     if whole[CONSTANTS] > 0:
         evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, whole[CONSTANTS])

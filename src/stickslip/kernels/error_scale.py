@@ -19,8 +19,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["VANISHED", "first_sizes", "series_tail", "size_of"]
-
 LEAST = 1e-9
 """Least speed that counts, over that which the contact's own force gives in the time of the run."""
 
@@ -39,20 +37,6 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
     A body at rest has no speed to compare with. Where friction falls steeply from rest, it leaves
     as a power of time, which no relative error control gets started; a floor far below any speed
     of interest does. It follows from the forces at rest, and so from the scale of the problem.
-
-    Reads: Y.
-    Writes: SCALE, POINT, VALUES.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    t_end : float
-        End of the run [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n = whole[N_STATES]
     scale = whole[SCALE]
@@ -73,26 +57,7 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
 
 
 def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
-    """Return what an error of state `i` in a step is judged against.
-
-    Reads: Y, Y1, SCALE, PULLS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the state.
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Size, in the unit of the state; 0 if it has had none.
-    """
+    """Return what an error of state `i` in a step is judged against."""
     scale = whole[SCALE]
     coordinates = whole[N_COORDINATES]
     size = max(w[scale + i], abs(w[whole[Y] + i]), abs(w[whole[Y1] + i]))
@@ -104,24 +69,7 @@ def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
 
 
 def series_tail(h: float, w: Vector, whole: Wholes) -> float:
-    """Return the tail of the series in the dense output over what is allowed.
-
-    Reads: Y, Y1, SCALE, PULLS, DENSE.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Size of the last two terms over what is allowed: the step is good up to 1.
-    """
+    """Return the tail of the series in the dense output over what is allowed."""
     dense = whole[DENSE]
     n = whole[N_STATES]
     error = 0.0

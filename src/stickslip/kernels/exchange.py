@@ -46,8 +46,6 @@ from stickslip.kernels.state_layout import (
 from stickslip.kernels.step import advance
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = ["exchange", "take_over"]
-
 ENTER = 0
 RATES_AT = 1
 GUARDS_AT = 2
@@ -76,11 +74,7 @@ both directions agree there but for the square of this share.
 
 
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
-    """Set the rates of what is held to 0: a solver from outside may have rounded them.
-
-    Reads: `at`, FOLLOWED, MODE, MODES, FOLLOWERS.
-    Writes: `at`.
-    """
+    """Set the rates of what is held to 0: a solver from outside may have rounded them."""
     n = whole[N_COORDINATES]
     if whole[N_CONTACTS] == 0:
         if abs(whole[MODE]) != 1:
@@ -94,30 +88,13 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
 
 
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
-    """Turn a state that was handed over to the coordinates of the equations.
-
-    Reads: `at`, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
-    Writes: `at`, VALUES.
-
-    Parameters
-    ----------
-    at : int
-        Place in `w` of the state.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Turn a state that was handed over to the coordinates of the equations."""
     turn_states(at, 0, w, whole)
     set_held_rates(at, w, whole)
 
 
 def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the event indicators: the guards, above 0 a little longer than these.
-
-    Reads: `at`, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: `to`, ANSWER, CHANGED.
-    """
+    """Write the event indicators: the guards, above 0 a little longer than these."""
     guard_values(t, w, whole, at, to)
     for guard in range(whole[N_GUARDS]):
         size = guard_size(guard, w, whole)
@@ -130,13 +107,7 @@ def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def fall(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make what follows from a guard that has fallen between two steps from outside.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS.
-    Writes: SUPPLIED, FRACTION, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS,
-    STEPPER, ANSWER, CHANGED.
-    """
+    """Make what follows from a guard that has fallen between two steps from outside."""
     whole[STEPPER] = SMOOTH  # no series has told what falls with it
     w[FRACTION] = 1.0  # it held before
     change(guard, w, whole, events)
@@ -153,15 +124,7 @@ def falls_at_once(
     table: Vector,
     events: Vector,
 ) -> int:
-    """Try a step; make what follows from a guard that falls as it begins, and tell whether one did.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y,
-    SCALE, VALUES, PULLS, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, LOOPS, FOLLOWED,
-    MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
-    Writes: STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, HELD_STRIDE, POLYNOMIAL, ROOM, Y,
-    Y1, SCALE, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
-    SLOPES, WALLS, MODE, FLAGS, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
-    """
+    """Try a step and do what a guard that falls as it begins asks; tell whether one did."""
     stop = next_stop(table, t_end, whole)
     choose_stepper(stop, w, whole)
     guard = advance(stop, w, whole, rtol, cap)
@@ -177,11 +140,7 @@ def falls_at_once(
 
 
 def note_state(w: Vector, whole: Wholes) -> None:
-    """Note how large states and guards are at the present state.
-
-    Reads: TIME, Y, SCALE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, LOOPS, MODE, FLAGS, MODES.
-    Writes: SCALE, SAMPLED, REACHED, LOWEST, ANSWER, CHANGED.
-    """
+    """Note how large states and guards are at the present state."""
     n, guards_of, sampled = whole[N_STATES], whole[N_GUARDS], whole[SAMPLED]
     for i in range(n):
         w[whole[SCALE] + i] = max(w[whole[SCALE] + i], abs(w[whole[Y] + i]))
@@ -195,12 +154,7 @@ def note_state(w: Vector, whole: Wholes) -> None:
 
 
 def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
-    """Take a run of one's own back to a time within its last step.
-
-    Reads: TIME, DENSE, STEPS.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, PIECE, STATUS, ANSWER,
-    CHANGED, MODES, LAW_FLAGS, OPEN.
-    """
+    """Take a run of one's own back to a time within its last step."""
     n, point, row = whole[N_STATES], whole[POINT], whole[STEPS] - 1
     at = row * whole[ROW_COLUMNS]
     restore(log, row, table, w, whole)
@@ -214,11 +168,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 
 
 def retune(w: Vector, whole: Wholes) -> None:
-    """Write what a run keeps of its parameters for other ones; the state is that handed over.
-
-    Reads: TIME, Y, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
-    Writes: Y, VALUES, ANSWER, CHANGED.
-    """
+    """Write what a run keeps of its parameters for other ones; the state is that handed over."""
     put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, w[TIME], w, whole)
@@ -229,11 +179,7 @@ def retune(w: Vector, whole: Wholes) -> None:
 
 
 def rates_along(point: int, w: Vector, whole: Wholes) -> None:
-    """Write how the rates of a state change along a direction, in the modes at hand.
-
-    Reads: TIME, DRIFT, TURN, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: VALUES, STAGES, MATRIX, DRIFT, ANSWER, CHANGED.
-    """
+    """Write how the rates of a state change along a direction, in the modes at hand."""
     n, matrix = whole[N_STATES], whole[MATRIX]
     take_over(whole[DRIFT], w, whole)
     jacobian(w[TIME], w, whole, point, matrix)
@@ -246,11 +192,7 @@ def rates_along(point: int, w: Vector, whole: Wholes) -> None:
 
 
 def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
-    """Write what is asked about a state: rates, their changes, guards, or what is recorded.
-
-    Reads: TIME, SCALE, DRIFT, REACHED, TURN, LOOPS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: VALUES, STAGES, MATRIX, DRIFT, SAMPLED, ANSWER, CHANGED.
-    """
+    """Write what is asked about a state: rates, their changes, guards, or what is recorded."""
     if question == RATES_AT:
         field(w[TIME], w, whole, point, whole[STAGES])
         turn_states(whole[STAGES], 1, w, whole)
@@ -294,43 +236,6 @@ def exchange(
     RETUNE     go on from Y with other parameters
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y,
-    SCALE, POINT, VALUES, PULLS, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES,
-    TURN, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS,
-    MODES, FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, HELD_STRIDE,
-    POLYNOMIAL, ROOM, drives, Y, Y1, SCALE, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT,
-    DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS,
-    STALLS, STEPPER, SLOW, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    question : int
-        What is asked.
-    guard : int
-        Index of the guard, of `FALLEN`.
-    t_end : float
-        End of the run, or the time of `CUT` [s].
-    rtol : float
-        Relative tolerance of steps that are tried.
-    cap : float
-        Longest step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    log : array
-        Rows of steps, of `CUT`.
-    events : array
-        Room for the rows of events.
-
-    Returns
-    -------
-    int
-        Whether `LOOK` has found anything.
     """
     point, y = whole[POINT], whole[Y]
     if question in (RATES_AT, ALONG, GUARDS_AT, COLUMNS_AT):

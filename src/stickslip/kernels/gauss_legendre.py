@@ -1,7 +1,5 @@
 """Nodes and weights of Gauss and Legendre on 0 to 1, for integrals over a step."""
 
-__all__ = ["FEW_NODES", "FEW_WEIGHTS", "NODES", "WEIGHTS"]
-
 # n nodes are exact for polynomials up to degree 2 n - 1: 5 and 13.
 FEW_NODES = (0.1127016653792583, 0.5, 0.8872983346207417)
 FEW_WEIGHTS = (0.2777777777777778, 0.4444444444444444, 0.2777777777777778)

@@ -51,25 +51,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "CLOCK",
-    "EARLY",
-    "NO_GUARD",
-    "UNWATCHED",
-    "coarseness",
-    "first_violation",
-    "guard_size",
-    "guard_values",
-    "is_held",
-    "is_speed",
-    "note_least",
-    "note_sizes",
-    "reverses",
-    "rises",
-    "size_of_forces",
-    "stays",
-]
-
 NO_GUARD = -1
 UNWATCHED = 1.0
 """Value of a guard of several contacts that nothing watches."""
@@ -108,24 +89,7 @@ CLOCK = 4.440892098500626e-16
 
 
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Evaluate the guards, with the quiet zone of bristle laws.
-
-    Reads: `at`, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place in `w` of the results.
-    """
+    """Evaluate the guards, with the quiet zone of bristle laws."""
     guards(t, w, whole, at, to)
     if not whole[HAS_BRISTLES]:
         return
@@ -138,22 +102,7 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def reverses(guard: int, whole: Wholes) -> bool:
-    """Whether a guard is the speed of a body that bristles alone carry, which only turns.
-
-    Reads: MODES.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Whether a guard is the speed of a body that bristles alone carry, which only turns."""
     if not whole[HAS_BRISTLES]:
         return False
     if whole[N_CONTACTS] == 0:
@@ -165,11 +114,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
 
 
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
-    """Return one guard at a fraction of the step.
-
-    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: POINT, VALUES, ANSWER, CHANGED.
-    """
+    """Return one guard at a fraction of the step."""
     point = whole[POINT]
     values = whole[VALUES]
     interpolate(w, whole, x, point)
@@ -180,11 +125,7 @@ def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes)
 def bisect(
     guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes
 ) -> float:
-    """Return the fraction just past a sign change.
-
-    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: POINT, VALUES, ANSWER, CHANGED.
-    """
+    """Return the fraction just past a sign change."""
     f_low = guard_at(guard, low, t, h, w, whole)
     f_high = guard_at(guard, high, t, h, w, whole)
     epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
@@ -205,11 +146,7 @@ def bisect(
 
 
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
-    """Return a fraction between where the guard is negative, or -1 if its minimum is not.
-
-    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: POINT, VALUES, ANSWER, CHANGED.
-    """
+    """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
     f_a = guard_at(guard, a, t, h, w, whole)
@@ -258,9 +195,6 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
 
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
-
-    Reads: SCALE, DENSE, SAMPLED, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
     first_wall = whole[FIRST_WALL]
@@ -305,48 +239,31 @@ def start_on_thresholds(w: Vector, whole: Wholes) -> None:
 
     One that begins on its threshold is left to the side to which it goes, and that must not be what
     a difference of places leaves.
-
-    Reads: TIME, Y, SAMPLED, REACHED, MODE, FLAGS.
-    Writes: SAMPLED, SLOPES, ANSWER, CHANGED.
     """
-    n, slopes, guards = whole[N_STATES], whole[SLOPES], whole[N_GUARDS]
-    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    guards, first = whole[N_GUARDS], whole[FIRST_LIMIT] - whole[N_SWITCHES]
     if whole[N_SWITCHES] == 0:
         return
-    guard_slopes(w[TIME], w, whole, whole[Y], slopes)
+    guard_slopes(w[TIME], w, whole, whole[Y], whole[SLOPES])
     for guard in range(first, whole[FIRST_LIMIT]):
-        size = 0.0
-        for i in range(n):
-            size += abs(w[slopes + guard * (n + 1) + i] * w[whole[Y] + i])
-        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * PLACED * size else 0):
+        rounding = rounding_of_places(guard, w, whole)
+        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * rounding else 0):
             at = whole[SAMPLED] + s * guards + guard
-            if abs(w[at]) <= PLACED * size:
+            if abs(w[at]) <= rounding:
                 w[at] = 0.0
+
+
+def rounding_of_places(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return the rounding of a switch by that of the state, where slopes of guards are at hand."""
+    n, size = whole[N_STATES], 0.0
+    for i in range(n):
+        size += abs(w[whole[SLOPES] + guard * (n + 1) + i] * w[whole[Y] + i])
+    return PLACED * size
 
 
 def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
-
-    Reads: TIME, Y, SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, STEPS, MODES.
-    Writes: FRACTION, POINT, VALUES, SAMPLED, SLOPES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the guard, or `NO_GUARD`.
     """
     point = whole[POINT]
     sampled = whole[SAMPLED]
@@ -371,20 +288,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
 
 def is_held(whole: Wholes) -> bool:
-    """Whether anything is held: its guards may change with time while no state does.
-
-    Reads: MODE, MODES.
-
-    Parameters
-    ----------
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether friction or a stop holds the body, or any coordinate of several contacts.
-    """
+    """Whether anything is held: its guards may change with time while no state does."""
     if whole[N_CONTACTS] == 0:
         return abs(whole[MODE]) != 1
     held = False
@@ -397,8 +301,6 @@ def opposite(guard: int, whole: Wholes) -> int:
     """Return the guard of the other direction, where both are of one level; else itself.
 
     Their sum is twice the level, which tells how large the rounding of either is.
-
-    Reads: MODES.
     """
     if whole[N_CONTACTS] > 0:
         pair = guard < 2 * whole[N_PAIRS] and not is_speed(guard, whole)
@@ -409,46 +311,14 @@ def opposite(guard: int, whole: Wholes) -> int:
 
 
 def is_speed(guard: int, whole: Wholes) -> bool:
-    """Whether a guard is one of a coordinate of several that moves: its speed, not a force.
-
-    Reads: MODES.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Whether a guard is one of a coordinate of several that moves: its speed, not a force."""
     if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS]:
         return False
     return whole[whole[MODES] + guard // 2] != HELD_FAST
 
 
 def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
-    """Return how large a guard has been in the run: a speed as a speed, a force as a force.
-
-    Reads: SCALE, REACHED, LOOPS, MODES.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Size, in the unit that the guard has in the mode at hand.
-    """
+    """Return how large a guard has been in the run: a speed as a speed, a force as a force."""
     if is_speed(guard, whole):
         return size_along(guard // 2, whole[SCALE] + whole[N_COORDINATES], w, whole)
     return w[whole[REACHED] + guard]
@@ -458,22 +328,6 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     """Return how large the forces are of which a held coordinate's needed friction is the rest.
 
     Inertia forces of others may leave little of them but their rounding.
-
-    Reads: FORCE, MASS, ACCELERATION, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the coordinate, direction or cut.
-    w : array (SIZE,)
-        Vector of the run; everything is worked out at a state.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        A sum of absolute values; 0 where no inertia couples coordinates.
     """
     if whole[DIAGONAL]:
         return 0.0
@@ -488,10 +342,7 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
-    """Return how large the forces are of which that along a closing slip or a cut is the rest.
-
-    Reads: FORCE, MASS, ACCELERATION, LOOPS.
-    """
+    """Return how large the forces are of which that along a closing slip or a cut is the rest."""
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
         factor = abs(factor_of(i, j, w, whole))
@@ -503,10 +354,7 @@ def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
 
 
 def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
-    """Return how large the forces are that a guard compares, at a state at hand; 0 if it does not.
-
-    Reads: FORCE, MASS, ACCELERATION, LOOPS, MODES.
-    """
+    """Return how large the forces are that a guard compares at the state; 0 if none."""
     if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
         return 0.0
     return size_of_forces(guard // 2, w, whole)
@@ -517,25 +365,6 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
 
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
-
-    Reads: SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, LOOPS, MODE, FLAGS, MODES.
-    Writes: POINT, VALUES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Start of the step [s].
-    h : float
-        Its length [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Largest difference over the largest value of its guard and what is allowed.
     """
     n_guards, sampled, values = whole[N_GUARDS], whole[SAMPLED], whole[VALUES]
     interpolate(w, whole, GOLDEN, whole[POINT])
@@ -565,49 +394,17 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
 
 
 def stays(guard: int, w: Vector, whole: Wholes) -> bool:
-    """Whether a guard has not come nearer to zero in a step at whose end it was to be there.
-
-    Reads: SAMPLED.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run, with the samples of the step.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it has not.
-    """
+    """Whether a guard just above its threshold comes no nearer in a step that was to end there."""
     at, largest = whole[SAMPLED] + guard, 0.0
+    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
+        return False
     for s in range(SAMPLES + 1):
         largest = max(largest, w[at + s * whole[N_GUARDS]])
     return w[at + SAMPLES * whole[N_GUARDS]] > 0.5 * largest
 
 
 def rises(guard: int, w: Vector, whole: Wholes) -> bool:
-    """Whether one guard is positive at any of the samples.
-
-    Reads: SAMPLED.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Whether one guard is positive at any of the samples."""
     sampled = whole[SAMPLED]
     n_guards = whole[N_GUARDS]
     highest = w[sampled + guard]
@@ -617,40 +414,14 @@ def rises(guard: int, w: Vector, whole: Wholes) -> bool:
 
 
 def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
-    """Note the least value of a guard that ends runs.
-
-    Reads: LOWEST.
-    Writes: LOWEST.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    value : float
-        Value of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Note the least value of a guard that ends runs."""
     lowest = whole[LOWEST]
     if (whole[CAN_LIFT] and guard == LIFT_OFF) or whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
         w[lowest + guard] = min(w[lowest + guard], value)
 
 
 def note_sizes(w: Vector, whole: Wholes) -> None:
-    """Note the largest size of each guard among the samples of a step, and the least ones.
-
-    Reads: SAMPLED, REACHED, LOWEST, FORCE, MASS, ACCELERATION, LOOPS, MODES.
-    Writes: REACHED, LOWEST.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Note the largest size of each guard among the samples of a step, and the least ones."""
     n_guards = whole[N_GUARDS]
     sampled = whole[SAMPLED]
     reached = whole[REACHED]

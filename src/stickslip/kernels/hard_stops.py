@@ -27,17 +27,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "approach",
-    "energy_now",
-    "pressed_by",
-    "resting_speed",
-    "strike",
-    "touched",
-    "wall_coordinate",
-    "wall_side",
-]
-
 RESTING = 1e-9
 """Share of the largest speed so far below which a body that is pressed bounces no more."""
 INSTANT = 1e-13
@@ -49,38 +38,12 @@ ELASTIC = 1e-3
 
 
 def wall_coordinate(wall: int, whole: Wholes) -> int:
-    """Return the index of the coordinate that a stop bounds.
-
-    Parameters
-    ----------
-    wall : int
-        Index of the stop.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the coordinate.
-    """
+    """Return the index of the coordinate that a stop bounds."""
     return whole[HEADER + 2 * wall]
 
 
 def wall_side(wall: int, whole: Wholes) -> int:
-    """Return 1 for a stop above, -1 for one below.
-
-    Parameters
-    ----------
-    wall : int
-        Index of the stop.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        1 or -1.
-    """
+    """Return 1 for a stop above, -1 for one below."""
     return whole[HEADER + 2 * wall + 1]
 
 
@@ -88,23 +51,6 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the side of the stop that the slipping body touches: 1 upper, -1 lower, 0 none.
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
-
-    Reads: TIME, Y.
-    Writes: Y, WALLS.
-
-    Parameters
-    ----------
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        1 for an upper stop, -1 for a lower one, 0 for none.
     """
     n_walls = whole[N_WALLS]
     y = whole[Y]
@@ -124,51 +70,14 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 
 
 def pressed_by(side: int, flags: int, w: Vector, whole: Wholes) -> float:
-    """Return the force that is missing for the slipping body to leave its stop.
-
-    Reads: TIME, Y.
-    Writes: VALUES.
-
-    Parameters
-    ----------
-    side : int
-        1 for an upper stop, -1 for a lower one.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Missing force [N]; below 0 the body leaves.
-    """
+    """Return the force that is missing for the slipping body to leave its stop."""
     values = whole[VALUES]
     evaluate(GUARDS, 2 * side, flags, w[TIME], w, whole[Y], values)
     return w[values + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
 
 
 def approach(guard: int, w: Vector, whole: Wholes) -> float:
-    """Return the speed with which a coordinate nears the stop that a guard belongs to.
-
-    Reads: Y.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard of a stop, `FIRST_WALL` or above.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Speed, positive towards the stop.
-    """
+    """Return the speed with which a coordinate nears the stop that a guard belongs to."""
     wall = guard - whole[FIRST_WALL]
     return (
         wall_side(wall, whole) * w[whole[Y] + whole[N_COORDINATES] + wall_coordinate(wall, whole)]
@@ -181,24 +90,6 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
     A tiny share of the largest speed; but the bounce must also last some units of the time's last
     digit, and its impact cost a height that is not lost in the rounding of the place: of a bounce
     that gains by rounding what it loses by impact there is no end.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    size : float
-        Largest speed so far.
-    push : float
-        Acceleration towards the stop.
-    place : float
-        Place of the stop.
-    restitution : float
-        Speed after an impact over that before [1].
-
-    Returns
-    -------
-    float
-        Speed, in the unit of the coordinate's rate.
     """
     cost = max(1.0 - restitution * restitution, ELASTIC)
     blurred = math.sqrt(2.0 * abs(push) * BLUR * abs(place) / cost)
@@ -210,21 +101,6 @@ def energy_now(w: Vector, whole: Wholes) -> float:
 
     A guide keeps the rate of its coordinate. Its impulse follows from the changes of the others,
     and its work is what the energy changes by and the stops do not take.
-
-    Reads: TIME, Y, MODE, FLAGS.
-    Writes: VALUES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Energy [J].
     """
     if whole[N_CHANNELS] == 0:
         return 0.0
@@ -233,25 +109,7 @@ def energy_now(w: Vector, whole: Wholes) -> float:
 
 
 def strike(wall: int, w: Vector, whole: Wholes) -> bool:
-    """Change the rates by an impact; return whether a coordinate that does not slip stays there.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS.
-
-    Parameters
-    ----------
-    wall : int
-        Index of the stop.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-
-    Returns
-    -------
-    bool
-        Whether the coordinate stays at its stop, which the run cannot follow.
-    """
+    """Change the rates by an impact; return whether a coordinate that does not slip stays there."""
     y = whole[Y]
     walls_at = whole[WALLS]
     coordinates = whole[N_COORDINATES]

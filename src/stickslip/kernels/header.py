@@ -2,7 +2,7 @@
 
 import functools
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
@@ -10,8 +10,6 @@ from typing_extensions import override
 
 from stickslip.kernels import state_layout as at
 from stickslip.kernels.enums import SWITCH
-
-__all__ = ["LAW_NUMBERS", "ContactSizes", "ModeSizes", "Sizes"]
 
 LAW_NUMBERS = 7
 """Numbers that a law writes before the rates of its bristles."""
@@ -79,6 +77,7 @@ class Sizes(ABC):
         """Return the room of each slot in the vector of a run, in their order."""
         n, guards = self.states, self.guards
         return {
+            at.CONSTANTS: self.constants,
             at.Y: n,
             at.Y1: n,
             at.SCALE: n,
@@ -118,11 +117,11 @@ def _header(sizes: Sizes) -> tuple[int, ...]:
     for slot, size in sizes._own().items():
         whole[slot] = size
     place = sizes.first_parameter + sizes.parameters
-    whole[at.CONSTANTS] = place if sizes.constants else 0
-    place += sizes.constants
     for slot, room in sizes._rooms().items():
         whole[slot] = place
         place += room
+    if not sizes.constants:
+        whole[at.CONSTANTS] = 0
     whole[at.SIZE] = place
     for table, numbers in sizes._tables():
         if table is not None:
@@ -210,6 +209,17 @@ class ModeSizes(Sizes):
         yield None, tuple(number for wall in self.walls for number in wall)
 
 
+def law_rows(
+    first: int, numbers: Sequence[int], inputs_of: Sequence[int], bristles_of: Sequence[int]
+) -> tuple[int, ...]:
+    """Return where the row of each law begins, and where the last one ends.
+
+    A row has a speed, parameters, contact inputs, bristles and a load.
+    """
+    beside = 2 + max(inputs_of, default=0) + max(bristles_of, default=0)
+    return tuple(accumulate((number + beside for number in numbers), initial=first))
+
+
 @dataclass(frozen=True, kw_only=True)
 class ContactSizes(Sizes):
     """Of a model whose equations are parts, at which any number of contacts rub."""
@@ -230,6 +240,8 @@ class ContactSizes(Sizes):
     """Index of the numbers that each contact's law has: contacts may share a law."""
     numbers: tuple[int, ...]
     """How many parameters each of these has."""
+    inputs_of: tuple[int, ...]
+    """How many contact inputs each contact's law has."""
     bristles_of: tuple[int, ...]
     """How many bristle states each contact has."""
     holds: tuple[bool, ...]
@@ -317,7 +329,7 @@ class ContactSizes(Sizes):
             "rest": self.coordinates,
             "forces": self.coordinates + self.held,
             "masses": len(self.mass),
-            "loads": self.contacts,
+            "loads": self.contacts + sum(self.inputs_of),
             "geometry": self.contacts * (1 + 2 * self.held),
             "force_slopes": len(self.slopes) + len(self.time_slopes),
             "part_slopes": sum(map(len, self.part_slopes)),
@@ -339,8 +351,9 @@ class ContactSizes(Sizes):
 
     @property
     def _most_variables(self) -> int:
-        """Speed, parameters, bristles and load of a law."""
-        return 2 + max(self.numbers, default=0) + self._most_bristles
+        """Speed, parameters, contact inputs, bristles and load of a law."""
+        numbers = [max(self.numbers, default=0)]
+        return law_rows(0, numbers, self.inputs_of, self.bristles_of)[-1]
 
     @property
     def _law_slopes(self) -> int:
@@ -351,20 +364,16 @@ class ContactSizes(Sizes):
     def _part_rows(self) -> int:
         """Rows of the parts that have slopes."""
         rows = self.coordinates + self.held + self.contacts * (2 + 2 * self.held)
-        return rows + self.switches + WALL_NUMBERS * len(self.walls)
+        return rows + self.switches + WALL_NUMBERS * len(self.walls) + sum(self.inputs_of)
 
     def law_places(self) -> tuple[int, ...]:
         """Return the place in the vector of a run of the numbers of each law."""
-        place = self.first_parameter + self.parameters + self.constants
-        found = []
-        for number in self.numbers:
-            found.append(place)
-            place += self._law_room(number)
-        return tuple(found)
+        return self._law_rows[:-1]
 
-    def _law_room(self, numbers: int) -> int:
-        """Return the room of a law: its speed, its parameters, bristles, load."""
-        return 2 + numbers + self._most_bristles
+    @property
+    def _law_rows(self) -> tuple[int, ...]:
+        first = self.first_parameter + self.parameters
+        return law_rows(first, self.numbers, self.inputs_of, self.bristles_of)
 
     @property
     def _most_bristles(self) -> int:
@@ -396,6 +405,7 @@ class ContactSizes(Sizes):
             at.N_CONTACTS: self.contacts,
             at.N_HELD: self.held,
             at.N_REACTIONS: sum(self.reacts),
+            at.N_INPUTS: sum(self.inputs_of),
             at.N_MASSES: len(self.mass),
             at.N_SLOPES: len(self.slopes),
             at.N_TIME_SLOPES: len(self.time_slopes),
@@ -413,11 +423,10 @@ class ContactSizes(Sizes):
     @override
     def _rooms(self) -> dict[int, int]:
         n, c, reacting = self.coordinates, self.contacts, sum(self.reacts)
-        laws = sum(map(self._law_room, self.numbers))
         rows, pairs = n + self.held, self.pairs
         widest = max(self.states, pairs)
         return {
-            at.LAW_ROWS: laws,  # the table of this name has their places
+            at.LAW_ROWS: self._law_rows[-1] - self._law_rows[0],  # its table has their places
             **super()._rooms(),
             at.POINT: widest,
             at.DRIFT: widest,
@@ -431,7 +440,7 @@ class ContactSizes(Sizes):
             at.NEEDED: pairs,
             at.LEVELS: 2 * pairs,
             at.FRICTION: c,
-            at.LOAD: c,
+            at.LOAD: c + sum(self.inputs_of),
             at.FRICTION_CONSTANT: c,
             at.FRICTION_FACTOR: c,
             at.LEVEL_CONSTANT: 2 * c,
@@ -512,7 +521,10 @@ class ContactSizes(Sizes):
         yield at.BRISTLE_COUNTS, self.bristles_of
         yield at.REACTS, tuple(map(int, self.reacts))
         yield at.LAW_ROWS, tuple(places[index] for index in self.shared)
-        yield at.LAW_BRISTLES, tuple(1 + self.numbers[index] for index in self.shared)
+        counts = zip(self.shared, self.inputs_of, strict=True)
+        yield at.LAW_BRISTLES, tuple(1 + self.numbers[index] + own for index, own in counts)
+        yield at.INPUTS, tuple(accumulate(self.inputs_of, initial=0))[:-1]
+        yield at.INPUT_COUNTS, self.inputs_of
         yield at.DIRECTIONAL, tuple(map(int, self.directional))
         yield at.HOLDS, tuple(map(int, self.holds))
         yield at.RIGID, tuple(rigid)

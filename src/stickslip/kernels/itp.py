@@ -2,28 +2,13 @@
 
 import math
 
-__all__ = ["itp_limit", "itp_point"]
-
 PUSH = 0.2
 """The paper's kappa_1 times the first bracket, with kappa_2 = 2: how far the secant's point is
 moved towards the middle, so that a bracket of which one end never moves shrinks too."""
 
 
 def itp_limit(width: float, epsilon: float) -> int:
-    """Return the number of trials that bisection would need, and one more.
-
-    Parameters
-    ----------
-    width : float
-        Length of the bracket.
-    epsilon : float
-        Half of the length at which the search ends.
-
-    Returns
-    -------
-    int
-        Most trials.
-    """
+    """Return the number of trials that bisection would need, and one more."""
     return math.ceil(math.log2(max(width / epsilon, 1.0))) + 1
 
 
@@ -39,28 +24,6 @@ def itp_point(
     """Return where to look next: the secant's point, kept where bisection still ends in time.
 
     `spare` is the number of trials left, `width` the length of the first bracket.
-
-    Parameters
-    ----------
-    spare : int
-        Trials that are left.
-    width : float
-        Length of the first bracket.
-    epsilon : float
-        Half of the length at which the search ends.
-    low : float
-        Lower end of the bracket.
-    high : float
-        Upper end of the bracket.
-    f_low : float
-        Value of the function there.
-    f_high : float
-        Value there, of the other sign.
-
-    Returns
-    -------
-    float
-        A point in the bracket.
     """
     middle = 0.5 * (low + high)
     radius = max(epsilon * 2.0**spare - 0.5 * (high - low), 0.0)

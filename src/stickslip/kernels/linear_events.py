@@ -28,18 +28,12 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["first_crossing"]
-
 BALANCED = 4e-15
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
 
 def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
-    """Write the coefficients of one guard in the fraction of the step; return the degree.
-
-    Reads: VALUES, DENSE, REACHED, LOWEST, SLOPES.
-    Writes: POLYNOMIAL, REACHED, LOWEST.
-    """
+    """Write the coefficients of one guard in the fraction of the step; return the degree."""
     values = whole[VALUES]
     dense = whole[DENSE]
     reached = whole[REACHED]
@@ -67,11 +61,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
 
 
 def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
-    """Drop the first slope of a body at rest where forces balance but for their rounding.
-
-    Reads: POLYNOMIAL, Y, MATRIX, DRIFT, FLAGS.
-    Writes: POLYNOMIAL, POINT.
-    """
+    """Drop the first slope of a body at rest where forces balance but for their rounding."""
     y = whole[Y]
     point = whole[POINT]
     slip = whole[SLIP]
@@ -95,25 +85,6 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard that starts at zero falls below it at once.
-
-    Reads: Y, MATRIX, DRIFT, DENSE, REACHED, LOWEST, MODE, FLAGS.
-    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, REACHED, LOWEST, SLOPES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the guard, or `NO_GUARD`.
     """
     y = whole[Y]
     n_guards = whole[N_GUARDS]

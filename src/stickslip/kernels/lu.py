@@ -2,31 +2,9 @@
 
 from stickslip.kernels.backend import Vector
 
-__all__ = ["lu_factor", "lu_solve"]
-
 
 def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
-    """Factorise the n x n matrix at `a`, rows one after the other; False if it is singular.
-
-    Reads: `a`.
-    Writes: `a`, `pivots`.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    a : int
-        Place in `w` of the matrix (n n,); its factors replace it.
-    n : int
-        Number of rows.
-    pivots : int
-        Place in `w` of the pivots (n,): at step k, the row that was exchanged with row k.
-
-    Returns
-    -------
-    bool
-        Whether the matrix has an inverse.
-    """
+    """Factorise the n x n matrix at `a`, rows one after the other; False if it is singular."""
     for k in range(n):
         best = k
         for i in range(k + 1, n):
@@ -50,24 +28,7 @@ def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
 
 
 def lu_solve(w: Vector, a: int, n: int, pivots: int, b: int) -> None:
-    """Solve with a factorised matrix; the solution replaces the right-hand side at `b`.
-
-    Reads: `a`, `pivots`, `b`.
-    Writes: `b`.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    a : int
-        Place in `w` of the factors (n n,).
-    n : int
-        Number of rows.
-    pivots : int
-        Place in `w` of the pivots (n,).
-    b : int
-        Place in `w` of the right-hand side (n,).
-    """
+    """Solve with a factorised matrix; the solution replaces the right-hand side at `b`."""
     for k in range(n):
         best = int(w[pivots + k])
         if best != k:

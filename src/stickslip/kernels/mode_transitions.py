@@ -39,18 +39,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "STALL_LIMIT",
-    "UNMOVED",
-    "count_event",
-    "handle_event",
-    "initial_mode",
-    "mode_from_rest",
-    "set_flags",
-    "settle",
-    "turn_switches",
-]
-
 UNMOVED = 1e-12
 """Share of a switch's largest margin so far below which it did not jump: rounding left it there."""
 STALL_LIMIT = 100
@@ -62,29 +50,6 @@ def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing:
 
     A switch that stands at its threshold is off, unless it was left on there: the next step shows
     to which side it goes.
-
-    Reads: `at`.
-    Writes: VALUES.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    flags : int
-        Flags to begin with: nested switches depend on others.
-    standing : int
-        Flags of switches that may stand at their thresholds and be on.
-
-    Returns
-    -------
-    int
-        The flags.
     """
     switches = whole[N_SWITCHES]
     values = whole[VALUES]
@@ -102,9 +67,6 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
     """Return the flags of switches that are on at their thresholds, whatever the slip velocity is.
 
     That of a velocity which is 0 now is off: what it asks for has ended.
-
-    Reads: TIME, Y, FLAGS.
-    Writes: Y, VALUES.
     """
     values, rate = whole[VALUES], whole[Y] + whole[SLIP]
     found, now = whole[FLAGS], w[rate]
@@ -120,25 +82,7 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
 
 
 def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
-    """Return the mode of a body whose slip velocity is zero.
-
-    Reads: TIME, Y.
-    Writes: Y, VALUES, WALLS.
-
-    Parameters
-    ----------
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        0 stick, 1 or -1 slip, 2 or -2 pressed against the upper or lower stop.
-    """
+    """Return the mode of a body whose slip velocity is zero."""
     values = whole[VALUES]
     side = touched(flags, w, whole)
     if side != 0:
@@ -153,11 +97,7 @@ def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
 
 
 def direction(flags: int, w: Vector, whole: Wholes) -> int:
-    """Return the direction in which a bristle law's body leaves rest.
-
-    Reads: TIME, Y.
-    Writes: VALUES.
-    """
+    """Return the direction in which a bristle law's body leaves rest."""
     y = whole[Y]
     values = whole[VALUES]
     slip = whole[SLIP]
@@ -168,28 +108,13 @@ def direction(flags: int, w: Vector, whole: Wholes) -> int:
 
 
 def initial_mode(w: Vector, whole: Wholes) -> None:
-    """Set mode and flags for a state.
-
-    Reads: TIME, Y.
-    Writes: Y, VALUES, WALLS, MODE, FLAGS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Set mode and flags for a state."""
     whole[FLAGS] = 0
     set_mode(w, whole)
 
 
 def set_mode(w: Vector, whole: Wholes) -> None:
-    """Set mode and flags for a state, from flags that held before.
-
-    Reads: TIME, Y, FLAGS.
-    Writes: Y, VALUES, WALLS, MODE, FLAGS.
-    """
+    """Set mode and flags for a state, from flags that held before."""
     y = whole[Y]
     slip = whole[SLIP]
     flags = set_flags(w[TIME], w, whole, y, whole[FLAGS], 0)
@@ -206,9 +131,6 @@ def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
     """Turn a switch; if it does as the run begins, decide a body at rest as if it had begun so.
 
     Forces that just reach the level say nothing, and would hold what has broken away there.
-
-    Reads: TIME, Y, FLAGS, STEPS.
-    Writes: Y, VALUES, WALLS, MODE, FLAGS.
     """
     whole[FLAGS] ^= 1 << switch
     if w[TIME] == 0.0 and whole[STEPS] == 0 and w[whole[Y] + whole[SLIP]] == 0.0:
@@ -218,11 +140,7 @@ def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
 
 
 def transition(guard: int, w: Vector, whole: Wholes) -> float:
-    """Change mode or flags for a violated guard; return the margin of the decision.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS.
-    """
+    """Change mode or flags for a violated guard; return the margin of the decision."""
     first_wall = whole[FIRST_WALL]
     first_limit = whole[FIRST_LIMIT]
     y = whole[Y]
@@ -274,9 +192,6 @@ def forbidden(w: Vector, whole: Wholes) -> int:
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
     Where the equations have no meaning the normal force has none either, so limits come first.
-
-    Reads: TIME, Y, MODE, FLAGS.
-    Writes: VALUES, ANSWER, CHANGED.
     """
     limits = whole[N_LIMITS]
     values = whole[VALUES]
@@ -292,22 +207,7 @@ def forbidden(w: Vector, whole: Wholes) -> int:
 
 
 def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Turn the switches whose margins jumped with the drives, nested ones included.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
-    CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    """
+    """Turn the switches whose margins jumped with the drives, nested ones included."""
     switches = whole[N_SWITCHES]
     first_limit = whole[FIRST_LIMIT]
     y = whole[Y]
@@ -321,21 +221,7 @@ def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def settle(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make the transitions that follow from a jump of forces, and from the start.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
-    CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    """
+    """Make the transitions that follow from a jump of forces, and from the start."""
     y = whole[Y]
     values = whole[VALUES]
     t = w[TIME]
@@ -362,23 +248,7 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make the transition of a guard, and of a limit that lies behind it.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
-    CHANGED.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    """
+    """Make the transition of a guard, and of a limit that lies behind it."""
     note_event(guard, w, whole, events)
     if whole[STATUS] == RUNNING:
         beyond = forbidden(w, whole)
@@ -387,11 +257,7 @@ def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make the transition of a guard and write it to the rows of events.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
-    """
+    """Make the transition of a guard and write it to the rows of events."""
     t = w[TIME]
     mode = whole[MODE]
     margin = transition(guard, w, whole)
@@ -407,22 +273,7 @@ def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def count_event(t: float, whole: Wholes, events: Vector, most: int) -> None:
-    """Count an event that has been written; too many at one instant end the run.
-
-    Reads: STATUS, EVENTS, STALLS.
-    Writes: STATUS, EVENTS, STALLS.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    most : int
-        Events in a row at one instant that a run may have.
-    """
+    """Count an event that has been written; too many at one instant end the run."""
     # an event that a jump of the drives makes is no sign of others without end: time goes on
     at = whole[EVENTS] * EVENT_COLUMNS
     stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)

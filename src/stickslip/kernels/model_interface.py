@@ -35,42 +35,9 @@ from stickslip.kernels.questions import (
 )
 from stickslip.kernels.state_layout import FLAGS, MODE, N_COLUMNS, N_CONTACTS
 
-__all__ = [
-    "energy",
-    "field",
-    "field_slopes",
-    "guard_parameters",
-    "guard_slopes",
-    "guards",
-    "impact_parameters",
-    "impact_slopes",
-    "jacobian",
-    "linear",
-    "power",
-    "recorded",
-    "time_slope",
-]
-
 
 def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Time derivatives of the states.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_STATES,).
-    """
+    """Time derivatives of the states."""
     if whole[N_CONTACTS] > 0:
         ask_of(RATES, t, w, whole, at, to)
     else:
@@ -78,24 +45,7 @@ def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of the field with respect to the states, row by row.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_STATES N_STATES,).
-    """
+    """Derivatives of the field with respect to the states, row by row."""
     if whole[N_CONTACTS] > 0:
         ask_of(STATE_SLOPES, t, w, whole, at, to)
     else:
@@ -103,24 +53,7 @@ def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of the field with respect to time.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_STATES,).
-    """
+    """Derivatives of the field with respect to time."""
     if whole[N_CONTACTS] > 0:
         ask_of(TIME_SLOPES, t, w, whole, at, to)
     else:
@@ -128,24 +61,7 @@ def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Quantities that are not negative while the mode lasts, by the indices of `enums`.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_GUARDS,).
-    """
+    """Quantities that are not negative while the mode lasts, by the indices of `enums`."""
     if whole[N_CONTACTS] > 0:
         ask_of(GUARDS_OF, t, w, whole, at, to)
     else:
@@ -153,24 +69,7 @@ def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of each guard with respect to the states and then to time.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_GUARDS (N_STATES + 1),), row by row.
-    """
+    """Derivatives of each guard with respect to the states and then to time."""
     if whole[N_CONTACTS] > 0:
         ask_of(GUARD_STATES, t, w, whole, at, to)
     else:
@@ -178,24 +77,7 @@ def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Whether field and guards are affine in state and time together: 1 or 0.
-
-    Reads: `at`, TIME, Y, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (1,).
-    """
+    """Whether field and guards are affine in state and time together: 1 or 0."""
     if whole[N_CONTACTS] > 0:
         w[to] = ask_here(IS_LINEAR, w, whole)
     else:
@@ -207,22 +89,6 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
     That is friction, normal force and the efforts of guided coordinates; of several contacts
     friction, then load, then mode of each.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_COLUMNS,).
     """
     if whole[N_CONTACTS] > 0:
         ask_of(COLUMNS, t, w, whole, at, to)
@@ -233,24 +99,7 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Power supplied, power taken by friction.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (2,) [W].
-    """
+    """Power supplied, power taken by friction."""
     if whole[N_CONTACTS] > 0:
         ask_of(POWERS, t, w, whole, at, to)
     else:
@@ -258,46 +107,12 @@ def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Mechanical energy; the same in all modes.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (1,) [J].
-    """
+    """Mechanical energy; the same in all modes."""
     evaluate(ENERGY, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_STATES quantities,), row by row.
-    """
+    """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
     if whole[N_CONTACTS] > 0:
         ask_of(QUANTITY_SLOPES, t, w, whole, at, to)
     else:
@@ -305,24 +120,7 @@ def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of each guard with respect to all quantities.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_GUARDS quantities,), row by row.
-    """
+    """Derivatives of each guard with respect to all quantities."""
     if whole[N_CONTACTS] > 0:
         ask_of(GUARD_QUANTITIES, t, w, whole, at, to)
     else:
@@ -334,24 +132,6 @@ def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
     Of several contacts, STRUCK and BOUNDS tell which coordinates are stopped, and what the rates
     change by.
-
-    Reads: `at`, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    case : int
-        With one contact, index of the stop, plus the number of stops if nothing bounces.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_COORDINATES N_STATES,), row by row.
     """
     if whole[N_CONTACTS] > 0:
         ask_of(IMPACT_STATES, t, w, whole, at, to)
@@ -360,26 +140,7 @@ def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
 
 def impact_parameters(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Derivatives of the rates after an impact with respect to all quantities.
-
-    Reads: `at`, FLAGS.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    case : int
-        As in `impact_slopes`.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_COORDINATES quantities,), row by row.
-    """
+    """Derivatives of the rates after an impact with respect to all quantities."""
     if whole[N_CONTACTS] > 0:
         ask_of(IMPACT_QUANTITIES, t, w, whole, at, to)
     else:

@@ -3,8 +3,6 @@
 from stickslip.kernels.backend import Vector, Wholes, call_contacts
 from stickslip.kernels.state_layout import ANSWER, SEVERAL, TIME, Y
 
-__all__ = ["ask", "ask_here", "ask_of"]
-
 BEGIN = 0
 RATES = 1
 GUARDS_OF = 2
@@ -32,73 +30,16 @@ IMPACT_QUANTITIES = 23
 
 
 def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Ask at a state, for numbers.
-
-    Reads: `at`.
-    Writes: `to`, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    name : int
-        Number of the question.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result.
-    """
+    """Ask at a state, for numbers."""
     call_contacts(w, SEVERAL, whole, name, t, at, to)
 
 
 def ask(name: int, t: float, w: Vector, whole: Wholes) -> int:
-    """Ask at the present state; return the answer, a whole number.
-
-    Reads: Y.
-    Writes: ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    name : int
-        Number of the question.
-    t : float
-        A time or a length of time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        The answer.
-    """
+    """Ask at the present state; return the answer, a whole number."""
     call_contacts(w, SEVERAL, whole, name, t, whole[Y], 0)
     return whole[ANSWER]
 
 
 def ask_here(name: int, w: Vector, whole: Wholes) -> int:
-    """Ask at the present time and state; return the answer, a whole number.
-
-    Reads: TIME, Y.
-    Writes: ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    name : int
-        Number of the question.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        The answer.
-    """
+    """Ask at the present time and state; return the answer, a whole number."""
     return ask(name, w[TIME], w, whole)

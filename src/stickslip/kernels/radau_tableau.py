@@ -4,8 +4,6 @@ Collocation at the roots of the fourth derivative of x^4 (x - 1)^5 (Hairer and W
 Ordinary Differential Equations II, section IV.5), computed with 50 digits.
 """
 
-__all__ = ["RADAU", "RADAU_NODES", "RADAU_STAGES"]
-
 RADAU_STAGES = 5
 RADAU_NODES = (
     0.05710419611451768,

@@ -50,28 +50,18 @@ from stickslip.kernels.state_layout import (
     STEPS,
 )
 
-__all__ = ["happened", "reduced"]
-
 GOLD = 0.6180339887498949
 
 
 def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
-    """Return a state at a fraction of the restored row.
-
-    Reads: DENSE, TURN.
-    Writes: POINT.
-    """
+    """Return a state at a fraction of the restored row."""
     point = whole[POINT]
     interpolate(w, whole, x, point)
     return state_seen(point, state, w, whole)
 
 
 def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:
-    """Return the largest `side` times a state within a bracket, by golden section.
-
-    Reads: DENSE, TURN.
-    Writes: POINT.
-    """
+    """Return the largest `side` times a state within a bracket, by golden section."""
     a = high - GOLD * (high - low)
     b = low + GOLD * (high - low)
     f_a = side * state_in(a, state, w, whole)
@@ -102,12 +92,7 @@ def extremum(
     log: Vector,
     table: Vector,
 ) -> float:
-    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
-
-    Reads: TIME, DENSE, TURN.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-    """
+    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on."""
     width_at = whole[ROW_COLUMNS]
     best = -math.inf
     for row in range(row_at(log, count, since, whole), count):
@@ -143,12 +128,7 @@ def mean(
     log: Vector,
     table: Vector,
 ) -> float:
-    """Return the mean of a state over a stretch of time.
-
-    Reads: TIME, DENSE, TURN.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-    """
+    """Return the mean of a state over a stretch of time."""
     width = whole[ROW_COLUMNS]
     total = 0.0
     for row in range(row_at(log, count, since, whole), count):
@@ -164,22 +144,7 @@ def mean(
 
 
 def happened(events: Vector, k: int, whole: Wholes) -> int:
-    """Return what event `k` was, as a code.
-
-    Parameters
-    ----------
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    k : int
-        Index of the event.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        A code of `enums`: `STOPPED` to `HIT` and above.
-    """
+    """Return what event `k` was, as a code."""
     first_wall = whole[FIRST_WALL]
     first_limit = whole[FIRST_LIMIT]
     coordinates = whole[N_COORDINATES]
@@ -239,10 +204,7 @@ def happened_at(what: int, contact: int, events: Vector, k: int, whole: Wholes) 
 
 
 def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vector) -> float:
-    """Return when something happened for the n-th time from 0, from the end if negative; or NaN.
-
-    Reads: EVENTS.
-    """
+    """Return when something happened for the n-th time from 0, from the end if negative; or NaN."""
     found = 0
     number = whole[EVENTS]
     for i in range(number):
@@ -255,10 +217,7 @@ def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vecto
 
 
 def event_count(what: int, contact: int, whole: Wholes, events: Vector) -> float:
-    """Return how often something happened.
-
-    Reads: EVENTS.
-    """
+    """Return how often something happened."""
     found = 0.0
     for k in range(whole[EVENTS]):
         if happened_at(what, contact, events, k, whole):
@@ -282,37 +241,6 @@ def reduced(
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
     event and the contact at which it was. Asked for beyond the end of a run that ended early, the
     output is NaN.
-
-    Reads: TIME, END, DENSE, TURN, STEPS, EVENTS.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN.
-
-    Parameters
-    ----------
-    kind : int
-        A code of `enums`: `FINAL` to `EVENT_COUNT`.
-    what : int
-        Index of the state, or code of what happened.
-    first : float
-        Time [s], start of a stretch [s], or number of the event.
-    last : float
-        End of the stretch whose mean is taken [s], or index of the contact of an event, negative
-        for any.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-
-    Returns
-    -------
-    float
-        The output, NaN where there is none.
     """
     width = whole[ROW_COLUMNS]
     count = whole[STEPS]

@@ -35,17 +35,11 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["RODAS_STAGES", "rodas_dense", "rodas_step"]
-
 RODAS_STAGES = 8
 
 
 def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
-    """Factorise 1 / (gamma h) - J.
-
-    Reads: Y, MODE, FLAGS.
-    Writes: MATRIX, PIVOTS, ANSWER, CHANGED.
-    """
+    """Factorise 1 / (gamma h) - J."""
     matrix = whole[MATRIX]
     n = whole[N_STATES]
     jacobian(t, w, whole, whole[Y], matrix)
@@ -57,29 +51,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
 
 
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
-    """Try a step; return its error over the tolerance. The solution is left in Y1.
-
-    Reads: Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    rtol : float
-        Relative tolerance.
-
-    Returns
-    -------
-    float
-        Error over the tolerance: the step is good up to 1, infinite if the matrix has no inverse.
-    """
+    """Try a step; return its error over the tolerance. The solution is left in Y1."""
     y = whole[Y]
     drift = whole[DRIFT]
     stages = whole[STAGES]
@@ -118,11 +90,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
 
 
 def hold_still(to: int, w: Vector, whole: Wholes) -> None:
-    """Keep what is held where it is, whatever pivots round to.
-
-    Reads: `to`, FOLLOWED, MODE, MODES, FOLLOWERS.
-    Writes: `to`.
-    """
+    """Keep what is held where it is, whatever pivots round to."""
     n = whole[N_COORDINATES]
     for i in range(n):
         if whole[N_CONTACTS] > 0:
@@ -138,10 +106,7 @@ def hold_still(to: int, w: Vector, whole: Wholes) -> None:
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
-    """Return the last stage, which is the error estimate, over the tolerance.
-
-    Reads: Y, Y1, SCALE, PULLS, STAGES.
-    """
+    """Return the last stage, which is the error estimate, over the tolerance."""
     stages = whole[STAGES]
     n = whole[N_STATES]
     total = 0.0
@@ -155,18 +120,7 @@ def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
 
 
 def rodas_dense(w: Vector, whole: Wholes) -> None:
-    """Fill the dense output of the step just taken.
-
-    Reads: Y, Y1, STAGES.
-    Writes: DENSE.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Fill the dense output of the step just taken."""
     dense = whole[DENSE]
     stages = whole[STAGES]
     y = whole[Y]

@@ -75,8 +75,6 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.kernels.taylor_series import series_fill
 
-__all__ = ["sense", "sense_size"]
-
 COINCIDENT = 1e-9
 """Distance from its level, over the latter, at which what breaks away has done so by itself."""
 TOGETHER_TOO = 1e-6
@@ -101,22 +99,7 @@ def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
 
 
 def sense_size(q: int, m: int, whole: Wholes) -> int:
-    """Return how long the vector of a run must be.
-
-    Parameters
-    ----------
-    q : int
-        Number of quantities: numbers of the drives, then parameters.
-    m : int
-        Number of directions.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Length of the vector.
-    """
+    """Return how long the vector of a run must be."""
     stages = RADAU_STAGES * whole[N_STATES]
     return columns_at(5, q, m, whole) + stages * (stages + 1 + m)
 
@@ -127,9 +110,6 @@ def forcing(
     """Write the slopes of the field along each direction.
 
     `own` has the quantity of each direction, -1 for an initial state.
-
-    Reads: `at`, MODE, FLAGS, directions.
-    Writes: `to`, SIZE, ANSWER, CHANGED.
     """
     size = whole[SIZE]
     n = whole[N_STATES]
@@ -147,11 +127,7 @@ def forcing(
 
 
 def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to: int) -> None:
-    """Add the product of an n x n matrix with columns.
-
-    Reads: `matrix`, `columns`, `to`.
-    Writes: `to`.
-    """
+    """Add the product of an n x n matrix with columns."""
     n = whole[N_STATES]
     for i in range(n):
         for j in range(n):
@@ -164,12 +140,7 @@ def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to:
 def series_sensed(
     t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
-
-    Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns
-    3, columns 4.
-    """
+    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1."""
     y = whole[Y]
     dense = whole[DENSE]
     matrix = whole[MATRIX]
@@ -210,11 +181,7 @@ def series_sensed(
 def radau_stage(
     s: int, t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Write the rows of one stage: of the matrix, and of all right-hand sides.
-
-    Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, SIZE, ANSWER, CHANGED, columns 2, columns 5.
-    """
+    """Write the rows of one stage: of the matrix, and of all right-hand sides."""
     point = whole[POINT]
     matrix_at = whole[MATRIX]
     n = whole[N_STATES]
@@ -244,11 +211,7 @@ def radau_stage(
 def radau_sensed(
     t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities along a row of length `h` by `length`; result in columns 1.
-
-    Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 5.
-    """
+    """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
     n = whole[N_STATES]
     stages = RADAU_STAGES * n
     now, result, matrix = (
@@ -273,12 +236,7 @@ def radau_sensed(
 def advance_sensed(
     log: Vector, row: int, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities from the start of a restored row; result in columns 1.
-
-    Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns
-    3, columns 4, columns 5.
-    """
+    """Advance the sensitivities from the start of a restored row; result in columns 1."""
     at = row * whole[ROW_COLUMNS]
     if log[at + ROW_DENSE] > 0.0:
         series_sensed(log[at], length, w, whole, own, q, m)
@@ -289,11 +247,7 @@ def advance_sensed(
 def guard_changes(
     guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Write how a guard changes; state in Y.
-
-    Reads: Y, MODE, FLAGS, columns 0, directions.
-    Writes: SLOPES, ANSWER, CHANGED, columns 4, guard slopes.
-    """
+    """Write how a guard changes; state in Y."""
     y = whole[Y]
     slopes = whole[SLOPES]
     n_drives = whole[N_DRIVES]
@@ -313,11 +267,7 @@ def guard_changes(
 
 
 def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
-    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
-
-    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
-    Writes: SLOPES, ANSWER, CHANGED, columns 4, guard slopes.
-    """
+    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1."""
     n, to = whole[N_STATES], columns_at(4, q, m, whole)
     guard_changes(guard, t, w, whole, own, q, m)
     row = whole[SLOPES] + guard * (n + 1)
@@ -332,11 +282,7 @@ def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int,
 def same_moment(
     guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Give up the moments in columns 4 along directions in which another guard has a moment else.
-
-    Reads: Y, Y1, MODE, FLAGS, columns 0, columns 4, directions.
-    Writes: SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
-    """
+    """Give up moments in columns 4 along directions where another guard has one."""
     kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
     for c in range(m):
         w[kept + c] = w[moment + c]
@@ -348,11 +294,7 @@ def same_moment(
 
 
 def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4.
-
-    Reads: Y1, VALUES, columns 0, columns 4.
-    Writes: columns 0.
-    """
+    """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4."""
     n = whole[N_STATES]
     y1 = whole[Y1]
     values = whole[VALUES]
@@ -366,10 +308,7 @@ def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
 
 
 def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Give the sensitivities up: what came before the start is not known.
-
-    Writes: columns 0.
-    """
+    """Give the sensitivities up: what came before the start is not known."""
     n = whole[N_STATES]
     now = columns_at(0, q, m, whole)
     for i in range(n * m):
@@ -381,9 +320,6 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
 
     They become those of the state right after the impact, whenever it comes: as the slope of that
     is what is left to subtract, the slope before is 0 from here on.
-
-    Reads: Y, Y1, FLAGS, columns 0, columns 4.
-    Writes: Y1, MATRIX, SIZE, ANSWER, CHANGED, columns 0, columns 3.
     """
     n, coordinates = whole[N_STATES], whole[N_COORDINATES]
     y1, size, slopes = whole[Y1], whole[SIZE], whole[MATRIX]
@@ -409,18 +345,13 @@ def bounces(wall: int, end: float, held: bool, w: Vector, whole: Wholes) -> bool
     """Whether what strikes a stop bounces, by its rate after the instant and whether it is held.
 
     Without restitution nothing bounces, but more of it would make what is not held then do so.
-
-    Reads: WALLS.
     """
     restitution = w[whole[WALLS] + wall * whole[WALL_COLUMNS] + 1]
     return end != 0.0 or (restitution == 0.0 and not held)
 
 
 def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Put the directions of one piece of the drives in their place.
-
-    Writes: directions.
-    """
+    """Put the directions of one piece of the drives in their place."""
     n_drives = whole[N_DRIVES]
     directions = directions_at(q, whole)
     at = piece * (1 + 3 * n_drives) * m + m
@@ -431,11 +362,7 @@ def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int
 def pass_piece(
     t: float, piece: int, table: Vector, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int
 ) -> None:
-    """Go over to another piece of the drives, at a moment that its start gives.
-
-    Reads: Y, MODE, FLAGS, columns 0.
-    Writes: drives, Y1, VALUES, ANSWER, CHANGED, columns 0, columns 4, directions.
-    """
+    """Go over to another piece of the drives, at a moment that its start gives."""
     y = whole[Y]
     n_drives = whole[N_DRIVES]
     moment = columns_at(4, q, m, whole)
@@ -449,11 +376,7 @@ def pass_piece(
 
 
 def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Go over to the mode and the flags that follow an event.
-
-    Reads: Y, Y1, MODE, FLAGS, columns 0, columns 4.
-    Writes: Y, VALUES, ANSWER, CHANGED, columns 0.
-    """
+    """Go over to the mode and the flags that follow an event."""
     y = whole[Y]
     if guard == STOP and whole[CAN_STICK]:
         w[y + whole[SLIP]] = 0.0
@@ -476,9 +399,6 @@ def pass_impact(
     """Make an impact of a mechanism with one contact, after which it is in a mode.
 
     `following` is the row that begins after the instant.
-
-    Reads: Y, Y1, FLAGS, columns 0, columns 4.
-    Writes: Y, Y1, VALUES, MATRIX, WALLS, SIZE, ANSWER, CHANGED, columns 0, columns 3.
     """
     n, y, wall = whole[N_COORDINATES], whole[Y], guard - whole[FIRST_WALL]
     rate = n + wall_coordinate(wall, whole)
@@ -509,11 +429,6 @@ def pass_instant(
     """Make all transitions at the end of a row; return the first event after them.
 
     What follows at the same instant has its moment from what came first.
-
-    Reads: DENSE, WALLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, SLOPES, WALLS, SIZE, BOUNDS, MODE, FLAGS,
-    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 3, columns 4, directions,
-    guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -558,11 +473,7 @@ def pass_instant(
 
 
 def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
-    """Take over modes, flags and state with which a row begins, of several contacts.
-
-    Reads: TIME.
-    Writes: Y, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
-    """
+    """Take over modes, flags and state with which a row begins, of several contacts."""
     at = row * whole[ROW_COLUMNS]
     for i in range(whole[N_STATES]):
         w[whole[Y] + i] = log[at + ROW_DENSE + 1 + i]
@@ -587,9 +498,6 @@ def note_struck(
     """Write which coordinates an instant's impacts stop, and how all rates change; whether any is.
 
     What else changes then, such as a rate that friction has stopped, was 0 but for rounding.
-
-    Reads: Y, WALLS.
-    Writes: BOUNDS, STRUCK.
     """
     n, rates = whole[N_COORDINATES], whole[Y] + whole[N_COORDINATES]
     after = row * whole[ROW_COLUMNS] + ROW_DENSE + 1 + n
@@ -626,9 +534,6 @@ def own_moments(
     Where two guards have fallen and not at the same moment for parameters nearby, the run has no
     derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
     as it has reached its level, and not because of another.
-
-    Reads: Y, Y1, MODE, FLAGS, MODES, columns 0, directions.
-    Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
     """
     values, rates = whole[VALUES], whole[Y1] + whole[N_COORDINATES]
     after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
@@ -662,12 +567,7 @@ def pass_contacts(
     q: int,
     m: int,
 ) -> None:
-    """Make all that changes at the end of a row where several contacts rub, as one jump.
-
-    Reads: Y, FOLLOWED, MODE, FLAGS, MODES, STRUCK, FOLLOWERS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, VALUES, MATRIX, SLOPES, SIZE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
-    """
+    """Make all that changes at the end of a row where several contacts rub, as one jump."""
     at = row * whole[ROW_COLUMNS]
     y, t = whole[Y], log[at + 1]
     w[TIME] = t
@@ -697,11 +597,7 @@ def pass_contacts(
 
 
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Take away the rates of what is held.
-
-    Reads: FOLLOWED, MODES, FOLLOWERS, columns 0.
-    Writes: columns 0.
-    """
+    """Take away the rates of what is held."""
     n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
     for i in range(n):
         if whole[whole[MODES] + i] == HELD_FAST:
@@ -718,9 +614,6 @@ def hold_at_stops(
     """Give up the directions in which what is held at its stop as a run begins would leave it.
 
     What follows there depends on what an impact would do right after the start.
-
-    Reads: Y, WALLS, MODE, FLAGS, MODES, columns 0, directions.
-    Writes: SLOPES, MODE, ANSWER, CHANGED, columns 0, columns 4, guard slopes.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     now, moves = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
@@ -742,10 +635,7 @@ def hold_at_stops(
 
 
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Take away what a body that is held at the start does not do: it loses a small velocity.
-
-    Writes: columns 0.
-    """
+    """Take away what a body that is held at the start does not do: it loses a small velocity."""
     if mode == 0:
         now = columns_at(0, q, m, whole)
         for c in range(m):
@@ -770,40 +660,6 @@ def sense(
     """Write the sensitivities at increasing times; those at the start stand in columns 0.
 
     `dtable` has the derivatives of the drives' table, a column a direction.
-
-    Reads: TIME, Y, DENSE, WALLS, TURN, FOLLOWED, MODES, FOLLOWERS, columns 0.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, WALLS, SIZE, BOUNDS,
-    MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2,
-    columns 3, columns 4, columns 5, directions, guard slopes.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    count : int
-        Number of rows of steps.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
-    number : int
-        Number of rows of events.
-    times : array (k,)
-        Increasing times [s].
-    table : array (pieces (1 + 3 N_DRIVES),)
-        For each piece of the drives its start, then value, slope and start of each drive.
-    dtable : array
-        Derivatives of the drives' table, for each of its numbers one a direction.
-    own : array (m,)
-        Quantity of each direction, -1 for an initial state.
-    q : int
-        Number of quantities: numbers of the drives, then parameters.
-    w : array (sense_size,)
-        Vector of the run, with room for sensitivities.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    out : array
-        Written: sensitivities (k, N_STATES, m) at each time, rows by states.
-    to : int
-        Place of the first of them in `out`.
     """
     width = whole[ROW_COLUMNS]
     m = len(own)

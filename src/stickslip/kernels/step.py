@@ -8,9 +8,11 @@ from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
     EARLY,
+    NEGLIGIBLE,
     NO_GUARD,
     coarseness,
     first_violation,
+    guard_size,
     is_held,
     is_speed,
     note_sizes,
@@ -49,8 +51,6 @@ from stickslip.kernels.state_layout import (
 from stickslip.kernels.stepper_selection import watch_stiffness
 from stickslip.kernels.taylor_series import series_step
 
-__all__ = ["advance"]
-
 OVERSHOT = 0.98
 """A step is taken again if the event lies before this part of it."""
 BEYOND = 1.002
@@ -74,11 +74,7 @@ BOUNCE = 1e-3
 
 
 def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
-    """Try a step with the mode's stepper, fill its dense output if it is good enough.
-
-    Reads: TIME, Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, STEPPER, MODES, FOLLOWERS.
-    Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
-    """
+    """Try a step with the mode's stepper, fill its dense output if it is good enough."""
     y = whole[Y]
     t = w[TIME]
     if whole[STEPPER] == EXACT:
@@ -98,10 +94,7 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
 
 
 def resized(h: float, error: float, w: Vector, whole: Wholes) -> float:
-    """Return the next step length for an error over the tolerance.
-
-    Reads: DENSE, STEPPER.
-    """
+    """Return the next step length for an error over the tolerance."""
     if whole[STEPPER] == EXACT:
         if error == 0.0:
             return h * GROWTH[int(w[whole[DENSE]])]
@@ -119,13 +112,7 @@ def resized(h: float, error: float, w: Vector, whole: Wholes) -> float:
 def accepted_step(
     stop: float, w: Vector, whole: Wholes, rtol: float, cap: float, slot: int
 ) -> float:
-    """Shorten the step until it is accurate; return its length, 0 if there is none.
-
-    Reads: `slot`, TIME, RHYTHM, Y, SCALE, PULLS, DENSE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER,
-    SLOW, MODES, FOLLOWERS.
-    Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
-    STEPPER, SLOW, ANSWER, CHANGED.
-    """
+    """Shorten the step until it is accurate; return its length, 0 if there is none."""
     stepper = whole[STEPPER]
     t = w[TIME]
     h = min(w[slot], cap)
@@ -158,10 +145,6 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
 
     Nothing else keeps steps short where a body is held and only its load or the force on it change.
     The next step is no longer than these guards allow.
-
-    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, LOOPS, MODE,
-    FLAGS, MODES.
-    Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
     """
     t = w[TIME]
     coarse = coarseness(t, h, w, whole)
@@ -178,17 +161,12 @@ def shorter_start(h: float, stop: float, w: Vector) -> float:
     """Return the length with which a step is taken again that falls at its start, 0 if it stands.
 
     Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
-
-    Reads: TIME.
     """
     return h / 8.0 if w[TIME] + h / 64.0 > w[TIME] and h > TINIEST * stop else 0.0
 
 
 def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
-    """Return the length with which a step should be taken again, 0 if it stands.
-
-    Reads: TIME, FRACTION, Y, SAMPLED, MODES.
-    """
+    """Return the length with which a step should be taken again, 0 if it stands."""
     t = w[TIME]
     fraction = w[FRACTION]
     if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
@@ -198,8 +176,10 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
         if t + 0.25 * fraction * h > t:
             return BEYOND * fraction * h
-        # what is at rest begins with the errors that others leave in the dense output
-        if w[whole[SAMPLED] + guard] == 0.0:
+        # what is at rest begins with the errors that others leave in the dense output, and what is
+        # far from its threshold does not fall within the rounding of the time
+        begins = w[whole[SAMPLED] + guard]
+        if begins == 0.0 or begins > NEGLIGIBLE * guard_size(guard, w, whole):
             return shorter_start(h, stop, w)
     return 0.0
 
@@ -208,8 +188,6 @@ def first_coefficient(w: Vector) -> float:
     """Return the first coefficient of a guard that is not zero, of one that falls at once.
 
     One that is zero throughout has none, and 0 is returned.
-
-    Reads: POLYNOMIAL.
     """
     k = POLYNOMIAL
     while w[k] == 0.0 and k < POLYNOMIAL + SERIES:
@@ -224,8 +202,6 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     once does so truly if its first coefficient that is not zero, however small, is negative. That
     goes for what begins to slip, too: next to faster or larger motions its own may be too small for
     the step, whose last terms are then its largest.
-
-    Reads: TIME, FRACTION, POLYNOMIAL, Y, MODES.
     """
     fraction = w[FRACTION]
     if whole[N_CONTACTS] > 0 and fraction == 0.0 and is_speed(guard, whole):
@@ -248,8 +224,6 @@ def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> 
     That is one that fell at once in longer steps, `doubted`, or, as a run begins on its threshold,
     a switch at whose fall the step was to end, `sought`. Another, which begins below zero by
     rounding and rose in longer steps, says nothing in so short a one.
-
-    Reads: FRACTION, SAMPLED, STEPS.
     """
     if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
         return doubted
@@ -268,31 +242,6 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
-
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, PULLS, REACHED,
-    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, STEPS, REJECTED, STEPPER, SLOW,
-    MODES, FOLLOWERS.
-    Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
-    STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,
-    STEPPER, SLOW, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    stop : float
-        Time that the step may reach at most [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    rtol : float
-        Relative tolerance.
-    cap : float
-        Longest step [s].
-
-    Returns
-    -------
-    int
-        Index of the guard, or `NO_GUARD`.
     """
     exact = whole[STEPPER] == EXACT
     slot = STEP

@@ -40,8 +40,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["add_work", "close_step", "record"]
-
 NOTABLE = 1e-10
 """Share of its largest size by which a guard is violated more than the dense output's rounding."""
 FEW_TERMS = 6
@@ -49,18 +47,7 @@ FEW_TERMS = 6
 
 
 def add_work(w: Vector, whole: Wholes) -> None:
-    """Add the work done in the part of the step that holds.
-
-    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, MODE, FLAGS.
-    Writes: SUPPLIED, TAKEN, GROSS, POINT, VALUES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Add the work done in the part of the step that holds."""
     point = whole[POINT]
     values = whole[VALUES]
     share = w[FRACTION]
@@ -85,22 +72,7 @@ def add_work(w: Vector, whole: Wholes) -> None:
 
 
 def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
-    """Write one row of the log.
-
-    Reads: TIME, LENGTH, DENSE, MODE, FLAGS, PIECE, STEPS, MODES, LAW_FLAGS, OPEN.
-    Writes: STEPS.
-
-    Parameters
-    ----------
-    log : array (rows ROW_COLUMNS,)
-        Rows of steps.
-    end : float
-        Time up to which the row holds [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Write one row of the log."""
     dense = whole[DENSE]
     n = whole[N_STATES]
     at = whole[STEPS] * whole[ROW_COLUMNS]
@@ -119,10 +91,7 @@ def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
 
 
 def note_modes(end: int, log: Vector, whole: Wholes) -> None:
-    """Write modes, flags and openings to the end of a row that ends before a place.
-
-    Reads: MODES, LAW_FLAGS, OPEN.
-    """
+    """Write modes, flags and openings to the end of a row that ends before a place."""
     n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
@@ -137,10 +106,6 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
 
     A steep guard may fall far between two ticks of the clock: what counts is where it was a tick
     before.
-
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y, SCALE, DENSE, REACHED, LOOPS, MODE,
-    FLAGS, MODES.
-    Writes: VIOLATION, RESIDUAL, POINT, VALUES, ANSWER, CHANGED.
     """
     values, h = whole[VALUES], w[LENGTH]
     guard_values(w[TIME], w, whole, whole[Y], values)
@@ -160,23 +125,7 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
 
 
 def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
-    """Move time and state to the end of the step.
-
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, LOOPS, MODE,
-    FLAGS, MODES.
-    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, POINT, VALUES, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard that ended the step, or `NO_GUARD`.
-    stop : float
-        Time at which the piece of the drives ends [s]; an end within rounding of it is put onto it.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Move time and state to the end of the step."""
     n = whole[N_STATES]
     y = whole[Y]
     y1 = whole[Y1]

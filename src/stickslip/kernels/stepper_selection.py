@@ -1,11 +1,14 @@
 """Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff."""
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import EXACT, SMOOTH, STIFF
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.model_interface import jacobian, linear
 from stickslip.kernels.rodas5p import rodas_step
 from stickslip.kernels.state_layout import (
+    DENSE,
     HAS_BRISTLES,
     MATRIX,
     MODE,
@@ -25,8 +28,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["choose_stepper", "watch_stiffness"]
-
 FIRST_SHARE = 1e-3
 """First step of a run over the time to its first stop, before errors tell."""
 PROBE = 1e-3
@@ -35,6 +36,9 @@ PROBES = 8
 """Stretches that are tried, each shorter by the same factor."""
 PROBED = 1e-9
 """Size of a state over its change in that stretch, at least."""
+BEYOND_HALF = 1e6
+"""Change of a state in that stretch, over that in half of it, beyond which neither tells its size:
+friction may grow exponentially at speeds against the mode, which stages of long steps reach."""
 BLURRED = 4e4
 """Time over that stretch at which its rounding blurs all that a growing load does in it.
 
@@ -48,21 +52,7 @@ many as in the test of stiffness in Hairer's DOP853."""
 
 
 def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
-    """Choose for the mode that begins.
-
-    Reads: TIME, STEP, Y, SCALE, VALUES, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: STEP, Y1, SCALE, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER,
-    SLOW, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    stop : float
-        End of the piece of the drives [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
-    """
+    """Choose for the mode that begins."""
     values = whole[VALUES]
     whole[SLOW] = 0
     if whole[N_CONTACTS] == 0 and whole[HAS_BRISTLES] and abs(whole[MODE]) == 1:
@@ -83,9 +73,6 @@ def note_pulls(w: Vector, whole: Wholes) -> None:
 
     Where they balance, as those of a spring without tension far from 0 do, what is left of them as
     others begin to move is no more than their rounding for a while.
-
-    Reads: TIME, Y, SCALE, MODE, FLAGS.
-    Writes: PULLS, MATRIX, ANSWER, CHANGED.
     """
     n, coordinates, slopes = whole[N_STATES], whole[N_COORDINATES], whole[MATRIX]
     jacobian(w[TIME], w, whole, whole[Y], slopes)
@@ -101,9 +88,6 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     """Give a size to states that have none yet: a small part of what a first stretch brings.
 
     What is at rest begins as a power of time, which no relative error control gets started.
-
-    Reads: TIME, Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: Y1, SCALE, POINT, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
     """
     n = whole[N_STATES]
     scale = whole[SCALE]
@@ -111,6 +95,7 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     slip = whole[SLIP]
     y = whole[Y]
     mode = whole[MODE]
+    half = whole[DENSE]
     missing = False
     for i in range(n):
         missing = missing or w[scale + i] == 0.0
@@ -120,7 +105,13 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     trials = 0
     while missing and trials < PROBES and w[TIME] + h > w[TIME]:
         trials += 1
+        rodas_step(w[TIME], 0.5 * h, w, whole, 1.0)
+        for i in range(n):
+            w[half + i] = abs(w[y1 + i] - w[y + i])
         error = rodas_step(w[TIME], h, w, whole, 1.0)
+        for i in range(n):
+            if w[scale + i] == 0.0 and abs(w[y1 + i] - w[y + i]) > BEYOND_HALF * w[half + i]:
+                error = math.inf
         if error <= 1.0 and w[y1 + slip] * whole[MODE] >= 0.0:
             blurred = abs(w[TIME]) / (BLURRED * h)
             share = max(PROBED, min(1.0, blurred * blurred))
@@ -140,18 +131,6 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
 
     Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
     asked for only where nothing changes much.
-
-    Reads: TIME, Y, Y1, SCALE, PULLS, MATRIX, MODE, FLAGS, STEPPER, SLOW.
-    Writes: STEP, MATRIX, STEPPER, SLOW, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole-numbered state of the run.
     """
     if whole[N_CONTACTS] > 0 and whole[N_VARIABLES] == 0:
         return  # there are no slopes, for nothing dies away
@@ -174,9 +153,6 @@ def damping_of(w: Vector, whole: Wholes) -> float:
     """Return the sum of all rates at which motions die away, less those at which others grow.
 
     The series of one contact has the Jacobian at hand.
-
-    Reads: TIME, Y, MATRIX, MODE, FLAGS, STEPPER.
-    Writes: MATRIX, ANSWER, CHANGED.
     """
     matrix, n = whole[MATRIX], whole[N_STATES]
     if whole[STEPPER] != EXACT or whole[N_CONTACTS] > 0:

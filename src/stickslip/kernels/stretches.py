@@ -13,36 +13,17 @@ from stickslip.kernels.state_layout import (
     STEPS,
 )
 
-__all__ = ["kept_size", "stretches"]
-
 
 def kept_size(whole: Wholes) -> int:
     """Return how many numbers of the vector of a run are kept between stretches.
 
     The room in which roots of guards are looked for is not among them.
-
-    Parameters
-    ----------
-    whole : array (WHOLES,)
-        Whole numbers of a run.
-
-    Returns
-    -------
-    int
-        Length of a row of `kept`.
     """
     return POLYNOMIAL + whole[SIZE] - NUMBERS
 
 
 def take_up(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
-    """Put the numbers of a run into the vectors of a run.
-
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, drives, GIVEN, Y, Y1,
-    SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
-    LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER,
-    SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
-    """
+    """Put the numbers of a run into the vectors of a run."""
     at = row * kept_size(whole)
     for i in range(POLYNOMIAL):
         w[i] = kept[at + i]
@@ -55,14 +36,7 @@ def take_up(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) ->
 
 
 def put_away(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
-    """Keep the numbers of a run.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, drives, GIVEN, Y, Y1,
-    SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
-    LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER,
-    SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
-    """
+    """Keep the numbers of a run."""
     at = row * kept_size(whole)
     for i in range(POLYNOMIAL):
         kept[at + i] = w[i]
@@ -103,52 +77,6 @@ def stretches(
     Each goes on as `run` does with a new piece of the drives, up to a time of its own. Steps and
     events are counted anew in each stretch, and their rows are written over. A run that has ended
     before its time stays as it is.
-
-    Reads: POLYNOMIAL, FORCE, MASS, ACCELERATION, CHANGES, LOOPS, FOLLOWED, MODES, LAW_FLAGS, OPEN,
-    FOLLOWERS.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, drives,
-    GIVEN, Y, Y1, SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
-    REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS,
-    STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    first : int
-        Row of the first run; one that found no room goes on.
-    count : int
-        Row after that of the last run.
-    values : array (rows N_DRIVES,)
-        Value of each drive in the stretch, a row a run.
-    untils : array (rows,)
-        End of the stretch of each run [s].
-    bounds : array (N_DRIVES 2,)
-        Least and largest value that each drive may have at any later time.
-    rtol : float
-        Relative tolerance.
-    cap : float
-        Longest step [s].
-    limit : int
-        Most steps of a stretch.
-    kept : array (rows kept_size,)
-        The vectors of the runs, without room in which nothing is kept.
-    wholes : array (rows WHOLES,)
-        The whole numbers of the runs.
-    w : array (SIZE,)
-        Room for the vector of a run.
-    whole : array (WHOLES,)
-        Whole numbers of any of the runs.
-    table : array (1 + 3 N_DRIVES,)
-        Room for a piece of the drives: zeros at first.
-    log : array
-        Room for the rows of steps.
-    events : array
-        Room for the rows of events.
-
-    Returns
-    -------
-    int
-        The row to go on with; `count` if all are done.
     """
     for row in range(first, count):
         take_up(row, kept, wholes, w, whole)

@@ -11,28 +11,9 @@ from stickslip.kernels.error_scale import VANISHED, series_tail
 from stickslip.kernels.model_interface import field, jacobian, time_slope
 from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, N_STATES, POINT, SERIES, Y1
 
-__all__ = ["series_fill", "series_step"]
-
 
 def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Fill the dense output with the series of a step from the state at `at`.
-
-    Reads: `at`, MODE, FLAGS.
-    Writes: POINT, MATRIX, DRIFT, DENSE, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Fill the dense output with the series of a step from the state at `at`."""
     dense = whole[DENSE]
     drift = whole[DRIFT]
     matrix = whole[MATRIX]
@@ -76,9 +57,6 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
 
     Most linear modes have two. In variables of their own the terms wait for no memory, which takes
     half the time.
-
-    Reads: MATRIX, DRIFT, DENSE.
-    Writes: DENSE.
     """
     drift = whole[DRIFT]
     matrix = whole[MATRIX]
@@ -115,29 +93,7 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
 
 
 def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
-    """Try a step; return the tail of its series over what is allowed, the solution in Y1.
-
-    Reads: `at`, Y, SCALE, PULLS, MODE, FLAGS.
-    Writes: Y1, POINT, MATRIX, DRIFT, DENSE, ANSWER, CHANGED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    float
-        Size of the last terms over what is allowed: the step is good up to 1.
-    """
+    """Try a step; return the tail of its series over what is allowed, the solution in Y1."""
     series_fill(t, h, w, whole, at)
     interpolate(w, whole, 1.0, whole[Y1])
     return series_tail(h, w, whole)

@@ -59,6 +59,7 @@ INSIDE = {
     "cycle_or_none": "drive_period",
     "given_names": "told_inputs",
     "has_one_slip": "contacts",
+    "input_field": "told_inputs",
     "input_names": "told_inputs",
     "joint_places": "rigid_bodies",
     "normal_of": "contacts",
@@ -69,6 +70,7 @@ INSIDE = {
     "slip_of": "contacts",
     "slipping": "contacts",
     "slips_by_angle": "contacts",
+    "told_fields": "told_inputs",
     "without_given": "told_inputs",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -55,8 +55,10 @@ from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
 from stickslip.mechanisms.told_inputs import given_inputs as given_inputs
 from stickslip.mechanisms.told_inputs import given_names as given_names
+from stickslip.mechanisms.told_inputs import input_field as input_field
 from stickslip.mechanisms.told_inputs import input_names as input_names
 from stickslip.mechanisms.told_inputs import of_contact as of_contact
+from stickslip.mechanisms.told_inputs import told_fields as told_fields
 from stickslip.mechanisms.told_inputs import without_given as without_given
 from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet

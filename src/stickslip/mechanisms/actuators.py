@@ -12,8 +12,6 @@ from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import Guide
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque"]
-
 DRIVE = "motor"
 """Name of the drive that a motor has."""
 

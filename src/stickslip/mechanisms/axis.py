@@ -19,8 +19,6 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.quantities import Quantity
 
-__all__ = ["Axis"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -14,23 +14,6 @@ from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
 from stickslip.quantities import Parametrised, Quantity, is_rotary, motion_kinds
 
-__all__ = [
-    "BoundedMechanism",
-    "Contact",
-    "ContactInputs",
-    "Guide",
-    "Incline",
-    "LinearOrRotary",
-    "Mechanism",
-    "Stop",
-    "as_rotary",
-    "gear_inputs",
-    "height",
-    "stops_between",
-    "stops_of",
-]
-
-
 Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
 """Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
 
@@ -374,20 +357,6 @@ class LinearOrRotary(Mechanism, ABC):
 def gear_inputs(motor: Scalar, external: Scalar, **others: Scalar) -> dict[str, Scalar]:
     """Return contact inputs of a force of the drive and the sum of all others.
 
-    Parameters
-    ----------
-    motor : float or array
-        Force or torque of the drive, along the motion.
-    external : float or array
-        All others, without inertia and friction.
-    **others : float or array
-        Further inputs by name.
-
-    Returns
-    -------
-    dict of str to float or array
-        These, and what a gear between motor and the rest transmits.
-
     Examples
     --------
     >>> gear_inputs(5.0, -5.0)["transmitted"]  # a motor that holds a weight
@@ -435,22 +404,6 @@ def stops_between(
 ) -> tuple[Stop, ...]:
     """Return the stops of a coordinate that are fitted: those whose position is not None.
 
-    Parameters
-    ----------
-    coordinate : str
-        Name of the coordinate.
-    lower : float or array or None
-        Place of the lower stop, in the unit of the coordinate; None if there is none.
-    upper : float or array or None
-        Place of the upper stop, in the unit of the coordinate; None if there is none.
-    restitution : float or array
-        Speed after an impact over that before [1].
-
-    Returns
-    -------
-    tuple of Stop
-        The lower stop before the upper one.
-
     Examples
     --------
     >>> [stop.side for stop in stops_between("x", None, 0.1, 0.5)]
@@ -463,20 +416,6 @@ def stops_between(
 
 def height(incline: Scalar, along: Scalar, off: Scalar) -> Scalar:
     """Return how high a point lies that is so far along inclined ground and so far off it [m].
-
-    Parameters
-    ----------
-    incline : float
-        Angle of the ground from the horizontal [rad].
-    along : float
-        Place along the ground, positive uphill where the incline is [m].
-    off : float
-        Distance from the ground, along its normal [m].
-
-    Returns
-    -------
-    float or array
-        Height [m].
 
     Examples
     --------

@@ -10,10 +10,8 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Quantity
-
-__all__ = ["BlockChain"]
 
 MOST_BLOCKS = 1000
 """More blocks have equations that take minutes to be written and compiled."""
@@ -118,6 +116,28 @@ class BlockChain(Mechanism):
             Contact(slip=x, load=self.load, name=f"block-{i + 1}")
             for i, x in enumerate(self.coordinates)
         )
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        belt = 0.0 if self.speed is None else self.speed
+        pulls = [
+            -self.stiffness * (q[x] + belt * t) - self.damping * (q_dot[x] + belt)
+            for x in self.coordinates
+        ]
+        for i, (before, after) in enumerate(itertools.pairwise(self.coordinates)):
+            pull = self.coupling * (q[after] - q[before])
+            pulls[i], pulls[i + 1] = pulls[i] + pull, pulls[i + 1] - pull
+        named = zip(self.coordinates, pulls, strict=True)
+        return {
+            f"block-{i}": gear_inputs(0.0, pull, position=q[x])
+            for i, (x, pull) in enumerate(named, 1)
+        }
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -21,8 +21,6 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.quantities import Quantity
 
-__all__ = ["Capsule"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

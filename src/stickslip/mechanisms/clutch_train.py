@@ -9,11 +9,9 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism
 from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
 from stickslip.quantities import Parametrised, Quantity
-
-__all__ = ["ClutchTrain", "Rotor"]
 
 
 @final
@@ -113,6 +111,11 @@ class ClutchTrain(Mechanism):
         found = {f"clutch-{i + 1}": one for i, one in enumerate(self.clutches)}
         return found if self.brake is None else {**found, "brake": self.brake}
 
+    def _turning(self) -> dict[str, tuple[str, Lining]]:
+        """Return clutches and brake by name, with the angle along which each slips."""
+        linings, angles = self._linings(), (*self.coordinates[1:], "phi")
+        return {name: (x, linings[name]) for name, x in zip(linings, angles, strict=False)}
+
     def _speeds(self, q_dot: Mapping[str, Scalar]) -> list[Scalar]:
         """Return the angular velocity of each rotor."""
         speed: Scalar = 0.0
@@ -150,8 +153,7 @@ class ClutchTrain(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        angles = dict(zip(self._linings(), (*self.coordinates[1:], "phi"), strict=False))
-        return tuple(one.contact(angles[name], name) for name, one in self._linings().items())
+        return tuple(one.contact(x, name) for name, (x, one) in self._turning().items())
 
     @override
     def loads(
@@ -162,6 +164,17 @@ class ClutchTrain(Mechanism):
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         return pressing_forces(self._linings(), drives)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        # which part of the torques a clutch passes on is decided by its friction
+        return {name: {"position": one.radius * q[x]} for name, (x, one) in self._turning().items()}
 
     @override
     def drives(self) -> Mapping[str, Drive]:

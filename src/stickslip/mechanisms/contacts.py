@@ -6,42 +6,12 @@ from collections.abc import Mapping
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.base import Contact, Mechanism
 
-__all__ = [
-    "checked_contacts",
-    "has_one_slip",
-    "normal_of",
-    "only_contact",
-    "slip_among",
-    "slip_names",
-    "slip_of",
-    "slipping",
-    "slips_by_angle",
-    "static_normal_force",
-    "static_normal_forces",
-]
-
-
 MOST = 1000
 """Contacts for which equations are derived: the time grows with their square, to half a minute."""
 
 
 def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
     """Return the contacts of a mechanism, if they can be simulated at its parameters.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-
-    Returns
-    -------
-    tuple of Contact
-        Its contacts.
-
-    Raises
-    ------
-    InputError
-        If there are too many, they cannot be worked out, or a slip has no finite factor.
 
     Examples
     --------
@@ -73,13 +43,7 @@ def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
 
 
 def only_contact(mechanism: Mechanism) -> Contact:
-    """Return the contact of a mechanism that has one.
-
-    Raises
-    ------
-    InputError
-        If it has several, with their names.
-    """
+    """Return the contact of a mechanism that has one."""
     contacts = mechanism.contacts()
     if len(contacts) != 1:
         names = ", ".join(contact.name for contact in contacts)
@@ -108,18 +72,6 @@ def has_one_slip(mechanism: Mechanism) -> bool:
 def slips_by_angle(mechanism: Mechanism, contact: Contact | None = None) -> bool:
     """Return whether a contact slips by an angle, or by the sum or difference of angles.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    contact : Contact, optional
-        One of its contacts; if not given, whether all of them do.
-
-    Returns
-    -------
-    bool
-        Whether its friction is a torque.
-
     Examples
     --------
     >>> from stickslip import Axis, Pendulum
@@ -143,11 +95,6 @@ def slips_by_angle(mechanism: Mechanism, contact: Contact | None = None) -> bool
 
 def slip_of(mechanism: Mechanism) -> str:
     """Return the coordinate that slips at the only contact.
-
-    Raises
-    ------
-    InputError
-        If there are several contacts, or the slip is a combination of coordinates.
 
     Examples
     --------
@@ -182,27 +129,6 @@ def slipping(mechanism: Mechanism) -> tuple[str, ...]:
 def slip_among(mechanism: Mechanism, coordinate: str | None, owner: str) -> tuple[str, str]:
     """Return a coordinate and its rate: as asked, or the only one along which contacts slip.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    coordinate : str or None
-        A moving coordinate; None for the one that slips.
-    owner : str
-        Function that asks, for the error.
-
-    Returns
-    -------
-    (str, str)
-        Names of the coordinate and of its rate.
-
-    Raises
-    ------
-    UnknownNameError
-        If the mechanism has no such coordinate.
-    InputError
-        If none is named and contacts slip along several.
-
     Examples
     --------
     >>> from stickslip import BlockChain, Pendulum
@@ -225,13 +151,7 @@ def slip_among(mechanism: Mechanism, coordinate: str | None, owner: str) -> tupl
 
 
 def normal_of(mechanism: Mechanism) -> str | None:
-    """Return the held coordinate whose reaction is the normal force of the only contact.
-
-    Raises
-    ------
-    InputError
-        If there are several contacts, or several held coordinates carry the contact.
-    """
+    """Return the held coordinate whose reaction is the normal force of the only contact."""
     normal = only_contact(mechanism).normal
     if normal is not None and not isinstance(normal, str):
         raise InputError(
@@ -278,11 +198,6 @@ def static_normal_force(mechanism: Mechanism) -> float:
 
 def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     """Return the normal force at each contact while nothing moves [N], by the contact's name.
-
-    Raises
-    ------
-    InputError
-        If the weight does not determine the normal forces.
 
     Examples
     --------

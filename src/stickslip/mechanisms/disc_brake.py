@@ -8,11 +8,9 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
 from stickslip.quantities import Quantity
-
-__all__ = ["DiscBrake"]
 
 
 @final
@@ -94,6 +92,24 @@ class DiscBrake(Mechanism):
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         return pressing_forces(self._linings(), drives)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        others = -self.stiffness * q["phi"] - self.damping * q_dot["phi"]
+        return {  # forces at the radius of each pad, whose torques these are
+            name: gear_inputs(
+                drives.get("drive", 0.0) / pad.radius,
+                others / pad.radius,
+                position=pad.radius * q["phi"],
+            )
+            for name, pad in self._linings().items()
+        }
 
     @override
     def drives(self) -> Mapping[str, Drive]:

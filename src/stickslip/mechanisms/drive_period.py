@@ -7,8 +7,6 @@ from stickslip.errors import InputError
 from stickslip.formatting import number
 from stickslip.mechanisms.base import Mechanism
 
-__all__ = ["WHOLE", "cycle_of", "cycle_or_none", "repeats"]
-
 WHOLE = 1e-9
 """How far from a whole number the ratio of two periods may be: the rounding of their inputs."""
 

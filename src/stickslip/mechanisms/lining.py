@@ -10,8 +10,6 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["Lining", "checked_parts", "pressing_drives", "pressing_forces"]
-
 T = TypeVar("T")
 
 
@@ -64,47 +62,12 @@ def pressing_drives(linings: Mapping[str, Lining]) -> dict[str, Drive]:
 def pressing_forces(
     linings: Mapping[str, Lining], drives: Mapping[str, Scalar]
 ) -> dict[str, Scalar]:
-    """Return the pressing forces [N] that change.
-
-    Parameters
-    ----------
-    linings : mapping of str to Lining
-        Linings by name.
-    drives : mapping of str to float or array
-        Present values of the drives by name, those of linings under the names of these.
-
-    Returns
-    -------
-    dict of str to float or array
-        Pressing forces by the name of the lining.
-    """
+    """Return the pressing forces [N] that change."""
     return {name: one.load + drives[name] for name, one in linings.items() if one.press is not None}
 
 
 def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
-    """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few.
-
-    Parameters
-    ----------
-    owner : str
-        Class and field, for the error.
-    kind : type
-        What each part has to be.
-    parts : object
-        What was given.
-    least : int
-        How many there have to be.
-
-    Returns
-    -------
-    tuple
-        The parts.
-
-    Raises
-    ------
-    ParameterError
-        If there are too few parts, or one is of another kind.
-    """
+    """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
     found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
     if len(found) < least or not all(isinstance(one, kind) for one in found):
         raise ParameterError(

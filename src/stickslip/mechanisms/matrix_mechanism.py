@@ -10,8 +10,6 @@ from typing_extensions import override
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Mechanism
 
-__all__ = ["MatrixMechanism"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class MatrixMechanism(Mechanism, ABC):

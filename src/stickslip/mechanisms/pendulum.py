@@ -11,8 +11,6 @@ from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Quantity
 
-__all__ = ["Pendulum"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -20,8 +20,6 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.quantities import Quantity
 
-__all__ = ["PendulumCart"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,6 @@ from stickslip.mechanisms import MECHANISM_MODULES
 from stickslip.mechanisms.base import Mechanism
 from stickslip.quantities import gathered, own_classes
 
-__all__ = ["MECHANISMS", "mechanisms"]
-
 MECHANISMS: Mapping[str, type[Mechanism]] = MappingProxyType(
     {
         kind.name: kind

@@ -19,24 +19,6 @@ from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import ContactInputs, gear_inputs
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
 
-__all__ = [
-    "BASE",
-    "UNIT",
-    "Body",
-    "JointedMechanism",
-    "Matrix",
-    "Vector",
-    "about",
-    "both",
-    "joint_places",
-    "mass_matrix_of",
-    "plus",
-    "taken_by",
-    "times",
-    "transposed",
-    "turned",
-]
-
 Vector: TypeAlias = Sequence[Scalar]
 """Three numbers or symbols."""
 Matrix: TypeAlias = Sequence[Vector]
@@ -89,37 +71,12 @@ def _cross(a: Vector, b: Vector) -> Vector:
 
 
 def times(rows: Matrix, a: Vector) -> Vector:
-    """Return a matrix times a vector.
-
-    Parameters
-    ----------
-    rows : matrix
-        The matrix, row by row.
-    a : vector
-        The vector.
-
-    Returns
-    -------
-    vector
-        The product.
-    """
+    """Return a matrix times a vector."""
     return (_dot(rows[0], a), _dot(rows[1], a), _dot(rows[2], a))
 
 
 def turned(rows: Matrix, tensor: Matrix) -> Matrix:
     """Return a symmetric tensor in other axes.
-
-    Parameters
-    ----------
-    rows : matrix
-        The other axes, row by row, in those of the tensor.
-    tensor : matrix
-        A symmetric tensor, such as an inertia.
-
-    Returns
-    -------
-    matrix
-        The tensor in the other axes.
 
     Examples
     --------
@@ -132,20 +89,6 @@ def turned(rows: Matrix, tensor: Matrix) -> Matrix:
 
 def about(mass: Scalar, moment: Vector, place: Vector) -> Matrix:
     """Return what moving the origin of an inertia by minus `place` adds to it.
-
-    Parameters
-    ----------
-    mass : float
-        Mass [kg].
-    moment : vector
-        Mass times the place of the centre of mass from the former origin [kg m].
-    place : vector
-        Place of the former origin from the new one [m].
-
-    Returns
-    -------
-    matrix
-        Inertia about the new origin less that about the former [kg m^2].
 
     Examples
     --------
@@ -166,18 +109,7 @@ def _dot(a: Vector, b: Vector) -> Scalar:
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """Return the sum of two vectors.
-
-    Parameters
-    ----------
-    a, b : vector
-        The vectors.
-
-    Returns
-    -------
-    vector
-        The sum.
-    """
+    """Return the sum of two vectors."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
@@ -191,18 +123,7 @@ def transposed(rows: Matrix) -> Matrix:
 
 
 def both(one: Matrix, other: Matrix) -> Matrix:
-    """Return the sum of two matrices.
-
-    Parameters
-    ----------
-    one, other : matrix
-        The matrices, row by row.
-
-    Returns
-    -------
-    matrix
-        The sum.
-    """
+    """Return the sum of two matrices."""
     return tuple(map(plus, one, other))
 
 
@@ -242,20 +163,7 @@ class _Place:
 
 
 def joint_places(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[tuple[Vector, Matrix]]:
-    """Return where joints are and how their bodies stand.
-
-    Parameters
-    ----------
-    bodies : sequence of Body (n,)
-        The bodies, each behind the one that carries it.
-    q : sequence of float or symbol (n,)
-        Coordinates of the joints [rad] or [m].
-
-    Returns
-    -------
-    list of (vector, matrix)
-        Place of each joint [m] and axes of its body, a column each, in axes of the ground.
-    """
+    """Return where joints are and how their bodies stand."""
     found: list[tuple[Vector, Matrix]] = []
     for body, one in zip(bodies, q, strict=True):
         place = _Place(body, one)
@@ -296,20 +204,7 @@ def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Be
 
 
 def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Scalar]]:
-    """Return the mass matrix: what each joint takes for an acceleration of one of them.
-
-    Parameters
-    ----------
-    bodies : sequence of Body (n,)
-        The bodies, each behind the one that carries it.
-    q : sequence of float or symbol (n,)
-        Coordinates of the joints [rad] or [m].
-
-    Returns
-    -------
-    list of list (n, n)
-        The mass matrix.
-    """
+    """Return the mass matrix: what each joint takes for an acceleration of one of them."""
     places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
     carried, _ = _carried(bodies, places)
     rows: list[list[Scalar]] = [[0.0] * len(bodies) for _ in bodies]
@@ -341,20 +236,6 @@ def taken_by(
 
     A body's points accelerate by ``a + alpha x r + omega x (omega x r)``, with that of free fall
     taken off a.
-
-    Parameters
-    ----------
-    bodies : sequence of Body (n,)
-        The bodies, each behind the one that carries it.
-    q, q_dot : sequence of float or symbol (n,)
-        Coordinates of the joints [rad] or [m], and their rates.
-    gravity : vector
-        Acceleration of free fall in axes of the ground [m/s^2].
-
-    Returns
-    -------
-    list of float or symbol (n,)
-        Torques [N m] and forces [N].
     """
     places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
     carried, _ = _carried(bodies, places)

@@ -27,8 +27,6 @@ from stickslip.mechanisms.rigid_bodies import (
 )
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["Robot", "RobotJoint"]
-
 EXACT = 1e-15
 """Entries of rotations this near to -1, 0 or 1 are taken for it, so that terms drop out."""
 COLUMNS = ("t", "mode", "friction", "normal_force")

@@ -13,8 +13,6 @@ from stickslip.mechanisms.lining import checked_parts
 from stickslip.mechanisms.rigid_bodies import UNIT, Body, JointedMechanism, Vector
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["Link", "SerialArm", "planar_bodies"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -55,18 +53,7 @@ class Link(Parametrised):
 
 
 def planar_bodies(links: Sequence[Link]) -> list[Body]:
-    """Return links in a row, each along its x-axis, which turn about parallel axes.
-
-    Parameters
-    ----------
-    links : sequence of Link
-        Links in their order, with inertias about their joints.
-
-    Returns
-    -------
-    list of Body
-        The bodies; with all joints at 0 they lie along the x-axis of the base.
-    """
+    """Return links in a row, each along its x-axis, which turn about parallel axes."""
     found: list[Body] = []
     reach: Scalar = 0.0
     for i, link in enumerate(links):

@@ -22,8 +22,6 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.quantities import Quantity
 
-__all__ = ["SpringBlock"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -8,10 +8,8 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Quantity
-
-__all__ = ["TwoFeet"]
 
 
 @final
@@ -90,6 +88,18 @@ class TwoFeet(Mechanism):
     @override
     def held(self) -> tuple[str, ...]:
         return ("y", "phi")
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        others = -self.stiffness * q["x"] - self.damping * q_dot["x"]
+        both = gear_inputs(drives.get("drive", 0.0), others, position=q["x"])
+        return {"front": both, "rear": both}
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -13,8 +13,6 @@ from stickslip.mechanisms.rigid_bodies import Body, JointedMechanism, Vector
 from stickslip.mechanisms.serial_arm import Link, planar_bodies
 from stickslip.quantities import Quantity, unchecked
 
-__all__ = ["TwoLinkArm"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

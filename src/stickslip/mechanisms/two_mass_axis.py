@@ -12,8 +12,6 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, ContactInputs, LinearOrRotary, gear_inputs
 from stickslip.quantities import Quantity
 
-__all__ = ["TwoMassAxis"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 else:
     from stickslip.mechanisms.robot import Robot, RobotJoint
 
-__all__ = ["RobotDescription", "read_urdf"]
-
 LARGEST = 20_000_000
 """Bytes of a file that are read at most; descriptions with meshes inside are not meant."""
 MOVES = ("revolute", "continuous", "prismatic")

@@ -11,8 +11,6 @@ from typing import Any, TypeAlias, final
 from stickslip.documents import unwritable, write_file
 from stickslip.errors import InputError
 
-__all__ = ["Memory", "Row"]
-
 Row: TypeAlias = tuple[float, float]
 """Goal and violation of one motion."""
 FORM = "stickslip/profile-search/1"
@@ -59,33 +57,12 @@ class Memory:
             _refuse_unwritable(self.path)
 
     def recall(self, search: str, generation: int) -> list[Row] | None:
-        """Return what came of a generation, if that is known.
-
-        Parameters
-        ----------
-        search : str
-            Name of the search.
-        generation : int
-            Index of the generation, from 0.
-
-        Returns
-        -------
-        list of Row or None
-            Goal and violation of each motion; None if the generation is not known.
-        """
+        """Return what came of a generation, if that is known."""
         known = self.searches.get(search, [])
         return known[generation] if generation < len(known) else None
 
     def keep(self, search: str, rows: Sequence[Row]) -> None:
-        """Add a generation; the file appears whole or not at all.
-
-        Parameters
-        ----------
-        search : str
-            Name of the search.
-        rows : sequence of Row
-            Goal and violation of each motion of the generation.
-        """
+        """Add a generation; the file appears whole or not at all."""
         self.searches.setdefault(search, []).append(list(rows))
         if self.path is not None:
             content = {"form": FORM, "problem": self.digest, "searches": self.searches}

@@ -12,8 +12,6 @@ from stickslip.optimisation.checkpoint import Memory, Row
 from stickslip.optimisation.parametrisation import Space
 from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
 
-__all__ = ["SearchResult", "Told", "judged_at", "search"]
-
 Array = NDArray[np.float64]
 Told: TypeAlias = Callable[[str, int, int, float], object]
 """Called with the search, evaluations done and in all, and the best goal within limits or NaN."""
@@ -98,30 +96,6 @@ def search(
 
     Motions that break limits cost what they break beside their goal, so that the search may come
     from outside; the best is chosen among those that break none.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    space : Space
-        The kind of motion.
-    start : array or None (size,)
-        Point to begin around, from 0 to 1; None begins in the whole cube.
-    name : str
-        Name of the search in the memory and for `watch`.
-    budget : int
-        Motions that may be tried.
-    seed : int
-        Seed of the random numbers.
-    memory : Memory
-        Results that are known, and where new ones are kept.
-    watch : Told or None
-        Called after each generation; the search ends if it returns False.
-
-    Returns
-    -------
-    SearchResult
-        The best points within the limits, and how the search ended.
     """
     laps, done, generation = _Laps(), 0, 0
     if start is not None:  # a cloud hardly meets its own middle
@@ -166,22 +140,7 @@ def _row(problem: Problem, space: Space, point: Array) -> Row:
 
 
 def judged_at(problem: Problem, space: Space, point: Array) -> ScoredMotion | None:
-    """Return what comes of a point, None where it makes no profile.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    space : Space
-        The kind of motion.
-    point : array (size,)
-        Point of the cube, from 0 to 1.
-
-    Returns
-    -------
-    ScoredMotion or None
-        Goal, margins and cycles of the motion.
-    """
+    """Return what comes of a point, None where it makes no profile."""
     try:
         profile = space.profile(point)
     except ParameterError:

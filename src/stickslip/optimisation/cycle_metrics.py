@@ -18,17 +18,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "Cycle",
-    "fitted",
-    "guide_of",
-    "load_shares",
-    "measure",
-    "motor_of",
-    "slip_of_body",
-    "units_of_limits",
-]
-
 Array = NDArray[np.float64]
 
 FIRST_CYCLES = 3
@@ -116,22 +105,7 @@ def motor_of(mechanism: Mechanism) -> str:
 
 
 def fitted(mechanism: Mechanism, profile: Profile, *, limit: float | None = None) -> Mechanism:
-    """Return the mechanism with another motion, and its motor with a limit, none if not given.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism with a motor.
-    profile : Profile
-        The motion.
-    limit : float, optional
-        Largest force or torque of the motor [N] or [N m].
-
-    Returns
-    -------
-    Mechanism
-        A copy of the mechanism.
-    """
+    """Return the mechanism with another motion, and its motor with a limit, none if not given."""
     return dataclasses.replace(
         mechanism, **{motor_of(mechanism): Prescribed(profile=profile, limit=limit)}
     )
@@ -179,13 +153,7 @@ def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
 
 
 def slip_of_body(mechanism: Mechanism) -> str:
-    """Return the coordinate along which the body slips whose inner motion is prescribed.
-
-    Raises
-    ------
-    InputError
-        If contacts slip along several coordinates that no motion prescribes.
-    """
+    """Return the coordinate along which the body slips whose inner motion is prescribed."""
     guided = mechanism.guided()
     found = [name for name in slipping(mechanism) if name not in guided]
     if not found:
@@ -202,20 +170,7 @@ def slip_of_body(mechanism: Mechanism) -> str:
 
 
 def load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
-    """Return normal forces over those at rest, by column of a run.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Whose run it is.
-    seen : Trajectory
-        The run.
-
-    Returns
-    -------
-    dict of str to array
-        The shares, of each contact that rubs and bears something at rest.
-    """
+    """Return normal forces over those at rest, by column of a run."""
     found = {}
     static = static_normal_forces(mechanism)
     bearing = {contact: force for contact, force in static.items() if force != 0.0}

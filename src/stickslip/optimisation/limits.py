@@ -6,8 +6,6 @@ from typing import Annotated, final
 from stickslip.described import Described
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["UNIT_OF_BACK_SLIP", "Limits", "Margin"]
-
 UNIT_OF_BACK_SLIP = 1e-3
 """What counts as one unit of violation where no back-slip at all is allowed [m]."""
 ROUNDING = 1e-9

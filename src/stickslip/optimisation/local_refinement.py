@@ -13,8 +13,6 @@ from stickslip.optimisation.limits import UNIT_OF_BACK_SLIP
 from stickslip.optimisation.parametrisation import Space
 from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
 
-__all__ = ["goal_gradient", "polish", "travel_gradient"]
-
 Array = NDArray[np.float64]
 At: TypeAlias = Callable[[Array], ScoredMotion | None]
 """Runs the motion at a point."""
@@ -43,25 +41,6 @@ def polish(
     """Improve a point; return the best within limits, if one was met, and the motions tried.
 
     These are no more than the budget, slopes by differences included.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    space : Space
-        The kind of motion.
-    start : array (size,)
-        Point of the cube to improve, from 0 to 1.
-    budget : int
-        Motions that may be tried, those for differences included.
-    watch : Told, optional
-        Called as motions are tried; the search ends if it returns False.
-
-    Returns
-    -------
-    (array or None, int)
-        The best point (size,) within the limits, None if none was met, and the number of motions
-        tried.
     """
     steps = _Steps(problem, space, budget, watch)
     first = steps.at(start)
@@ -221,24 +200,6 @@ def goal_gradient(
     Travel and period come from the sensitivities of the runs and from the profile; the work of the
     motor, and all of it where a kind of motion has no sensitivities, from differences, whose
     motions `at` runs, so that they are counted.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    space : Space
-        The kind of motion.
-    u : array (size,)
-        Point of the cube.
-    judged : ScoredMotion
-        What came of that point.
-    at : At, optional
-        Runs the motion at a point; not counted if left out.
-
-    Returns
-    -------
-    array (size,)
-        Slopes, in the unit of the goal.
     """
     seen: At = (lambda v: judged_at(problem, space, v)) if at is None else at
     if not space.paths(u):
@@ -276,22 +237,6 @@ def travel_gradient(problem: Problem, space: Space, u: Array, cycle: Cycle) -> A
     """Return the slopes of the travel of a cycle in the cube (size,).
 
     The ends of the cycle move with the period, so that the velocity there counts too.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is searched.
-    space : Space
-        The kind of motion.
-    u : array (size,)
-        Point of the cube.
-    cycle : Cycle
-        Steady cycle at that point.
-
-    Returns
-    -------
-    array (size,)
-        Slopes [m].
     """
     x = slip_of_body(problem.mechanism)
     v = problem.mechanism.rates[problem.mechanism.coordinates.index(x)]

@@ -24,8 +24,6 @@ from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named
 from stickslip.simulation import event_driven_law, simulate
 
-__all__ = ["optimise_profile"]
-
 Array = NDArray[np.float64]
 
 REFERENCE = "three-phase"

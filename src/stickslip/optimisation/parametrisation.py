@@ -15,8 +15,6 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.optimisation.limits import Limits
 from stickslip.quantities import fields_of, named
 
-__all__ = ["KINDS", "KindName", "Space", "kind_of", "space_of"]
-
 Array = NDArray[np.float64]
 
 LEAST_AMPLITUDE = 0.02
@@ -289,25 +287,6 @@ def kind_of(name: str) -> str:
 
 def space_of(kind: str, limits: Limits, knots: int) -> Space:
     """Return the space of a kind.
-
-    Parameters
-    ----------
-    kind : str
-        Name of the kind, one of `KINDS`, or that of splines.
-    limits : Limits
-        What the motor can do.
-    knots : int
-        Knots of a spline, 4 to 60; without effect on other kinds.
-
-    Returns
-    -------
-    Space
-        Map from points of a cube to motions.
-
-    Raises
-    ------
-    ParameterError
-        If `knots` is no whole number in its range.
 
     Examples
     --------

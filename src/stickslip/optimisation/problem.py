@@ -15,8 +15,6 @@ from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.quantities import vary
 
-__all__ = ["FAILED", "GOALS", "Goal", "GoalName", "Problem", "ScoredMotion"]
-
 Array = NDArray[np.float64]
 
 SAFETY = 1e-5
@@ -113,21 +111,7 @@ class Problem:
         return [vary(moved, "mechanism", own) if own else moved for own in changes]
 
     def judge(self, profile: Profile, *, samples: int = SAMPLES) -> ScoredMotion:
-        """Run a motion through all scenarios.
-
-        Parameters
-        ----------
-        profile : Profile
-            The motion.
-        samples : int, optional
-            Samples of a cycle at which limits are looked at.
-
-        Returns
-        -------
-        ScoredMotion
-            Goal, margins of the limits and the cycle in each scenario; without margins where a
-            cycle cannot be gone through.
-        """
+        """Run a motion through all scenarios."""
         pairs = zip(self.cases(profile), self.scenarios.laws, strict=True)
         cycles = tuple(measure(mechanism, law, samples=samples) for mechanism, law in pairs)
         if any(cycle.lasted < 1.0 for cycle in cycles):

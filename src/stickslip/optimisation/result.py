@@ -22,8 +22,6 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Optimum"]
-
 SHOWN_CYCLES = 5
 """Cycles that the rig file runs."""
 

@@ -16,8 +16,6 @@ from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import motor_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 
-__all__ = ["Scenarios", "scenarios_of"]
-
 Array = NDArray[np.float64]
 
 MOST_POINTS = 200
@@ -71,33 +69,7 @@ def scenarios_of(
     quantile: float,
     points: int,
 ) -> Scenarios:
-    """Return the scenarios that the arguments of `optimise_profile` stand for.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact, where `laws` is not given.
-    interval : mapping of str to (float, float) or None
-        Lower and upper value of parameters by path.
-    laws : sequence of FrictionLaw or None
-        Samples of the law, alike in weight.
-    quantile : float
-        Share of the samples that do worse than what is searched for.
-    points : int
-        Values of each parameter in its interval.
-
-    Returns
-    -------
-    Scenarios
-        Laws, changes of the mechanism, and how goals are joined.
-
-    Raises
-    ------
-    InputError
-        If both `interval` and `laws` are given, or one of them cannot be used.
-    """
+    """Return the scenarios that the arguments of `optimise_profile` stand for."""
     if interval and laws is not None:
         raise InputError("interval and scenarios are both given: leave one out.")
     if laws is not None:

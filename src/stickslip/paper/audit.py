@@ -39,8 +39,6 @@ from stickslip.selection import (
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 
-__all__ = ["PaperAudit", "TableRow", "TrialTravels", "audit"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class TableRow:
@@ -129,11 +127,6 @@ class PaperAudit:
 
         A law whose velocity becomes negative or whose displacement decreases has none; the least
         relative error is first, and equal errors share a rank.
-
-        Parameters
-        ----------
-        key : str
-            ``"published"`` for the printed table, A, B or C for ours.
         """
         judged: dict[str, float] = {}
         for row in self.table:
@@ -257,26 +250,6 @@ def audit(
     progress: Callable[[str, float], object] | None = None,
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
-
-    Parameters
-    ----------
-    rig : Rig, optional
-        A rig of one's own, for the same questions: a block that a compressed spring sets in motion
-        on the level, with its travel or several. The rig of the paper if not given.
-    verdict : TravelVerdict, optional
-        The selection on the rig, if it was already made.
-    progress : callable, optional
-        Called with the name of a law and the number of its runs so far.
-
-    Returns
-    -------
-    PaperAudit
-        The numbers of the paper, recomputed.
-
-    Raises
-    ------
-    InputError
-        If the rig has another form than that of the paper.
 
     Examples
     --------

@@ -26,8 +26,6 @@ from stickslip.solver import EventDriven, FixedStep
 from stickslip.sweep import DrivenCycle, cycles_in
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CYCLES", "STEP", "CartRun", "CartStudy", "Share", "study_cart"]
-
 CYCLES = 5
 """Of the swing, in every run."""
 STEP = 0.01
@@ -226,22 +224,6 @@ def study_cart(
     bristles: FrictionLaw | None = None,
 ) -> CartStudy:
     """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
-
-    Parameters
-    ----------
-    chosen : FrictionLaw or None
-        What `select` names for the rig of the paper; None if it names nothing.
-    theirs : FrictionLaw
-        What the paper chose.
-    levels : tuple of float
-        Kinetic and static coefficient of Table I.
-    bristles : FrictionLaw, optional
-        A law whose break-away depends on how fast the force grows; none is run if None.
-
-    Returns
-    -------
-    CartStudy
-        The runs of the two figures.
 
     Examples
     --------

@@ -9,8 +9,6 @@ from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Excitation", "excitations", "rigs"]
-
 PUSH_DURATION = 0.1
 """The paper: "applied time 0.1 s"."""
 
@@ -66,22 +64,6 @@ def excitations(
     rig: SpringBlock, law: FrictionLaw, *, measured: float, t_end: float
 ) -> tuple[Excitation, ...]:
     """Run a law in the three readings of the rig.
-
-    Parameters
-    ----------
-    rig : SpringBlock
-        The block, as the rig file gives it.
-    law : FrictionLaw
-        The friction law.
-    measured : float
-        Measured travel [m].
-    t_end : float
-        Length of the runs [s].
-
-    Returns
-    -------
-    tuple of Excitation
-        The readings A, B and C, in this order.
 
     Examples
     --------

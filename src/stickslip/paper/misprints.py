@@ -23,8 +23,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 from stickslip.trajectory import Status
 
-__all__ = ["TESTS", "Consequence", "Outcome", "consequences"]
-
 STEP = 5e-4
 """Fine enough that what is seen is the equation and not the step [s]."""
 BRISTLE_STEP = 1e-4

@@ -44,8 +44,6 @@ from stickslip.report import (
 )
 from stickslip.selection import TravelVerdict
 
-__all__ = ["Beside", "beside", "paper_report"]
-
 
 class Beside(NamedTuple):
     """What the page of a selection on the rig of the paper shows beside the selection."""
@@ -59,20 +57,7 @@ class Beside(NamedTuple):
 
 
 def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
-    """Return where the paper's own comparison errs, for the page of its rig; nothing for others.
-
-    Parameters
-    ----------
-    rig : Rig
-        What was measured.
-    verdict : TravelVerdict
-        What `select` found.
-
-    Returns
-    -------
-    Beside
-        Remark and sections of the page; empty for any other rig.
-    """
+    """Return where the paper's own comparison errs, for the page of its rig; nothing for others."""
     if not _bundled(rig, verdict):
         return Beside()
     try:
@@ -111,20 +96,7 @@ def _remark(found: PaperAudit) -> str:
 
 
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
-    """Return the audit of the paper, or of another rig, as one HTML page.
-
-    Parameters
-    ----------
-    audit : PaperAudit
-        The audit.
-    command : str
-        Command that gives this page again.
-
-    Returns
-    -------
-    str
-        The page as HTML.
-    """
+    """Return the audit of the paper, or of another rig, as one HTML page."""
     own = audit.own
     makers: tuple[Callable[[PaperAudit], Section], ...] = (
         *(() if own else (schematic_section,)),

@@ -11,8 +11,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 from stickslip.sweep import cycles_in
 
-__all__ = ["RestRule", "rest_rules"]
-
 RULES: tuple[tuple[float, bool, float], ...] = (
     (0.01, False, 0.0),
     (0.01, False, 0.001),
@@ -56,16 +54,6 @@ def rest_rules(values: PaperValues) -> tuple[RestRule, ...]:
     The band is that of Karnopp (1985), the paper's reference [18]: a body slower than it is held
     while the force needed is within break-away. A step changes the velocity by ``F_c dt / m``, and
     can jump over a narrower band.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-
-    Returns
-    -------
-    tuple of RestRule
-        The exact runs, then one entry per rule.
 
     Examples
     --------

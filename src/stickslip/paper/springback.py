@@ -9,8 +9,6 @@ from stickslip.paper.values import PaperValues
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
 
-__all__ = ["STIFFNESS", "Springback", "springbacks"]
-
 STIFFNESS = 1e5
 """Of the bristles [N/m], the classical value of LuGre 1995."""
 

@@ -9,8 +9,6 @@ from stickslip.paper.values import PaperValues
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["SPEED", "StickSlip", "stick_slip"]
-
 SPEED = 0.02
 """Of the far end of the spring [m/s]; ours: the paper gives no numbers for its example."""
 PERIODS = 4.5

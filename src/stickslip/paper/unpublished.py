@@ -27,19 +27,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "BristleRow",
-    "Creep",
-    "Requirement",
-    "StepTravel",
-    "bristle_rows",
-    "dahl_row",
-    "lugre_row",
-    "requirements",
-    "step_travels",
-    "stribeck_creeps",
-]
-
 STEP = 0.01
 """Sample time that the paper states for its cart [s]."""
 VISCOUS = (0.1, 0.2)
@@ -94,22 +81,7 @@ class Requirement:
 def requirements(
     values: PaperValues, published: Mapping[str, float], *, t_end: float
 ) -> tuple[Requirement, ...]:
-    """Find the value behind each published travel, in readings A and B.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    published : mapping
-        Printed travel [m] by law.
-    t_end : float
-        Length of the paper's runs [s].
-
-    Returns
-    -------
-    tuple of Requirement
-        One entry per reading of each law with a free value and a published travel.
-    """
+    """Find the value behind each published travel, in readings A and B."""
     readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(
         _require(values, name, key, published[name], block, t_end, *case)
@@ -190,20 +162,6 @@ def step_travels(
     """Push the block with the laws that have no free value left, in steps of the paper's 10 ms.
 
     The paper states this sample time for its cart. Where sgn 0 = 0, friction misses the first step.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    published : mapping
-        Printed travel [m] by law.
-    t_end : float
-        Length of the paper's runs [s].
-
-    Returns
-    -------
-    tuple of StepTravel
-        One entry per law with a published travel.
     """
     level = {"kinetic_coefficient": values.mu_k, "static_coefficient": values.mu_s}
     laws = [
@@ -262,20 +220,7 @@ class Creep:
 
 
 def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
-    """Push the block with (5) as printed but for the missing sgn, in steps of 10 ms.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    t_end : float
-        Length of the paper's runs [s].
-
-    Returns
-    -------
-    tuple of Creep
-        One entry for each of some Stribeck velocities.
-    """
+    """Push the block with (5) as printed but for the missing sgn, in steps of 10 ms."""
     _, _, push = rigs(values.rig)["A"]
 
     def ran(velocity: float, solver: FixedStep) -> Trajectory:
@@ -304,20 +249,7 @@ def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
 
 
 def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
-    """Return Dahl friction with bristles of a stiffness [N/m], held at the first stop.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    sigma_0 : float
-        Stiffness of the bristles [N/m].
-
-    Returns
-    -------
-    Dahl
-        The law, its levels over the load.
-    """
+    """Return Dahl friction with bristles of a stiffness [N/m], held at the first stop."""
     return Dahl.from_forces(
         load=values.load,
         kinetic_force=values.mu_k * values.load,
@@ -327,20 +259,7 @@ def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
 
 
 def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
-    """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    sigma_0 : float
-        Stiffness of the bristles [N/m].
-
-    Returns
-    -------
-    LuGre
-        The law, its levels over the load.
-    """
+    """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995."""
     return LuGre.from_forces(
         load=values.load,
         kinetic_force=values.mu_k * values.load,
@@ -414,20 +333,7 @@ class BristleRow:
 
 
 def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]:
-    """Push the block with Dahl friction, held, and with LuGre friction, not held.
-
-    Parameters
-    ----------
-    values : PaperValues
-        The paper's rig and coefficients.
-    t_end : float
-        Length of the runs [s].
-
-    Returns
-    -------
-    tuple of BristleRow
-        One row per law and stiffness, Dahl first.
-    """
+    """Push the block with Dahl friction, held, and with LuGre friction, not held."""
     _, _, push = rigs(values.rig)["A"]
     laws: list[tuple[Dahl | LuGre, float]] = []
     laws += [(dahl_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]

@@ -10,8 +10,6 @@ from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import vary
 from stickslip.selection import TravelVerdict
 
-__all__ = ["PaperValues", "adopted", "check_form"]
-
 OWN = (
     "give a rig file with a spring-block on the level that a compressed spring sets in motion, and"
     " its travel."
@@ -61,13 +59,7 @@ class PaperValues:
 
     @classmethod
     def of(cls, rig: Rig) -> Self:
-        """Read the values off a rig that has the paper's form.
-
-        Raises
-        ------
-        InputError
-            If the rig is no spring-block with a travel and the laws of the paper.
-        """
+        """Read the values off a rig that has the paper's form."""
         mechanism, first = check_form(rig)
         viscous, lugre = rig.laws.get("coulomb-viscous"), rig.laws.get("lugre")
         if not isinstance(viscous, CoulombViscous) or not isinstance(lugre, LuGre):
@@ -88,13 +80,7 @@ class PaperValues:
 
 
 def check_form(rig: Rig) -> tuple[SpringBlock, Measurement]:
-    """Return the block and the first of its trials.
-
-    Raises
-    ------
-    InputError
-        If it is no block that a compressed spring sets in motion on the level, with a travel.
-    """
+    """Return the block and the first of its trials."""
     mechanism, measurement = rig.mechanism, rig.measurement
     if not isinstance(mechanism, SpringBlock) or measurement is None:
         raise InputError(f"the audit of the paper needs a spring-block with its travel: {OWN}")
@@ -118,23 +104,6 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
     What its file gives stays. Levels that it does not give are those of Coulomb friction as fitted
     to its travels; what the paper does not print either is assumed as for the bundled rig, with the
     bristles in proportion to the load.
-
-    Parameters
-    ----------
-    rig : Rig
-        A rig of one's own.
-    verdict : TravelVerdict
-        The selection on its travels.
-
-    Returns
-    -------
-    Rig
-        The rig with all laws of the paper.
-
-    Raises
-    ------
-    InputError
-        If no kinetic coefficient of Coulomb friction follows from the travels.
     """
     coulomb = rig.laws.get("coulomb")
     if coulomb is None:

@@ -32,8 +32,6 @@ from stickslip.selection import Verdict
 from stickslip.sweep import Band, Basins, Bifurcation, Validation, VelocityMap
 from stickslip.trajectory import Ensemble, Trajectory
 
-__all__ = ["PLOTS", "plot", "thumbnail"]
-
 PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
     {
         Trajectory: plot_run,

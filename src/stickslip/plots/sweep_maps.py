@@ -28,8 +28,6 @@ from stickslip.plots.core.theme import (
 )
 from stickslip.sweep import Basins, Bifurcation, VelocityMap
 
-__all__ = ["draw_basins", "draw_bifurcation", "draw_velocity_map", "plot_sweep"]
-
 BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
 """Fill of each basin, the largest first."""
 POINT_COLOURS: Final = (C1, C2, C3, C4, INK, MUTED)

@@ -24,8 +24,6 @@ from stickslip.report.core.reproduce import law_references
 from stickslip.report.core.tables import Column, Name, Row, Table
 from stickslip.report.core.versions import colophon
 
-__all__ = ["characterization_page"]
-
 MANY = 4
 """Laws from which on the title does not name all."""
 
@@ -34,20 +32,6 @@ def characterization_page(
     found: Characterization, *, reproduce: Sequence[str] = (), versions: Mapping[str, str]
 ) -> Page:
     """Return the page of a battery.
-
-    Parameters
-    ----------
-    found : Characterization
-        What `stickslip.characterize` gave.
-    reproduce : sequence of str
-        Commands that give this page again.
-    versions : mapping of str to str
-        Versions by name of the software; that of ``"stickslip"`` stands in the footer.
-
-    Returns
-    -------
-    Page
-        The page, not yet rendered.
 
     Examples
     --------

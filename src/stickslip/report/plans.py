@@ -10,8 +10,6 @@ from stickslip.report.core.tables import Blank, Column, Name, Row, Table
 from stickslip.report.core.versions import colophon
 from stickslip.selection import Plan, SheetTable, tables_of, unit_of
 
-__all__ = ["plan_page"]
-
 NAVS: Final = {
     "before": "Before the runs",
     "settings": "Settings",
@@ -34,28 +32,6 @@ def plan_page(
     digest: str = "",
 ) -> Page:
     """Return the sheet of a plan.
-
-    Parameters
-    ----------
-    plan : Plan
-        What `stickslip.plan` gave.
-    title : str
-        What is measured.
-    subject : str
-        The rig, at the right of the top line.
-    save_as : str
-        Command that reads the filled sheet, with the name of its file.
-    reproduce : sequence of str
-        Commands that give this sheet again.
-    versions : mapping of str to str
-        Versions by name of the software; that of ``"stickslip"`` stands in the footer.
-    digest : str
-        Hash of the inputs.
-
-    Returns
-    -------
-    Page
-        The sheet, not yet rendered.
 
     Examples
     --------

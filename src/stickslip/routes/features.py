@@ -28,8 +28,6 @@ from stickslip.selection import (
     share_parts,
 )
 
-__all__ = ["FeatureRoute"]
-
 SHORT = {"standard_deviation": "deviation"}
 """Column headings, shortened for a terminal of 80 characters."""
 UNITS = {"frequency": "Hz"}

@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
-from stickslip.mechanisms import Mechanism, given_names
+from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.records import title_of
 from stickslip.routes.route import (
@@ -30,8 +30,6 @@ from stickslip.selection import (
     score_text,
     select_joints,
 )
-
-__all__ = ["JointRoute"]
 
 
 @final
@@ -62,8 +60,8 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
 
     @override
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
-        # what a mechanism tells is of one contact
-        return (*given_names(mechanism), *measurement.input_names())
+        own = {name: 0 for one in mechanism.contacts() for name in input_names(mechanism, one.name)}
+        return (*own, *measurement.input_names())  # fits ask for those of each contact
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RecordFit[Any]:

@@ -6,8 +6,6 @@ from stickslip.report import Origin, Page, Section, SectionMaker, colophon, made
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
-__all__ = ["verdict_page"]
-
 LAST = ("next_section", "certificate_section", "reproduce_section")
 """What stays at the end, after sections of one's own."""
 
@@ -21,23 +19,6 @@ def verdict_page(
     extra: Sequence[Section | SectionMaker] = (),
 ) -> Page:
     """Return the page of a selection, section by section.
-
-    Parameters
-    ----------
-    verdict : Verdict
-        What `stickslip.select` gave; every number of the page is computed from it.
-    origin : Origin
-        Where it is from, and how to make it again.
-    remark : str
-        A sentence of one's own, at the end of the lede.
-    lead, extra : sequence of Section or partial
-        Sections of one's own, or functions that make them: after the verdict, and before what to
-        measure next.
-
-    Returns
-    -------
-    Page
-        The page; a section without content is left out, one that fails becomes one line.
 
     Examples
     --------

@@ -37,8 +37,6 @@ from stickslip.selection import (
     select_rate_state,
 )
 
-__all__ = ["RateStateRoute"]
-
 COEFFICIENT = Scale(1.0, "")
 """Errors of a coefficient are absolute, not percentages."""
 
@@ -51,6 +49,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     measured = "velocity steps"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"starts", "seed"})
+    longest_first = True
     fits = RateState
     usual_law = "rate-and-state"
     simulated = False

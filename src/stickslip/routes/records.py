@@ -49,8 +49,6 @@ from stickslip.selection import (
     way_for,
 )
 
-__all__ = ["RecordRoute", "title_of"]
-
 WITHOUT_EFFECT = {
     "shooting": frozenset[str](),
     "inverse-dynamics": frozenset({"segment", "resolution"}),

@@ -19,16 +19,6 @@ from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
 from stickslip.routes.travels import TravelRoute
 
-__all__ = [
-    "AnyRoute",
-    "refuse_foreign",
-    "refuse_uninformed",
-    "refuse_unused",
-    "route_named",
-    "route_of",
-    "routes",
-]
-
 AnyRoute: TypeAlias = Route[Any, Any]
 
 OWN: tuple[AnyRoute, ...] = (
@@ -44,11 +34,6 @@ OWN: tuple[AnyRoute, ...] = (
 @cache
 def routes() -> tuple[AnyRoute, ...]:
     """Return all routes: those of other packages first, as they are the more special.
-
-    Raises
-    ------
-    StickslipError
-        If one of them cannot be imported, is no route, or has a name that is taken.
 
     Examples
     --------
@@ -69,11 +54,6 @@ def routes() -> tuple[AnyRoute, ...]:
 def route_named(name: str) -> AnyRoute:
     """Return a route by one of its names.
 
-    Raises
-    ------
-    UnknownNameError
-        If there is none.
-
     Examples
     --------
     >>> route_named("force-map").measured
@@ -89,25 +69,6 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     """Return the route of a measurement: the one that was asked for, or the first that serves.
 
     Travels have no other route than their own, which then refuses to be asked for one.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        What was measured.
-    asked : str or RouteChoice, optional
-        A name of a route, or what `choose_route` returned.
-
-    Returns
-    -------
-    Route
-        The route that was asked for, or the first that serves.
-
-    Raises
-    ------
-    UnknownNameError
-        If no route has that name.
-    InputError
-        If the route of that name is only for other measurements.
 
     Examples
     --------
@@ -132,20 +93,6 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
 def refuse_unused(route: AnyRoute, given: Mapping[str, str], options: Options) -> None:
     """Refuse options that have no effect on a route.
 
-    Parameters
-    ----------
-    route : Route
-        That of the measurement.
-    given : mapping of str to str
-        Options, and fields of `RecordSettings`, that were given: name -> what messages call it.
-    options : Options
-        With what was chosen for the measurement.
-
-    Raises
-    ------
-    InputError
-        With the option and what it is for.
-
     Examples
     --------
     >>> refuse_unused(route_named("travel"), {"horizon": "--horizon"}, Options())
@@ -164,18 +111,6 @@ def refuse_unused(route: AnyRoute, given: Mapping[str, str], options: Options) -
 def unused_text(route: AnyRoute, users: Iterable[AnyRoute]) -> str:
     """Return that an option has no effect on a route, as the end of a sentence with its name.
 
-    Parameters
-    ----------
-    route : Route
-        That of the measurement.
-    users : iterable of Route
-        Routes that use the option.
-
-    Returns
-    -------
-    str
-        The end of the sentence.
-
     Examples
     --------
     >>> unused_text(route_named("travel"), [route_named("features")])
@@ -187,18 +122,6 @@ def unused_text(route: AnyRoute, users: Iterable[AnyRoute]) -> str:
 
 def refuse_foreign(route: AnyRoute, laws: Iterable[object]) -> None:
     """Refuse laws of another kind than a route fits; names are looked up where they are used.
-
-    Parameters
-    ----------
-    route : Route
-        That of the measurement.
-    laws : iterable
-        Instances, types and names.
-
-    Raises
-    ------
-    InputError
-        With the law and what it is for.
 
     Examples
     --------
@@ -221,24 +144,7 @@ def refuse_foreign(route: AnyRoute, laws: Iterable[object]) -> None:
 def refuse_uninformed(
     route: AnyRoute, laws: Iterable[object], mechanism: Mechanism, measurement: Measurement
 ) -> None:
-    """Refuse laws that ask for contact inputs which nothing tells, before anything runs.
-
-    Parameters
-    ----------
-    route : Route
-        That of the measurement.
-    laws : iterable
-        Instances, types and names; a name that is not known is refused where it is used.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The measurement.
-
-    Raises
-    ------
-    InputError
-        With the law, its input, and the columns that there are.
-    """
+    """Refuse laws that ask for contact inputs which nothing tells, before anything runs."""
     known = route.known_inputs(mechanism, measurement)
     for one in laws:
         law = one

@@ -11,8 +11,6 @@ from stickslip.routes.page import verdict_page
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
-__all__ = ["LAW_FILE", "PAGE", "VERDICT_FILES", "write_report", "write_verdict"]
-
 PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
 VERDICT_FILES = (PAGE, DOCUMENT, LAW_FILE)
 """What is written into a folder."""
@@ -112,22 +110,6 @@ def write_verdict(
 
     All appear at once. What this verdict does not have is removed of an earlier one: a page that
     could not be drawn, a law where none is named. Files that were not written here stay.
-
-    Parameters
-    ----------
-    folder : Path
-        Directory to write to.
-    verdict : Verdict
-        The verdict, whose best law is written.
-    content : mapping of str to object
-        The verdict as a JSON document.
-    page : str, optional
-        The page as HTML; none is written if not given.
-
-    Raises
-    ------
-    InputError
-        If a file in the way was not written here or was changed, or the folder cannot be written.
 
     Examples
     --------

@@ -26,18 +26,6 @@ from stickslip.mechanisms import Mechanism
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import PurposeName, Verdict
 
-__all__ = [
-    "Comparison",
-    "FitRequest",
-    "FitSummary",
-    "Options",
-    "Progress",
-    "Request",
-    "Route",
-    "SelectRequest",
-    "SeveralLaws",
-]
-
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
 R = TypeVar("R")
@@ -203,6 +191,8 @@ class Route(ABC, Generic[F, V]):
     """Whether laws are given by the name of the contact."""
     climbs: ClassVar[bool] = False
     """Whether the candidates that are compared by default are only fitted as far as they gain."""
+    longest_first: ClassVar[bool] = False
+    """Whether a law that takes as long as any is fitted first, which bounds the time left."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"
@@ -212,13 +202,7 @@ class Route(ABC, Generic[F, V]):
 
     @override
     def __init_subclass__(cls) -> None:
-        """Check the names of options and settings: a misspelt one would never be used.
-
-        Raises
-        ------
-        TypeError
-            If one is neither.
-        """
+        """Check the names of options and settings: a misspelt one would never be used."""
         super().__init_subclass__()
         for own, kind in (("uses", Options), ("settings", RecordSettings)):
             known = {f.name for f in fields(kind)}
@@ -236,20 +220,7 @@ class Route(ABC, Generic[F, V]):
 
     @abstractmethod
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        """Return the names of the laws that are compared, as progress calls them.
-
-        Parameters
-        ----------
-        laws : mapping or sequence or None
-            The candidates that were asked for; the usual ones if None.
-        measurement : Measurement
-            The measurement, which may rule out some of the usual ones.
-
-        Returns
-        -------
-        list of str
-            Names of the candidates, in their order.
-        """
+        """Return the names of the laws that are compared, as progress calls them."""
 
     def owner(self, law: Law) -> AnyLaw:
         """Return the law or the type whose parameters a law has that may be given by its name."""
@@ -259,22 +230,7 @@ class Route(ABC, Generic[F, V]):
     def law_and_parameters(
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
     ) -> tuple[Law, str | Sequence[str] | None]:
-        """Return the law that a name stands for, with what is fitted of it put into `vary`.
-
-        Parameters
-        ----------
-        law : FrictionLaw, type or str
-            A law, or a name such as ``"dahl-exponent"``, which also says what is free.
-        vary : str or sequence of str, optional
-            What is asked to be fitted.
-        fixed : collection of str
-            Names of what is held.
-
-        Returns
-        -------
-        (FrictionLaw or type, str or sequence of str or None)
-            The law, and the parameters to fit.
-        """
+        """Return the law that a name stands for, with what is fitted of it put into `vary`."""
         if not isinstance(law, str):
             return law, vary
         found = specification(law)
@@ -286,37 +242,11 @@ class Route(ABC, Generic[F, V]):
 
     @abstractmethod
     def fit(self, request: FitRequest, options: Options) -> F:
-        """Fit a law.
-
-        Parameters
-        ----------
-        request : FitRequest
-            Mechanism, law, measurement and free parameters.
-        options : Options
-            Options of this route.
-
-        Returns
-        -------
-        Fit
-            Fitted law, estimates with intervals, predictions.
-        """
+        """Fit a law."""
 
     @abstractmethod
     def select(self, request: SelectRequest, options: Options) -> V:
-        """Compare laws and name one.
-
-        Parameters
-        ----------
-        request : SelectRequest
-            Mechanism, laws, measurement and free parameters.
-        options : Options
-            Options of this route.
-
-        Returns
-        -------
-        Verdict
-            Candidates and the law that is named.
-        """
+        """Compare laws and name one."""
 
     @abstractmethod
     def comparison(self, verdict: V) -> Comparison:
@@ -326,57 +256,14 @@ class Route(ABC, Generic[F, V]):
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
-        """Return what a terminal shows of a fit, with its error on a second record.
-
-        Parameters
-        ----------
-        fit : Fit
-            A fit of this route.
-        validate : Measurement, optional
-            A second record, which the fit has not seen.
-        horizon : float, optional
-            Length of the stretches that are predicted there [s].
-
-        Returns
-        -------
-        FitSummary
-            Table, lines and limits.
-        """
+        """Return what a terminal shows of a fit, with its error on a second record."""
 
     @abstractmethod
     def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
-        """Return what makes the sections of the page of a verdict.
-
-        Parameters
-        ----------
-        verdict : Verdict
-            A verdict of this route.
-        origin : Origin
-            Title, source of the data and command, for the page.
-        remark : str
-            A sentence that the page adds; empty for none.
-
-        Returns
-        -------
-        tuple of callable
-            Functions without arguments, each of which makes a section.
-        """
+        """Return what makes the sections of the page of a verdict."""
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
-        """Return the contact inputs that laws may depend on.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What was measured.
-        measurement : Measurement
-            The measurement.
-
-        Returns
-        -------
-        collection of str
-            Names of what the mechanism or each record tells.
-        """
+        """Return the contact inputs that laws may depend on."""
         return known_inputs(mechanism, measurement)
 
     def residual_text(
@@ -385,41 +272,11 @@ class Route(ABC, Generic[F, V]):
         measurement: Measurement,
         options: Options,
     ) -> str:
-        """Return the least residual so far in words; without what it is of, if not replaced.
-
-        Parameters
-        ----------
-        error : float
-            Least root mean square of the residuals [SI], or relative error of features.
-        measurement : Measurement
-            The records, which say what is compared.
-        options : Options
-            Options with the route that was chosen.
-
-        Returns
-        -------
-        str
-            The residual with its unit or as a percentage.
-        """
+        """Return the least residual so far in words; without what it is of, if not replaced."""
         return f"residual {number(error, 2)}"
 
     def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
-        """Return the options with what is chosen for this measurement, before any fit.
-
-        Parameters
-        ----------
-        request : Request
-            What was measured.
-        options : Options
-            What was said.
-        law : FrictionLaw or type, optional
-            The law, where only one is fitted.
-
-        Returns
-        -------
-        Options
-            The options, with the route and settings that the fit will use.
-        """
+        """Return the options with what is chosen for this measurement, before any fit."""
         return options
 
     def why_unused(self, name: str, options: Options) -> str:
@@ -427,17 +284,5 @@ class Route(ABC, Generic[F, V]):
 
         It is the end of a sentence that begins with the name, and empty where nothing special is to
         be said.
-
-        Parameters
-        ----------
-        name : str
-            One of `Options`, or a field of `RecordSettings`.
-        options : Options
-            With what was chosen for the measurement.
-
-        Returns
-        -------
-        str
-            The end of the sentence, or an empty text.
         """
         return ""

@@ -46,8 +46,6 @@ from stickslip.selection import (
     select_travels,
 )
 
-__all__ = ["TravelRoute"]
-
 T_END = 10.0
 """Time after which a body counts as stopped [s]."""
 

@@ -27,8 +27,6 @@ from stickslip.routes.registry import (
 from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
 from stickslip.selection import PurposeName, Verdict
 
-__all__ = ["fit", "select"]
-
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
 OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.formatting import joined, number
-from stickslip.friction import FrictionLaw, anywhere
-from stickslip.identification import Estimate, TravelFit
+from stickslip.friction import FrictionLaw, anywhere, containment_of
+from stickslip.identification import Estimate, TravelFit, spanning
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate
 
-__all__ = ["chosen", "doubts", "improves", "limit_of", "mark_passed_over", "told_apart"]
-
+SURE = 0.999
+"""Level of the test by which a law is ruled out: one that is not named need not be wrong."""
 LEVEL = 0.975
-"""Of the test. A viscous part that is not there is taken for real in 1.25 of 100 sets of readings:
-it has a bound at 0, where half of such fits end."""
+"""Of the test that names a law. A viscous part that is not there is taken for real in 1.25 of 100
+sets of readings: it has a bound at 0, where half of such fits end."""
 
 
 def doubts(candidate: TravelCandidate) -> dict[str, str]:
@@ -25,6 +25,9 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
         limit = limit_of(candidate.fit.law, name) if candidate.fit else 0.0
         if not estimate.bounded:
             found[name] = "not identified by these trials"
+        elif estimate.pieces:
+            ranges = estimate.range.replace(" to ", " and ").replace(" or ", ", or between ")
+            found[name] = f"lies between {ranges}: these readings do not tell which"
         elif estimate.low <= limit:
             found[name] = _at(limit, estimate)
     return found
@@ -32,18 +35,6 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
 
 def limit_of(law: FrictionLaw, name: str) -> float:
     """Return the lowest value that a parameter of a law may have beside the others.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Gives the values of the other parameters.
-    name : str
-        Field of the law.
-
-    Returns
-    -------
-    float
-        Lowest value [SI].
 
     Examples
     --------
@@ -64,25 +55,13 @@ def _at(limit: float, estimate: Estimate) -> str:
     return f"consistent with {value} ({estimate.interval} interval)"
 
 
-def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
+def improves(richer: TravelFit, simpler: TravelFit, extra: int, level: float = LEVEL) -> bool:
     """Whether a fit leaves significantly less than that of a simpler law.
 
     The drop of the deviance is compared with the 97.5 % quantile of its distribution if the extra
     parameters are not there: chi-square with as many degrees of freedom where the uncertainty of
     the readings is known, and F where it is estimated from what the richer law leaves. Both laws
     are weighed with that uncertainty, so that what is shared or set beside it counts alike.
-
-    Parameters
-    ----------
-    richer, simpler : TravelFit
-        Fits to the same trials.
-    extra : int
-        Number of parameters that the richer law has more, at least 1.
-
-    Returns
-    -------
-    bool
-        True if the richer law improves the fit significantly.
     """
     from scipy import stats
 
@@ -90,7 +69,7 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
     if freedom == 0:
         return False
     known = math.isinf(freedom)
-    needed = stats.chi2.ppf(LEVEL, extra) if known else extra * stats.f.ppf(LEVEL, extra, freedom)
+    needed = stats.chi2.ppf(level, extra) if known else extra * stats.f.ppf(level, extra, freedom)
     # uncertain settings move the travels of each law by as much as that law says
     return simpler.deviance(factor) - richer.deviance(factor) > float(needed)
 
@@ -98,13 +77,12 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
 def chosen(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     """Return the simplest law that no richer one improves on significantly, None without any.
 
-    Parameters that were neither measured, given nor fitted count: a law that has them is taken only
-    where there is no other. Laws with as many parameters are compared as if the one with the longer
-    list had one more.
+    A law with parameters that were neither measured, given nor fitted is not taken. Laws with as
+    many parameters are compared as if the one with the longer list had one more.
     """
     fitted = [c for c in candidates if c.fit is not None and not c.dropped]
     best: TravelCandidate | None = None
-    for one in sorted([c for c in fitted if not c.invented] or fitted, key=_size):
+    for one in sorted([c for c in fitted if not c.invented], key=_size):
         if best is None or _improves(one, best):
             best = one
     return best
@@ -123,47 +101,66 @@ def _size(candidate: TravelCandidate) -> tuple[int, bool, int]:
     )
 
 
-def _improves(one: TravelCandidate, other: TravelCandidate) -> bool:
+def _improves(one: TravelCandidate, other: TravelCandidate, level: float = LEVEL) -> bool:
     assert one.fit is not None
     assert other.fit is not None
-    return improves(one.fit, other.fit, max(one.parameters - other.parameters, 1))
+    return improves(one.fit, other.fit, max(one.parameters - other.parameters, 1), level)
+
+
+def unsettling(
+    candidates: Sequence[TravelCandidate], best: TravelCandidate | None, level: float = SURE
+) -> list[TravelCandidate]:
+    """Return laws with invented values that rule out the best of the others.
+
+    What was invented has been looked for over all that is plausible. So these laws explain the
+    readings, but the readings do not determine them, and no law can be named.
+    """
+    invented = [c for c in candidates if c.invented and c.fit is not None and not c.dropped]
+    if best is None:
+        return invented
+    return [c for c in invented if _improves(c, best, level)]
+
+
+def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCandidate:
+    """Return the best law with intervals that hold those of all laws that are not ruled out."""
+    fits = [c.fit for c in ties if c.fit is not None and not c.dropped]
+    if best.fit is None or not fits:
+        return best
+    found = []
+    for one in best.fit.estimates:
+        name = one.path.rpartition(".")[2]
+        limit = limit_of(best.fit.law, name)
+        parts = [*(one.pieces or ((one.low, one.high),))]
+        for fit in fits:
+            same = [e for e in fit.estimates if e.path == one.path]
+            if not same and name not in fields_of(type(fit.law)):
+                parts.append((limit, one.high))
+            for other in same:
+                parts += other.pieces or ((other.low, other.high),)
+        reason = one.reason
+        if one.bounded and not all(math.isfinite(end) for part in parts for end in part):
+            reason = "another law that explains the readings leaves it open"
+        found.append(replace(spanning(one, parts), reason=reason))
+    return replace(best, fit=replace(best.fit, estimates=tuple(found)))
 
 
 def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:
     """Whether the readings speak for the best law against another one beyond their uncertainty.
 
-    Parameters
-    ----------
-    candidate : TravelCandidate
-        Another law on the same trials.
-    best : TravelCandidate
-        The best law.
-
-    Returns
-    -------
-    bool
-        True if they are told apart, or the other law was not fitted or was dropped.
+    They cannot against a law with invented values that contains the best one: it does what the best
+    one does, whatever its own search found.
     """
-    return candidate.fit is None or bool(candidate.dropped) or _improves(best, candidate)
+    if candidate.fit is None or candidate.dropped:
+        return True
+    if candidate.invented and containment_of(type(candidate.law), type(best.law)) is not None:
+        return False
+    return _improves(best, candidate, SURE)
 
 
 def mark_passed_over(
     candidates: Sequence[TravelCandidate], best: TravelCandidate
 ) -> list[TravelCandidate]:
-    """Mark which laws are not told apart from the best, and why they are not taken.
-
-    Parameters
-    ----------
-    candidates : sequence of TravelCandidate
-        All laws that were tried.
-    best : TravelCandidate
-        The best of them.
-
-    Returns
-    -------
-    list of TravelCandidate
-        The candidates in the same order, with a reason where they were passed over.
-    """
+    """Mark which laws are not told apart from the best, and why they are not taken."""
     return [
         c
         if c is best or c.fit is None

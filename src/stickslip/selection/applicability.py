@@ -18,8 +18,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import TIMELESS, inside
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["checked", "one_way", "unsuited_by"]
-
 RARE = 0.01
 """Share of samples below which a direction counts as absent."""
 
@@ -30,29 +28,7 @@ def checked(
     validate: Measurement | None = None,
     which: str = "This record",
 ) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The record.
-    validate : Measurement, optional
-        A second record, which must have the same quantities and other samples.
-    which : str
-        Subject of the error's first sentence.
-
-    Returns
-    -------
-    Checks
-        Findings on the record, none of which is an error.
-
-    Raises
-    ------
-    InputError
-        If the record, or the second one, cannot decide.
-    """
+    """Return what the record can tell; refuse one that cannot decide."""
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate, inside(mechanism, validate))
@@ -94,18 +70,6 @@ def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) 
 
     On friction against velocity alone a bristle law has its steady curve, which is that of a law
     without bristles: it predicts as well, with numbers that nothing tells.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The record.
-    law : FrictionLaw or type
-        The law in question.
-
-    Returns
-    -------
-    str
-        The reason as a clause.
 
     Examples
     --------

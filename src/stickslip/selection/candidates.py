@@ -15,17 +15,6 @@ from stickslip.friction import (
     usual_specifications,
 )
 
-__all__ = [
-    "CONTROL",
-    "LEFT_OUT",
-    "REFERENCE",
-    "CandidateSpec",
-    "Watch",
-    "check_apart",
-    "contains",
-    "specifications",
-]
-
 REFERENCE = "coulomb-viscous"
 """What is always used: the row that others are compared with."""
 CONTROL = "no-friction"
@@ -47,11 +36,6 @@ def specifications(
     """Return the candidates: those given, or all that records may be compared with by default.
 
     A name stands for the candidate of that name, or for a law with all it can fit.
-
-    Raises
-    ------
-    InputError
-        If there is none, a name is not known, or two have one name.
 
     Examples
     --------
@@ -75,24 +59,13 @@ def specifications(
 
 
 def check_any(laws: Collection[object]) -> None:
-    """Refuse to compare no laws at all.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Refuse to compare no laws at all."""
     if not laws:
         raise InputError("no friction law was given: name at least one in `laws`.")
 
 
 def check_apart(names: Sequence[str]) -> None:
     """Refuse candidates of one name, of which results would tell only one.
-
-    Raises
-    ------
-    InputError
-        With what to give instead.
 
     Examples
     --------
@@ -108,18 +81,6 @@ def check_apart(names: Sequence[str]) -> None:
 
 def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
     """Whether a candidate is another one for some values of what is looked for.
-
-    Parameters
-    ----------
-    rich : CandidateSpec
-        The candidate with more free parameters.
-    simple : CandidateSpec
-        The other candidate.
-
-    Returns
-    -------
-    bool
-        True if the first contains the second and is not the same.
 
     Examples
     --------

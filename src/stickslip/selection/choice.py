@@ -16,20 +16,6 @@ from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
-__all__ = [
-    "ALIKE",
-    "APART",
-    "LEAST",
-    "NEAR",
-    "apart",
-    "as_good",
-    "choose",
-    "effective_aic",
-    "errs_more",
-    "reduces_to",
-    "shown_over_simpler",
-]
-
 NEAR = 1.1
 """Standard errors of the mean ratio within which a more usual law is named instead of the best; a
 gain in one block alone has exactly one."""
@@ -53,16 +39,6 @@ def apart(other: Sequence[float], best: Sequence[float]) -> float:
     mean loss of the better law is added to both: neither a block in which a law happens to be exact
     nor one that is bad for all decides alone.
 
-    Parameters
-    ----------
-    other, best : sequence of float (blocks,)
-        Mean squares on the same blocks.
-
-    Returns
-    -------
-    float
-        Above 0 where `other` is worse; 0 for a single block, infinite if all ratios are equal.
-
     Examples
     --------
     >>> round(apart([2.0, 4.0, 3.0], [1.0, 1.0, 1.0]), 2), apart([2.0], [1.0])
@@ -84,23 +60,7 @@ def errs_more(
     errors: float = APART,
     uncertainty: float = 0.0,
 ) -> bool:
-    """Whether a law predicts held-out blocks worse than another: the rule of acceptance.
-
-    Parameters
-    ----------
-    other, best : CrossValidated
-        Candidates on the same blocks.
-    errors : float
-        Standard errors by which it must do so.
-    uncertainty : float
-        Of what is predicted, as stated, or of its rounding: errors within it are alike.
-
-    Returns
-    -------
-    bool
-        True if its error is larger by more than 2 % (more where readings are few), and its losses
-        by so many standard errors.
-    """
+    """Whether a law predicts held-out blocks worse than another: the rule of acceptance."""
     if other.validation is None or best.validation is None or other.score <= uncertainty:
         return False
     share = max(ALIKE, READINGS / max(best.effective, READINGS))
@@ -111,62 +71,20 @@ def errs_more(
 def as_good(
     other: CrossValidated[Any], best: CrossValidated[Any], *, uncertainty: float = 0.0
 ) -> bool:
-    """Whether held-out blocks do not tell a law from another that may be better.
-
-    Parameters
-    ----------
-    other, best : CrossValidated
-        Candidates on the same blocks.
-    uncertainty : float
-        As for `errs_more`.
-
-    Returns
-    -------
-    bool
-        True if both have held-out errors that are not told apart.
-    """
+    """Whether held-out blocks do not tell a law from another that may be better."""
     known = other.validation is not None and best.validation is not None
     return known and not errs_more(other, best, uncertainty=uncertainty)
 
 
 def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
-    """Return the law to name: of those that predict as well as the best, the most usual.
-
-    Parameters
-    ----------
-    scored : sequence of CrossValidated
-        Candidates with held-out errors, at least one.
-    uncertainty : float
-        As for `errs_more`.
-
-    Returns
-    -------
-    CrossValidated
-        The candidate with the fewest parameters whose losses are within `NEAR` standard errors of
-        those of the candidate with the least error; of several, that with the least error.
-    """
+    """Return the law to name: of those that predict as well as the best, the most usual."""
     best = min(scored, key=lambda c: c.score)
     near = [c for c in scored if not errs_more(c, best, errors=NEAR, uncertainty=uncertainty)]
     return min(near, key=lambda c: (c.parameters, c.score))
 
 
 def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law predicts better than all simpler ones that it contains, and there are some.
-
-    Parameters
-    ----------
-    rich : CrossValidated
-        The law.
-    scored : sequence of CrossValidated
-        All candidates with held-out errors.
-    uncertainty : float
-        As for `errs_more`.
-
-    Returns
-    -------
-    bool
-        True if each candidate that it contains errs more.
-    """
+    """Whether a law predicts better than all simpler ones that it contains, and there are some."""
     simpler = [c for c in scored if c.name in rich.simpler]
     return bool(simpler) and all(
         errs_more(c, rich, errors=NEAR, uncertainty=uncertainty) for c in simpler
@@ -186,18 +104,6 @@ def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, flo
 
 def reduces_to(fit: RecordFit, simpler: type[FrictionLaw]) -> bool:
     """Whether a fitted law is, at its values, a simpler law that it contains.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit of the richer law.
-    simpler : type
-        Type of the simpler law.
-
-    Returns
-    -------
-    bool
-        True if the fitted values make it the simpler law.
 
     Examples
     --------

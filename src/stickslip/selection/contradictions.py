@@ -14,8 +14,6 @@ from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 
-__all__ = ["Contradiction", "closest_of", "contradiction"]
-
 MANY = 5.0
 """Root mean square of standardised residuals beyond which a law does not explain the readings. An
 uncertainty that was stated three times too small is common, and only widens intervals."""
@@ -56,22 +54,7 @@ def closest_of(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
 def contradiction(
     trials: Sequence[Trial], closest: TravelCandidate, candidates: Sequence[TravelCandidate] = ()
 ) -> Contradiction | None:
-    """Return why several readings are explained by no law, None if the closest explains them.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The readings.
-    closest : TravelCandidate
-        The law that the readings call for, with its fit.
-    candidates : sequence of TravelCandidate
-        All laws; what was not fitted of them may be what is wrong.
-
-    Returns
-    -------
-    Contradiction or None
-        The reason, and what to check at the rig.
-    """
+    """Return why several readings are explained by no law, None if the closest explains them."""
     if closest.fit is None or len(trials) < 2:
         return None
     errors, stated = np.array(closest.fit.standard_errors), closest.fit.stated
@@ -221,20 +204,7 @@ def _usual(candidates: Sequence[TravelCandidate], trials: Sequence[Trial]) -> st
 
 
 def setting_of(trials: Sequence[Trial], trial: Trial) -> str:
-    """Return how the rig was set in a trial, where trials differ, such as ``" at x_0 = 60 mm"``.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        All trials.
-    trial : Trial
-        One of them.
-
-    Returns
-    -------
-    str
-        The setting with symbols and units; empty if all trials have the same one.
-    """
+    """Return how the rig was set in a trial, where trials differ, such as ``" at x_0 = 60 mm"``."""
     tables = [{p: (q, v) for p, q, v in parameters(t.mechanism, "mechanism")} for t in trials]
     own = {p: (q, v) for p, q, v in parameters(trial.mechanism, "mechanism")}
     varied = [p for p in own if len({t[p][1] if p in t else None for t in tables}) > 1]

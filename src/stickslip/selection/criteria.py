@@ -8,8 +8,6 @@ from stickslip.described import Described
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Criteria", "criteria_of"]
-
 NOISE = 1e-9
 """Share of the largest speed or travel below which a reverse motion is rounding."""
 GRID = 4000

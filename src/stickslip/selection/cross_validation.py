@@ -26,17 +26,6 @@ from stickslip.identification import (
 )
 from stickslip.selection.verdict import Candidate, Verdict
 
-__all__ = [
-    "FOLDS",
-    "CrossValidated",
-    "CrossValidatedVerdict",
-    "CrossValidation",
-    "Plan",
-    "cross_validate",
-    "halves",
-    "plan_of",
-]
-
 Array = NDArray[np.float64]
 Fit_co = TypeVar("Fit_co", bound=RecordFit[Any] | RateStateFit, covariant=True)
 
@@ -77,22 +66,7 @@ class CrossValidation:
     def of(
         cls, losses: Sequence["_Loss"], ahead: "_Loss | None", joints: Iterable[str] = ()
     ) -> "CrossValidation":
-        """Return the errors of blocks and of an extrapolation, and those of each joint.
-
-        Parameters
-        ----------
-        losses : sequence of _Loss
-            Of each block.
-        ahead : _Loss or None
-            Of the last third; None if nothing comes before it.
-        joints : iterable of str
-            Joints that have errors of their own.
-
-        Returns
-        -------
-        CrossValidation
-            The errors; those of a joint from the blocks in which it moves.
-        """
+        """Return the errors of blocks and of an extrapolation, and those of each joint."""
         return cls(
             losses=tuple(one.mean for one in losses),
             extrapolation=math.nan if ahead is None else math.sqrt(ahead.mean),
@@ -185,27 +159,7 @@ class CrossValidatedVerdict(Verdict[Candidate_co]):
 
 
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
-    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to the whole record, with its effective sample size.
-    horizon : float
-        Length of the segments to predict [s].
-    folds : int
-        Number of blocks of time.
-
-    Returns
-    -------
-    Plan
-        Blocks, gap and horizon for all candidates.
-
-    Raises
-    ------
-    InputError
-        If the record is too short for blocks to be held out.
-    """
+    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
     if interleaved(spans):
         return Plan(folds=len(spans), gap=0.0, horizon=horizon, length=0.0)
@@ -228,13 +182,7 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
 
 
 def _check_block(measurement: Measurement, block: float, length: float, folds: int) -> None:
-    """Refuse a record whose blocks have too few samples to be simulated.
-
-    Raises
-    ------
-    InputError
-        With the length of the record, which the user knows, as that of a block nobody gave.
-    """
+    """Refuse a record whose blocks have too few samples to be simulated."""
     times = [np.asarray(record.time) for record in measurement.records() if record.time is not None]
     if not times or any(block / interval_of(time) >= LEAST for time in times):
         return
@@ -247,27 +195,7 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
 
 
 def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
-    """Return held-out errors of a fit, its unknowns fitted anew without each block.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to the whole record.
-    plan : Plan
-        Blocks, gap [s] and horizon [s].
-
-    Returns
-    -------
-    CrossValidation
-        Mean square of each block, and the error of an extrapolation.
-
-    Raises
-    ------
-    InputError
-        If nothing is left to fit to when a block is held out.
-    ConvergenceError
-        If fewer rows than unknowns are left.
-    """
+    """Return held-out errors of a fit, its unknowns fitted anew without each block."""
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = positions_of(fit.problem), positions_of(judged)
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)

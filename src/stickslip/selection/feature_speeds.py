@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.identification import COMPARED, STEADY, FeatureFit, cycle_features, towed_load
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 
-__all__ = ["other_speeds"]
-
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0)
 """Speeds that are tried, over that of the record."""
 SHOWN = 3
@@ -23,18 +21,6 @@ def other_speeds(
     """Return what the best law and its rivals predict at other speeds, the most telling first.
 
     A speed at which any of them does not settle within some cycles is left out.
-
-    Parameters
-    ----------
-    best : FeatureCandidate
-        The best law, with its fit.
-    rivals : sequence of FeatureCandidate
-        Other laws that were fitted and not dropped.
-
-    Returns
-    -------
-    tuple of OtherSpeed
-        Speeds [m/s] with the features that each law predicts.
     """
     if best.fit is None or not rivals:
         return ()

@@ -13,8 +13,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import COMPARED, FEATURES, FeatureFit, StickSlipFeatures
 from stickslip.selection.verdict import Candidate, Verdict, plain
 
-__all__ = ["FeatureCandidate", "FeatureVerdict", "OtherSpeed"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

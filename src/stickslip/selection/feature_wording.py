@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from stickslip.experiments import Checks
+from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import (
     EstimateText,
     Scale,
@@ -37,8 +37,6 @@ from stickslip.selection.wording import (
     not_distinguished,
     to_predict,
 )
-
-__all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
 
 BIASED = (
     "An offset of the force sensor adds to the level at rest and in motion alike: the force does"
@@ -98,26 +96,7 @@ def feature_wording(
     checks: Checks,
     speeds: Sequence[OtherSpeed],
 ) -> Wording:
-    """Put a selection on features into words; the best candidate is the first.
-
-    Parameters
-    ----------
-    ordered : sequence of FeatureCandidate
-        All laws tried, the best first.
-    control : FeatureCandidate or None
-        The best law, fitted with the nominal mechanism; None if all laws were.
-    features : StickSlipFeatures
-        Features of the whole record.
-    checks : Checks
-        What was checked of the record.
-    speeds : sequence of OtherSpeed
-        Predictions at other speeds, the most telling first.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection on features into words; the best candidate is the first."""
     best, fit = ordered[0], ordered[0].fit
     assert fit is not None
     equal = [one for one in ordered[1:] if one.fit and not one.dropped and as_good(one.fit, fit)]
@@ -190,7 +169,7 @@ def _settles(fit: FeatureFit) -> tuple[str, ...]:
 def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
     """Return what the record settles although no law has its features: these themselves."""
     if features.slips > 1:
-        return tuple(line for line in features.sentences if "slips," in line)
+        return sentences_of(features.findings, "slips")
     return (
         f"The force oscillates at {quantity(features.frequency, 'Hz')} about a mean of"
         f" {number(features.mean)} of the load, with a standard deviation of"
@@ -207,14 +186,14 @@ def _cannot_tell(
             f"Which law: {_titles(equal)} can reproduce the same frequency, mean and standard"
             " deviation. Three features determine three numbers."
         )
-    lines += [line for line in features.sentences if "cannot explain" in line or "drifts" in line]
+    lines += sentences_of(features.findings, "scatter", "drift")
     if any(one.path == MASS for one in fit.estimates):
         lines.append(
             "Why the effective mass differs: a spring stiffer than stated, or a rocking body, has"
             " the same effect."
         )
     elif features.frequency > FASTER * features.natural_frequency:
-        lines += [line for line in features.sentences if "effective mass" in line]
+        lines += sentences_of(features.findings, "frequency")
     lines += [BIASED, UNMEASURED]
     return tuple(lines[:MOST])
 

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import joined, ratio, signed_percent
-from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
+from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Stribeck
 from stickslip.identification import (
     LAW,
     MISSED,
@@ -30,13 +30,11 @@ from stickslip.identification import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.applicability import checked
-from stickslip.selection.candidates import LEFT_OUT, CandidateSpec, Watch, specifications
+from stickslip.selection.candidates import LEFT_OUT, Watch, specifications
 from stickslip.selection.feature_speeds import other_speeds
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
 from stickslip.selection.feature_wording import feature_wording, outcomes
 from stickslip.selection.parallel_fit import fitted_side_by_side
-
-__all__ = ["feature_laws", "select_features"]
 
 USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, Stribeck, LuGre)
 """Laws with a step above sliding: without one, a towed block comes to slide steadily."""

@@ -15,8 +15,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep, Method
 from stickslip.trajectory import Status, Trajectory
 
-__all__ = ["FixedStepRow", "compare_fixed_steps", "largest_step", "rounded_step"]
-
 GRID = 2000
 """Times at which the rates of bristles are evaluated."""
 NUDGE = 1e-6
@@ -115,20 +113,6 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
 
     It is 2 over the largest rate at which a deflection decays, which for LuGre friction is
     ``sigma_0 |v| / g(v)``.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Whose run it is; names the slip coordinate.
-    law : FrictionLaw
-        The law of the run.
-    run : Trajectory
-        An event-driven run, whose velocities, deflections and loads are taken.
-
-    Returns
-    -------
-    float or None
-        Step [s]; None for a law without bristles, or if nothing moves.
 
     Examples
     --------

@@ -15,8 +15,6 @@ from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.contradictions import setting_of
 from stickslip.simulation import simulate
 
-__all__ = ["given_level", "level_text", "refuted_by_record", "refuted_by_travels"]
-
 STEP = 1e-3
 """Relative change of a parameter that shows whether the break-away level depends on it."""
 MOVED = 3.0
@@ -33,18 +31,6 @@ SAMPLES = 501
 
 def given_level(law: FrictionLaw, held: Collection[str]) -> str:
     """Return the name of the held parameter that sets the break-away level of a law.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law with its values.
-    held : collection of str
-        Names of the parameters that were given and not fitted.
-
-    Returns
-    -------
-    str
-        The name; empty if the level depends on what was fitted too, or on no single parameter.
 
     Examples
     --------
@@ -69,20 +55,6 @@ def given_level(law: FrictionLaw, held: Collection[str]) -> str:
 def level_text(mechanism: Mechanism, friction: float, load: float) -> str:
     """Return friction at rest as levels of a law on this mechanism are given, with its unit.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism, which says whether a normal force is known.
-    friction : float
-        Friction [N or N m].
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    str
-        Its share of the load in N/N, or the force or torque where no load is known.
-
     Examples
     --------
     >>> from stickslip import Axis, SpringBlock
@@ -102,22 +74,6 @@ def refuted_by_travels(
 
     Such a body stays where it is for the whole run, and the friction that holds it there is known
     from the balance of forces.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law with its values.
-    held : collection of str
-        Names of the parameters that were given and not fitted.
-    trials : sequence of Trial
-        The readings; the one where the least friction would have held the body is named.
-    t_end : float
-        Time after which a body counts as stopped [s].
-
-    Returns
-    -------
-    str
-        The contradiction as a sentence without its full stop; empty if there is none.
 
     Examples
     --------
@@ -157,16 +113,6 @@ def refuted_by_record(fit: RecordFit) -> str:
 
     At rest, friction balances all other forces, which inverse dynamics knows. How large it became
     before the body moved on is the break-away level or, as a sensor sees motion late, more than it.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to records of motion and force.
-
-    Returns
-    -------
-    str
-        The contradiction as a clause; empty if there is none, or the record does not tell.
     """
     law, mechanism = fit.law, fit.mechanism
     free = {estimate.path for estimate in fit.estimates}

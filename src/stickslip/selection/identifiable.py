@@ -4,8 +4,6 @@ import numpy as np
 
 from stickslip.identification import TOGETHER, Estimate, RecordFit
 
-__all__ = ["half_of", "moved_by_errors", "settled_estimates", "traded"]
-
 
 def half_of(estimate: Estimate) -> float:
     """Return half the width of a bounded interval."""

@@ -17,8 +17,6 @@ from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.verdict import Wording, score_scale, score_text
 from stickslip.selection.wording import corrections, in_sentence, longer
 
-__all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording", "short_verdict"]
-
 Lines: TypeAlias = Callable[[Wording], Sequence[str]]
 """Some lines of the words of a verdict."""
 
@@ -123,30 +121,7 @@ def joint_wording(
     resting: Sequence[str] = (),
     assumptions: Sequence[str] = (),
 ) -> Wording:
-    """Put a selection for several joints into words.
-
-    Parameters
-    ----------
-    verdicts : mapping of str to RecordVerdict
-        By contact, the verdict on its law.
-    sweeps : int
-        How often the joints were gone through.
-    settled : bool
-        Whether the last sweep changed no choice.
-    checks : Checks
-        What was checked of the records.
-    compared : int
-        Combinations that were compared.
-    resting : sequence of str
-        What is to be said of joints that rest.
-    assumptions : sequence of str
-        What the estimates of all joints rest on beside the records.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection for several joints into words."""
     wrong = checks.of("joint columns")
     said = [f"{short_verdict(name, one)}." for name, one in verdicts.items()]
     verdict = " ".join([*said, *resting])
@@ -163,20 +138,7 @@ def joint_wording(
 
 
 def short_verdict(name: str, verdict: RecordVerdict) -> str:
-    """Return the verdict on one joint without its numbers, which the lede has.
-
-    Parameters
-    ----------
-    name : str
-        Name of the contact.
-    verdict : RecordVerdict
-        The comparison of its laws.
-
-    Returns
-    -------
-    str
-        A sentence without its full stop.
-    """
+    """Return the verdict on one joint without its numbers, which the lede has."""
     text = verdict.words.verdict.removesuffix(".").partition(": ")[0]
     return f"{joint_label(name)}: {in_sentence(NUMBERS.sub('', text))}"
 

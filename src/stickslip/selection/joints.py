@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, cast, final
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Finding, Measurement
 from stickslip.formatting import Scale
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import CandidateSpec, FrictionLaw, Laws
 from stickslip.identification import (
     LAW,
     FittedLaw,
@@ -24,13 +24,7 @@ from stickslip.identification import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.applicability import checked
-from stickslip.selection.candidates import (
-    LEFT_OUT,
-    CandidateSpec,
-    Watch,
-    control,
-    specifications,
-)
+from stickslip.selection.candidates import LEFT_OUT, Watch, control, specifications
 from stickslip.selection.cross_validation import Plan, plan_of
 from stickslip.selection.joint_verdict import JointVerdict, combination_of, joint_wording
 from stickslip.selection.ladder import climbed
@@ -45,8 +39,6 @@ from stickslip.selection.records import (
     with_scores,
     without_spare,
 )
-
-__all__ = ["joint_specifications", "select_joints"]
 
 SWEEPS = 6
 """Sweeps over the joints at most."""
@@ -68,16 +60,6 @@ def joint_specifications(laws: AnyLaws) -> tuple[CandidateSpec, ...]:
 
     The common filter of the balances hides most of presliding, and laws with bristles take a
     hundred times as long; they are compared where they are asked for.
-
-    Parameters
-    ----------
-    laws : mapping or sequence or None
-        As in `stickslip.select`.
-
-    Returns
-    -------
-    tuple of CandidateSpec
-        The candidates.
 
     Examples
     --------

@@ -21,8 +21,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TRAVEL_COLUMN", "Expectation", "Plan", "Preparation", "Telling"]
-
 TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
 

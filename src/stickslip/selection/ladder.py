@@ -7,14 +7,12 @@ from dataclasses import dataclass, fields, replace
 from typing import final
 
 from stickslip.formatting import count
-from stickslip.friction import Rung, rungs
-from stickslip.selection.candidates import LEFT_OUT, CandidateSpec, Watch
+from stickslip.friction import CandidateSpec, Rung, rungs
+from stickslip.selection.candidates import LEFT_OUT, Watch
 from stickslip.selection.choice import LEAST
 from stickslip.selection.parallel_fit import Fitted, fitted_side_by_side
 from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.wording import friction_of
-
-__all__ = ["Climbed", "climbed"]
 
 SHOWN = 5.0
 """Akaike's criterion by which a law must be below all that it contains to be built upon."""
@@ -52,28 +50,6 @@ def climbed(
     part are always fitted. Where the best of all leaves more than noise, so is Dahl's law. Then
     those with one part more than the best law follow, as long as that law leaves less than all that
     it contains, by Akaike's criterion.
-
-    Parameters
-    ----------
-    candidates : sequence of CandidateSpec
-        What may be fitted.
-    fitted : callable
-        Fits one candidate, as for `fitted_side_by_side`.
-    watch : callable or None
-        Called with name and least residual; False ends the searches. None if nobody watches.
-    executor : Executor or None
-        Processes that fit; None to fit one after the other.
-    seen : callable
-        Returns the candidates as they are compared, with what they contain.
-    at_noise : callable
-        Whether what a candidate leaves is no more than the noise of what is compared.
-    usual : bool
-        Whether nobody asked for these candidates.
-
-    Returns
-    -------
-    Climbed
-        What was fitted, and what was not.
     """
     by_name = {one.name: one for one in candidates}
     chosen = [*by_name.values()]

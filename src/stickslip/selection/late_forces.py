@@ -24,8 +24,6 @@ from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.verdict import score_scale
 from stickslip.selection.wording import friction_of
 
-__all__ = ["PRESLIDING", "late_force"]
-
 PRESLIDING = "delay or presliding"
 """Kind of the error of a model whose presliding may be a late force channel."""
 ROUNDS = 3
@@ -65,24 +63,7 @@ def late_force(
     settings: RecordSettings,
     refit: Refit,
 ) -> ModelError | None:
-    """Return that a late force channel explains a record no worse than presliding alone, if so.
-
-    Parameters
-    ----------
-    closest : RecordCandidate
-        The candidate that the rule of choice takes.
-    scored : sequence of RecordCandidate
-        All candidates with held-out errors.
-    settings : RecordSettings
-        How they were fitted.
-    refit : callable
-        Fits and judges a candidate with other settings.
-
-    Returns
-    -------
-    ModelError or None
-        With the sizes of both errors; None for a law without memory, or where presliding is better.
-    """
+    """Return that a late force channel explains a record no worse than presliding alone, if so."""
     if closest.fit is None or not closest.fit.law.states:
         return None
     promises = [

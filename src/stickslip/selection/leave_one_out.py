@@ -4,9 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelFit, TravelModel, Trial, fit_trials
-
-__all__ = ["held_out_errors", "root_mean_square"]
+from stickslip.identification import TravelFit, TravelModel, Trial, law_from
 
 FLOOR = 0.05
 """A simpler law may be worse by this share, if that is also within one standard error."""
@@ -23,31 +21,13 @@ def held_out_errors(
     """Return measured less predicted travel [m] of each trial, fitted to the other settings.
 
     Repeats of a setting are left out together: one would tell the others.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, with the values of parameters that are not fitted.
-    trials : sequence of Trial
-        Of at least two settings.
-    fit : TravelFit
-        The fit to all trials; its values are where searches begin.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the number of runs of the fit at hand.
-
-    Returns
-    -------
-    tuple of float
-        Errors [m], in the order of the trials.
     """
     free = [estimate.path for estimate in fit.estimates]
     start = [estimate.value for estimate in fit.estimates]
     errors: dict[int, float] = {}
     for setting in dict.fromkeys(trial.setting for trial in trials):
         others = [trial for trial in trials if trial.setting != setting]
-        fitted = fit_trials(law, others, free=free, starts=[start], t_end=t_end, watch=watch).law
+        fitted = law_from(TravelModel(law, free, t_end, watch), others, start)
         left_out = [i for i, trial in enumerate(trials) if trial.setting == setting]
         predicted = TravelModel(fitted, (), t_end, watch).travels([trials[i] for i in left_out], ())
         errors |= {

@@ -8,25 +8,11 @@ from stickslip.identification import READINGS, Estimate, Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
-__all__ = ["limit_of", "limit_text", "limits_of"]
-
 
 def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
     """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
 
     It is the record or the readings, or the uncertainty of the mechanism.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit, with its record or readings.
-    estimate : Estimate
-        One of its estimates, with the sources of its interval.
-
-    Returns
-    -------
-    str
-        The sentence.
     """
     if not estimate.sources:
         return ""
@@ -43,20 +29,6 @@ def limit_text(
     estimate: Estimate, stated: Sequence[tuple[Mechanism, Mapping[str, float]]], readings: str
 ) -> str:
     """Return which source makes most of an interval, as a sentence; empty if there is only one.
-
-    Parameters
-    ----------
-    estimate : Estimate
-        With its sources.
-    stated : sequence of tuple of Mechanism and mapping of str to float
-        The mechanism of each trial, and standard uncertainties of its parameters by path.
-    readings : str
-        What was measured: ``"the reading"``, ``"the readings"`` or ``"the record"``.
-
-    Returns
-    -------
-    str
-        The sentence, with a space before it.
 
     Examples
     --------

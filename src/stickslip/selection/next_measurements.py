@@ -16,8 +16,6 @@ from stickslip.selection.design.experiments import Experiment, design
 from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.record_verdict import RecordCandidate
 
-__all__ = ["experiments_after", "predictor_of", "reach_of"]
-
 RIVALS = 3
 """Laws that proposed measurements tell the best from, at most."""
 LENGTH_DOUBT = 1e-4
@@ -33,20 +31,6 @@ def experiments_after(
     law, the next best that has nothing against it. Nothing is proposed that the rig cannot do: no
     constant speed or force where the record was not driven, no reversal where all motion went one
     way.
-
-    Parameters
-    ----------
-    best : RecordCandidate
-        The law that is named, with its fit.
-    candidates : sequence of RecordCandidate
-        All laws that were tried.
-    plan : Plan
-        Blocks and length of the record [s].
-
-    Returns
-    -------
-    tuple of Experiment
-        Experiments, the most telling first; empty if there is none.
     """
     assert best.fit is not None
     others = [c for c in candidates if c.fit and c.name != best.name and not c.dropped]

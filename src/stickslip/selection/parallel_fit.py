@@ -2,17 +2,16 @@
 
 import math
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import FittedLaw
-from stickslip.selection.candidates import CandidateSpec, Watch, contains
-
-__all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
+from stickslip.selection.candidates import Watch, contains
 
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
@@ -73,6 +72,38 @@ class _Wanted:
         return not self.end.exists()
 
 
+@dataclass(frozen=True)
+class Workers(Generic[C]):
+    """Candidates in the work of other processes, watched and stopped from this one."""
+
+    executor: Executor
+    watch: Watch | None
+    wanted: _Wanted
+    futures: dict[Future[C], str] = field(default_factory=dict)
+    """What is in work, with the name of the candidate."""
+
+    def begin(self, name: str, work: Callable[..., C], *arguments: object) -> None:
+        """Begin work, which is given what says whether it is still wanted as its last argument."""
+        self.futures[self.executor.submit(work, *arguments, self.wanted)] = name
+
+    def ended(self) -> dict[str, C]:
+        """Wait a moment; return by name what has ended since, and ask whether to go on."""
+        done, _ = wait(self.futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+        found = {self.futures.pop(future): future.result() for future in done}
+        news = [(name, _residual(one)) for name, one in found.items()]
+        news += [(name, math.nan) for name in self.futures.values()][:1]
+        if self.watch is not None and any(self.watch(*item) is False for item in news):
+            self.wanted.end.touch()
+        return found
+
+
+@contextmanager
+def watched(executor: Executor, watch: Watch | None) -> Iterator[Workers[Any]]:
+    """Let workers fit candidates while somebody watches here."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield Workers(executor, watch, _Wanted(Path(folder, "end")))
+
+
 def fitted_side_by_side(
     fitted: Fitted[C],
     chosen: Sequence[CandidateSpec],
@@ -87,24 +118,6 @@ def fitted_side_by_side(
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
-
-    Parameters
-    ----------
-    fitted : callable
-        Fits one candidate, given fits of contained laws and the least mean square of the others.
-    chosen : sequence of CandidateSpec
-        The candidates to fit.
-    watch : callable or None
-        Called with name and least residual; False ends the searches. None if nobody watches.
-    executor : Executor or None
-        Processes that fit; None to fit one after the other.
-    found : dict, optional
-        Those of the candidates that are fitted already, by name; all of them in the end.
-
-    Returns
-    -------
-    list of Tried
-        The fitted candidates, in the order of `chosen`.
     """
     found = {} if found is None else found
     waiting = [one for one in chosen if one.name not in found]
@@ -116,22 +129,13 @@ def fitted_side_by_side(
             )
             waiting.remove(one)
         return [found[one.name] for one in chosen]
-    with tempfile.TemporaryDirectory() as folder:
-        wanted = _Wanted(Path(folder, "end"))
-        futures: dict[Future[C], CandidateSpec] = {}
-        while waiting or futures:
-            unfinished = [*waiting, *futures.values()]
-            ready = [one for one in waiting if not _awaited(one, unfinished)]
-            for one in ready:
+    with watched(executor, watch) as workers:
+        while unfinished := [one for one in chosen if one.name not in found]:
+            for one in [one for one in waiting if not _awaited(one, unfinished)]:
                 nested, rival = _contained(one, chosen, found), _rival(one, chosen, found)
-                futures[executor.submit(fitted, one, nested, rival, wanted)] = one
+                workers.begin(one.name, fitted, one, nested, rival)
                 waiting.remove(one)
-            done, _ = wait(futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
-            found.update({futures.pop(future).name: future.result() for future in done})
-            news = [(future.result().name, _residual(future.result())) for future in done]
-            news += [(one.name, math.nan) for one in futures.values()][:1]
-            if watch is not None and any(watch(*item) is False for item in news):
-                wanted.end.touch()
+            found.update(workers.ended())
     return [found[one.name] for one in chosen]
 
 

@@ -57,8 +57,6 @@ from stickslip.selection.preparing import how_to, otherwise
 from stickslip.selection.travel_wording import ADVICE
 from stickslip.simulation import simulate
 
-__all__ = ["plan", "setting_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
@@ -343,25 +341,6 @@ class _Contrast:
 
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
     """Return the path of what `plan` sets to get other travels.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    measurement : Measurement or None
-        Travels that were measured before, if any.
-    t_end : float
-        Time after which a body counts as stopped [s].
-
-    Returns
-    -------
-    str
-        Full path of a parameter of the mechanism.
-
-    Raises
-    ------
-    InputError
-        If no travel can be planned for the mechanism.
 
     Examples
     --------

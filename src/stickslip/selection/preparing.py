@@ -8,8 +8,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
 
-__all__ = ["how_to", "otherwise"]
-
 PLAIN = {
     "mass": "Weigh all sliding parts, to {needed}.",
     "level": "Measure the push with the force sensor that will record it, to {needed}.",
@@ -24,24 +22,7 @@ LIFTED = 20.0
 
 
 def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> str:
-    """Return how a parameter of a mechanism is measured well enough.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    path : str
-        The parameter.
-    needed : float
-        Standard uncertainty that it needs, SI.
-    largest : float
-        Largest setting of the plan, SI: how far a spring is compressed.
-
-    Returns
-    -------
-    str
-        One or two sentences, with the uncertainty that readings need.
-    """
+    """Return how a parameter of a mechanism is measured well enough."""
     known: Mapping[str, tuple[Quantity, float]] = {
         name: (q, value) for name, q, value in parameters(mechanism, "mechanism")
     }
@@ -75,22 +56,7 @@ def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> st
 
 
 def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[str, str]:
-    """Return ways to measure the level at rest as well as travels tell that of sliding.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    law : FrictionLaw
-        The law with its plausible values.
-    share : float
-        Standard uncertainty of the kinetic level over itself.
-
-    Returns
-    -------
-    mapping of str to str
-        Instructions by title; empty if the rig does not allow any.
-    """
+    """Return ways to measure the level at rest as well as travels tell that of sliding."""
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     level = float(law.break_away(1.0))
     names = ("mechanism.mass", "mechanism.gravity")

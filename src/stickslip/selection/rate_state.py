@@ -1,7 +1,7 @@
 """Selection on velocity steps: every law fitted, judged on steps it has not seen, one named."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -34,15 +34,9 @@ from stickslip.selection.applicability import checked
 from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
 from stickslip.selection.choice import as_good, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
+from stickslip.selection.parallel_fit import watched
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
-
-__all__ = [
-    "RateStateLaws",
-    "held_out",
-    "rate_state_laws",
-    "select_rate_state",
-]
 
 Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str
@@ -79,16 +73,6 @@ class _Law:
 
 def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ...]:
     """Return the candidates: those given, or the usual forms of rate-and-state friction.
-
-    Parameters
-    ----------
-    laws : mapping, sequence or a single RateState, type or str, or None
-        Instances, the type, or names of `RATE_STATE_FORMS`.
-
-    Raises
-    ------
-    InputError
-        If one is not known, or two have one name.
 
     Examples
     --------
@@ -197,11 +181,15 @@ def select_rate_state(
     first = work(richest, "auto", progress)
     drift: Drift = "linear" if first.fit is not None and first.fit.drift else "none"
     rest = [one for one in chosen if one is not richest]
+    by_name = {first.name: first}
     if executor is None:
-        others = [work(one, drift, progress) for one in rest]
+        by_name |= {one.name: work(one, drift, progress) for one in rest}
     else:
-        others = [one.result() for one in [executor.submit(work, x, drift, None) for x in rest]]
-    by_name = {one.name: one for one in (first, *others)}
+        with watched(executor, progress) as workers:
+            for one in rest:
+                workers.begin(one.name, work, one, drift)
+            while workers.futures:
+                by_name |= workers.ended()
     judged = [
         _among(by_name[one.name], [x for x in chosen if one.form.contains(x.form)])
         for one in chosen
@@ -274,7 +262,7 @@ def _candidate(
         return replace(found, dropped=str(error))
     found = replace(found, fit=fit, second=None if validate is None else fit.judged(validate))
     try:
-        unseen = held_out(fit)
+        unseen = held_out(fit, None if watch is None else partial(_told_of_parts, watch, one.name))
     except ConvergenceError as error:
         return replace(found, dropped=f"not judged: without a held-out part, {error}")
     validation = _by_segment(fit, unseen)
@@ -289,33 +277,24 @@ def _candidate(
     )
 
 
-def held_out(fit: RateStateFit) -> Array:
+def _told_of_parts(watch: Watch, name: str, part: int, parts: int) -> None:
+    watch(f"held-out steps: {name}, {part} of {parts}", math.nan)
+
+
+def held_out(fit: RateStateFit, told: Callable[[int, int], object] | None = None) -> Array:
     """Return what fits leave that have not seen it: each velocity step is held out in turn.
 
     The law runs over the whole record, as the load point was moved; what is held out is not
     compared. Of a record with a single step, parts with equally many samples are held out.
-
-    Parameters
-    ----------
-    fit : RateStateFit
-        The fit to the whole record, from which searches begin.
-
-    Returns
-    -------
-    array (n,)
-        Measured less predicted coefficient of each row of ``fit.problem``; NaN before the first of
-        several steps.
-
-    Raises
-    ------
-    ConvergenceError
-        If the rest cannot be predicted.
     """
     slider = fit.problem
     segments = slider.segments
     unseen = np.full(len(segments), np.nan)
     present = np.unique(segments).tolist()
-    for one in present[1:] if slider.by_steps else present:
+    held = present[1:] if slider.by_steps else present
+    for number, one in enumerate(held, 1):
+        if told is not None:
+            told(number, len(held))
         rest = SubsetProblem(slider, [other for other in present if other != one], fit.best)
         end, _ = improve(rest, fit.best.values)
         rows = segments == one

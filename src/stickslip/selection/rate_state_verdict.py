@@ -17,8 +17,6 @@ from stickslip.selection.verdict import plain
 
 Array: TypeAlias = NDArray[np.float64]
 
-__all__ = ["OtherStep", "RateStateCandidate", "RateStateVerdict"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

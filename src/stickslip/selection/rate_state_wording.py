@@ -5,15 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.experiments import Checks
+from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import Scale, capital, joined, quantity, ratio, significant, span
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import RateStateFit
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate
 from stickslip.selection.verdict import Wording, score_text
 from stickslip.selection.wording import ONE_LAW, corrections
-
-__all__ = ["outcomes", "rate_state_wording", "score_of"]
 
 MOST = 3
 """Items of a list at most."""
@@ -40,22 +38,7 @@ def outcomes(
     *,
     recommended: bool,
 ) -> list[RateStateCandidate]:
-    """Add to each candidate, the closest first, what became of it.
-
-    Parameters
-    ----------
-    ordered : sequence of RateStateCandidate
-        All laws that were tried, the closest first.
-    rival : RateStateCandidate or None
-        The law that the record does not tell from the closest; None if there is none.
-    recommended : bool
-        Whether the closest is recommended.
-
-    Returns
-    -------
-    list of RateStateCandidate
-        The candidates in the same order, each with its outcome.
-    """
+    """Add to each candidate, the closest first, what became of it."""
     return [
         replace(one, outcome=_outcome(one, ordered[0], rival, recommended=recommended))
         for one in ordered
@@ -92,28 +75,7 @@ def rate_state_wording(
     fault: str,
     by_steps: bool,
 ) -> Wording:
-    """Put a selection on velocity steps into words.
-
-    Parameters
-    ----------
-    ordered : sequence of RateStateCandidate
-        All laws that were tried, the closest first, which was fitted.
-    rival : RateStateCandidate or None
-        The law that the record does not tell from the closest; None if there is none.
-    steps : sequence of OtherStep
-        Velocity steps at which the closest and its rival differ, the largest difference first.
-    checks : Checks
-        What is doubtful about the record.
-    fault : str
-        Why no law is recommended; empty if one is.
-    by_steps : bool
-        Whether whole velocity steps were held out; otherwise parts of a record with one step.
-
-    Returns
-    -------
-    Wording
-        The sentences, with symbols between dollar signs.
-    """
+    """Put a selection on velocity steps into words."""
     closest, fit = ordered[0], ordered[0].fit
     assert fit is not None
     return Wording(
@@ -230,8 +192,8 @@ def _cannot_tell(
         for e in fit.estimates
         if e.path in DISTANCES and e.reason
     ]
-    lines += [line for line in fit.sentences if "depends on the length of record" in line]
-    lines += [line for line in fit.sentences if "drifts by" in line]
+    lines += sentences_of(fit.findings, "length")
+    lines += sentences_of(fit.findings, "drift")
     if fit.over_scatter > STRUCTURE:
         lines.append(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"

@@ -22,8 +22,6 @@ from stickslip.selection.choice import NEAR, errs_more
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate
 
-__all__ = ["objection", "standard_uncertainty", "unexplained", "variation_of", "with_curve"]
-
 Array = NDArray[np.float64]
 
 STANDARD: Final = {"standard": 1.0, "rounding": 1.0 / math.sqrt(3.0), "interval": 0.5}
@@ -50,18 +48,6 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
     only where the law does not predict better than simpler ones (`shown`): that of one of several
     correlated parameters is wide though all of them are needed together.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        Fit of the law in question.
-    shown : bool
-        Whether the law predicts better than simpler ones.
-
-    Returns
-    -------
-    str
-        All reasons, separated by semicolons.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     seen = fit.optimum.best
@@ -107,18 +93,6 @@ def _ran(fit: RecordFit, estimate: Estimate) -> str:
 def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
     """Return the largest stated standard uncertainty of a quantity, 0 if none is stated.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        Records, perhaps with stated uncertainties.
-    quantity : str
-        Name of the quantity, such as ``"position"``.
-
-    Returns
-    -------
-    float
-        Standard uncertainty, in the unit of the quantity.
-
     Examples
     --------
     >>> read = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1], uncertainty={"friction": 0.1})
@@ -134,22 +108,7 @@ def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
 
 
 def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: float) -> str:
-    """Return in what a record contradicts even the law that is closest to it; empty if it does not.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        The closest law, with its fit and held-out errors.
-    variation : float
-        Of what is predicted, from `variation_of`.
-    uncertainty : float
-        Stated standard uncertainty of what is predicted, 0 if none is.
-
-    Returns
-    -------
-    str
-        The contradiction as a clause.
-    """
+    """Return in what a record contradicts even the closest law; empty if it does not."""
     share = candidate.score / variation if variation > 0.0 else 0.0
     assert candidate.fit is not None
     said = (
@@ -167,18 +126,6 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
 
     Positions about a straight line in each segment, the motion without any force. Friction about
     its mean, which is the sensor's offset; about 0 where it was measured in one direction only.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        Any law that was fitted to the record.
-    horizon : float
-        Length of the predicted segments [s].
-
-    Returns
-    -------
-    float
-        Root mean square, in the unit of what is predicted.
     """
     fit = candidate.fit
     assert fit is not None
@@ -201,18 +148,6 @@ def with_curve(candidate: RecordCandidate, *, uncertainty: float) -> RecordCandi
 
     The curve is no law: a Gaussian process over the logarithm of the speed, one for each direction.
     It shows whether a table has a shape that no candidate has.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        The law that is taken, with held-out errors.
-    uncertainty : float
-        Of what is compared, as stated, or of its rounding.
-
-    Returns
-    -------
-    RecordCandidate
-        The same; with `curve` where the law errs more by the rule of acceptance.
     """
     fit = candidate.fit
     if fit is None or candidate.validation is None or not interleaved(fit.problem.spans):

@@ -29,8 +29,6 @@ from stickslip.selection.cross_validation import (
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.verdict import plain, score_scale
 
-__all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "SecondRecord"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

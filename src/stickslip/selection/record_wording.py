@@ -40,17 +40,6 @@ from stickslip.selection.wording import (
     to_predict,
 )
 
-__all__ = [
-    "distinct",
-    "equals_of",
-    "error_text",
-    "first_of",
-    "outcomes",
-    "record_wording",
-    "restarts_text",
-    "route_text",
-]
-
 MOST = 3
 """Items of a list at most."""
 SEVERAL = 2.0
@@ -59,20 +48,6 @@ SEVERAL = 2.0
 
 def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     """Return a score of one law alone with its unit; angles if what was measured turns.
-
-    Parameters
-    ----------
-    value : float
-        Held-out error [SI].
-    quantity : str
-        Name of the quantity that is predicted, such as ``"position"``.
-    turning : bool
-        Whether it is of rotation: rad for m, N m for N.
-
-    Returns
-    -------
-    str
-        Number and unit.
 
     Examples
     --------
@@ -91,20 +66,6 @@ def _scale(candidates: Sequence[RecordCandidate], fit: RecordFit) -> Scale:
 def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
     """Return a score; one of several with the digits that tell it from them, seven at most.
 
-    Parameters
-    ----------
-    scale : Scale
-        Unit of all scores of the verdict.
-    among : sequence of float
-        Scores that must be told apart [SI].
-    value : float
-        The score to write [SI].
-
-    Returns
-    -------
-    str
-        Number and unit.
-
     Examples
     --------
     >>> [distinct(Scale(1e3, "mm"), (1.234e-3, 1.2341e-3), one) for one in (1.234e-3, 1.2341e-3)]
@@ -121,22 +82,7 @@ def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
 def outcomes(
     candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
 ) -> list[RecordCandidate]:
-    """Add to each candidate what became of it.
-
-    Parameters
-    ----------
-    candidates : sequence of RecordCandidate
-        All laws that were tried.
-    best : RecordCandidate
-        The law that the rule of choice takes.
-    recommended : bool
-        Whether it is recommended.
-
-    Returns
-    -------
-    list of RecordCandidate
-        Copies with an outcome in words, in the same order.
-    """
+    """Add to each candidate what became of it."""
     return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
 
 
@@ -168,18 +114,6 @@ def equals_of(
 
     Not those that are this law at their values, nor those with more parameters, an objection and no
     smaller error: with a part more that nothing asks for, any law predicts alike.
-
-    Parameters
-    ----------
-    best : RecordCandidate
-        The law that the rule of choice takes.
-    candidates : sequence of RecordCandidate
-        All laws tried.
-
-    Returns
-    -------
-    list of RecordCandidate
-        Those that are named beside it.
     """
     found = [
         c
@@ -206,38 +140,7 @@ def record_wording(
     trials: TrialComparison | None = None,
     shown: Scale | None = None,
 ) -> Wording:
-    """Put a selection on records into words.
-
-    Parameters
-    ----------
-    candidates : sequence of RecordCandidate
-        All laws tried, with their outcome.
-    best : RecordCandidate
-        The law that the rule of choice takes, recommended or not.
-    without : RecordCandidate, optional
-        No friction at all.
-    picks : mapping of str to str
-        What other criteria would pick.
-    checks : Checks
-        What was checked of the record.
-    experiments : sequence of Experiment
-        Proposed measurements, the most telling first.
-    scored : str
-        What held-out errors are of.
-    fault : str
-        Why no law explains the record; empty if one does.
-    on_second : SecondRecord, optional
-        What a second record says of the choice.
-    trials : TrialComparison, optional
-        Whether several trials share the best law.
-    shown : Scale, optional
-        What scores are shown in; their median chooses if not given.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection on records into words."""
     assert best.fit is not None
     equal = equals_of(best, candidates)
     scale = shown or _scale(candidates, best.fit)

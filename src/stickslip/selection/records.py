@@ -14,7 +14,7 @@ from stickslip.experiments import (
     with_doubts,
 )
 from stickslip.formatting import Scale, quantity
-from stickslip.friction import FrictionLaw
+from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
     FittedLaw,
@@ -39,7 +39,6 @@ from stickslip.selection.applicability import checked, one_way, unsuited_by
 from stickslip.selection.candidates import (
     LEFT_OUT,
     REFERENCE,
-    CandidateSpec,
     Watch,
     contains,
     control,
@@ -74,20 +73,6 @@ from stickslip.selection.record_verdict import (
     SecondRecord,
 )
 from stickslip.selection.record_wording import equals_of, outcomes, record_wording
-
-__all__ = [
-    "PURPOSES",
-    "PurposeName",
-    "select_records",
-    "unfitted",
-    "verdict_on",
-    "way_for",
-    "with_contained",
-    "with_objections",
-    "with_scores",
-    "without_spare",
-]
-
 
 LateForce: TypeAlias = Callable[[RecordCandidate, Sequence[RecordCandidate]], ModelError | None]
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
@@ -253,18 +238,6 @@ def _tried(
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
-    Parameters
-    ----------
-    purpose : str or None
-        What the law is for; None if nothing was said.
-    measurement : Measurement
-        The records.
-
-    Returns
-    -------
-    {"inverse-dynamics"} or None
-        Name of the route; None if the purpose asks for none.
-
     Examples
     --------
     >>> way_for("compensate", Measurement(time=[0.0, 1.0], position=[0.0, 1.0], force=[1.0, 1.0]))
@@ -335,20 +308,7 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
 
 
 def unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
-    """Return a candidate without a fit, kept with the reason.
-
-    Parameters
-    ----------
-    one : CandidateSpec
-        The candidate.
-    reason : str
-        Why it has none.
-
-    Returns
-    -------
-    RecordCandidate
-        The candidate, dropped.
-    """
+    """Return a candidate without a fit, kept with the reason."""
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
     )
@@ -420,18 +380,7 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
 
 
 def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
-    """Return a law without slopes that went to 0, and what is left to fit; None if none did.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit, whose search was not ended early.
-
-    Returns
-    -------
-    (FrictionLaw, tuple of str) or None
-        The law, and paths of its parameters that are fitted.
-    """
+    """Return a law without slopes that went to 0, and what is left to fit; None if none did."""
     fields = type(fit.law).__dataclass_fields__
     spare = [
         f"friction.{name}"
@@ -456,22 +405,7 @@ def _judged(
 def with_scores(
     candidate: RecordCandidate, plan: Plan, validate: Measurement | None
 ) -> RecordCandidate:
-    """Add held-out errors; a candidate without them says why.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        A law with its fit, if there is one.
-    plan : Plan
-        Blocks, gap and horizon.
-    validate : Measurement or None
-        A second record, which no fit has seen.
-
-    Returns
-    -------
-    RecordCandidate
-        The candidate with its errors on held-out blocks and on the second record.
-    """
+    """Add held-out errors; a candidate without them says why."""
     if candidate.fit is None or candidate.dropped:
         return candidate
     if candidate.fit.optimum.hopeless:
@@ -554,20 +488,7 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
 def with_contained(
     judged: Sequence[RecordCandidate], chosen: Sequence[CandidateSpec]
 ) -> list[RecordCandidate]:
-    """Add to each candidate which of the others its law contains.
-
-    Parameters
-    ----------
-    judged : sequence of RecordCandidate
-        The candidates.
-    chosen : sequence of CandidateSpec
-        Their laws, and what is fitted of them.
-
-    Returns
-    -------
-    list of RecordCandidate
-        Copies that name the candidates which they contain.
-    """
+    """Add to each candidate which of the others its law contains."""
     simpler = {
         rich.name: {
             one.name: one.law if isinstance(one.law, type) else type(one.law)
@@ -594,40 +515,7 @@ def verdict_on(
     shown: Scale | None = None,
     late: LateForce | None = None,
 ) -> RecordVerdict:
-    """Return the verdict on candidates that were judged.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The records.
-    judged : sequence of RecordCandidate
-        Laws with held-out errors and objections.
-    without : RecordCandidate or None
-        No friction at all, judged alike.
-    plan : Plan
-        Blocks, gap and horizon of the held-out errors.
-    purpose : str
-        What the law is for.
-    checks : Checks
-        What was checked of the records.
-    validate : Measurement or None
-        A second record, which no fit has seen.
-    fault : str
-        Why no law can be recommended, if that is known before.
-    material : float
-        Share of the residual that laws of their own must take off for trials to count as different.
-    shown : Scale, optional
-        What scores are shown in; their median chooses if not given.
-    late : callable, optional
-        Returns whether a late force channel explains the record as well as a candidate does.
-
-    Returns
-    -------
-    RecordVerdict
-        The law that is named, or what comes closest.
-    """
+    """Return the verdict on candidates that were judged."""
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)

@@ -13,8 +13,6 @@ from stickslip.quantities import parameters
 from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.lab_sheet import Plan, Telling
 
-__all__ = ["SheetRow", "SheetTable", "known_by", "tables_of"]
-
 BLOCK = 6
 """Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
 
@@ -55,17 +53,6 @@ class SheetTable:
 
 def tables_of(plan: Plan) -> tuple[SheetTable, ...]:
     """Return the tables of a plan in the order in which they are read.
-
-    Parameters
-    ----------
-    plan : Plan
-        What `stickslip.plan` gave.
-
-    Returns
-    -------
-    tuple of SheetTable
-        What to measure before the runs, the settings with the predicted travels (one table for each
-        six of them), which laws they tell apart, and what they tell of each law.
 
     Examples
     --------

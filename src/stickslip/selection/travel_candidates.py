@@ -1,7 +1,7 @@
 """One law tried on the trials: as given, as fitted, and predicting each trial from the others."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
@@ -11,9 +11,12 @@ from stickslip.identification import (
     TravelModel,
     Trial,
     check_rest,
+    doubling_slope,
     fit_trials,
+    nuisances_of,
     payable,
     required_of,
+    spanning,
     starting_points,
 )
 from stickslip.quantities import fields_of, parameters, vary
@@ -24,10 +27,12 @@ from stickslip.selection.travel_verdict import TravelCandidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["try_law", "with_held_out"]
-
 CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
+PART = 0.5
+"""The same for a slope with speed that was taken to be 0, over that which doubles friction."""
+SCANNED = 2
+"""Parameters of a law that is scanned beside the fits of simpler ones, at most."""
 
 
 def try_law(
@@ -38,50 +43,38 @@ def try_law(
     t_end: float,
     ordinary: bool,
     simpler: Sequence[TravelCandidate] = (),
+    marked: Collection[str] = (),
     free: Sequence[str] | None = None,
     watch: Watch | None = None,
 ) -> TravelCandidate:
     """Fit one law; a law that cannot be fitted or run is kept with the reason.
 
-    Parameters
-    ----------
-    name : str
-        Key of the candidate.
-    law : FrictionLaw
-        Start values, and the values of what is not fitted.
-    trials : sequence of Trial
-        The readings.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    ordinary : bool
-        Whether nobody gave the values of the law.
-    simpler : sequence of TravelCandidate
-        Laws that were fitted before: a law that contains one also starts from its fit, and so
-        never leaves more than it.
-    free : sequence of str, optional
-        Paths of the parameters to fit, if not those that trials pay for.
-    watch : callable, optional
-        Called with the name and the number of runs so far.
-
-    Returns
-    -------
-    TravelCandidate
-        The candidate with its fit, or with the reason why it was dropped.
+    Several settings are fitted with all plausible values of what nobody measured, gave or fits, so
+    that none of them counts as known: what it leaves, and its intervals, are those of the law.
     """
     report = None if watch is None else (lambda runs: watch(name, runs))
     _, given = _seen(trials[0], law, t_end)
     candidate = TravelCandidate(
         name=name, title=law.title, law=law, given=given, fit=None, run=None, criteria=None,
-        ordinary=ordinary,
+        ordinary=ordinary, marked=tuple(marked),
     )  # fmt: skip
     names = payable(law, trials) if free is None else free
-    needed = [f"friction.{one}" for one in required_of(type(law))] if ordinary else []
-    invented = tuple(path.rpartition(".")[2] for path in needed if path not in names)
-    if invented and simpler:
-        law = _scaled(law, invented, simpler)
+    several = len({trial.setting for trial in trials}) > 1
+    known = () if ordinary else [name for name in fields_of(type(law)) if getattr(law, name)]
+    unknown = nuisances_of(type(law), names, known) if several else []
+    needed = [f"friction.{one}" for one in required_of(type(law)) if f"friction.{one}" not in names]
+    invented = tuple(path.rpartition(".")[2] for path in (unknown or needed) if ordinary)
+
+    def fitted(nuisances: Sequence[str]) -> TravelFit:
+        starts = _starts(law, names, nuisances, trials, simpler, t_end)
+        return fit_trials(
+            law, trials, free=names, starts=starts, nuisances=nuisances, t_end=t_end, watch=report
+        )
+
     try:
-        starts = _starts(law, names, trials, simpler, t_end, scanned=not (invented and simpler))
-        fit = fit_trials(law, trials, free=names, starts=starts, t_end=t_end, watch=report)
+        fit = fitted(unknown)
+        if unknown and not ordinary:  # the values are as given; what they are not, intervals hold
+            fit = _within(fitted([]), fit)
         check_rest(fit, t_end)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
     except (ConvergenceError, SimulationError) as reason:
@@ -98,76 +91,69 @@ def try_law(
     )
 
 
+def _within(fit: TravelFit, wide: TravelFit) -> TravelFit:
+    """Return a fit with intervals that hold those of a fit with nuisances too."""
+    pairs = zip(fit.estimates, wide.estimates, strict=True)
+    found = [
+        spanning(one, [part for e in (one, other) for part in e.pieces or ((e.low, e.high),)])
+        for one, other in pairs
+    ]
+    return dataclasses.replace(fit, estimates=tuple(found))
+
+
 def _starts(
     law: FrictionLaw,
     names: Sequence[str],
+    nuisances: Sequence[str],
     trials: Sequence[Trial],
     simpler: Sequence[TravelCandidate],
     t_end: float,
-    *,
-    scanned: bool,
 ) -> list[Start] | None:
-    """Return where searches on several trials begin: at simpler laws' fits, and where scans lead.
+    """Return where searches on several trials begin, the richest first: at simpler laws' fits.
 
-    A law with invented values is only shown beside the others: it begins at the richest fit.
+    A law of few parameters is scanned too, and one without a simpler law.
     """
     if len(trials) < 2:
         return None
     found: list[Start] = []
-    for other in simpler:
-        values = {e.path: e.value for e in other.fit.estimates} if other.fit else {}
-        if values and set(values) <= set(names):
-            found.append([values.get(path, _absent(law, path)) for path in names])
-    if found and not scanned:
-        return found[-1:]
-    return [*found, *starting_points(TravelModel(law, names, t_end), trials)]
+    every = [*names, *nuisances]
+    for other in reversed(simpler):
+        if other.fit is None or other.dropped:
+            continue
+        fitted = [e.path for e in other.fit.estimates]
+        if not set(fitted) <= set(every):
+            continue
+        fields = fields_of(type(other.law))
+        for values in (None, *((v,) for v in other.fit.others), *other.fit.rivals):
+            own = other.fit.law
+            if values is not None:
+                own = vary(own, "friction", dict(zip(fitted, values, strict=True)))
+            row: dict[str, float] = {}
+            for path in every:
+                last = path.rpartition(".")[2]
+                value = getattr(own, last) if last in fields else None
+                row[path] = _absent(law, path, row) if value is None else float(value)
+            found.append([row[path] for path in every])
+    if not found:
+        return None
+    if not nuisances and len(names) <= SCANNED and not law.states:
+        found += starting_points(TravelModel(law, names, t_end), trials)
+    return found
 
 
-def _scaled(
-    law: FrictionLaw, invented: Sequence[str], simpler: Sequence[TravelCandidate]
-) -> FrictionLaw:
-    """Return a law whose ordinary level at rest is as far above sliding as it is by default."""
-    fitted = {e.path: e.value for c in reversed(simpler) if c.fit for e in c.fit.estimates}
-    quantities = fields_of(type(law))
-    changes: dict[str, float] = {}
-    for name in invented:
-        base = quantities[name].at_least
-        level = fitted.get(f"friction.{base}", 0.0)
-        if base is not None and level > 0.0:
-            over = getattr(law, name) / getattr(law, base)
-            changes |= {f"friction.{base}": level, f"friction.{name}": over * level}
-    return vary(law, "friction", changes)
-
-
-def _absent(law: FrictionLaw, path: str) -> float:
+def _absent(law: FrictionLaw, path: str, row: Mapping[str, float]) -> float:
     """Return the value of a parameter with which a law is nearest to one without it."""
     name = path.rpartition(".")[2]
     quantity = fields_of(type(law))[name]
-    stiff = quantity.above is not None or quantity.at_least is not None
-    return float(getattr(law, name)) if stiff else 0.0
+    if quantity.at_least is not None:
+        return row.get(f"friction.{quantity.at_least}", float(getattr(law, name)))
+    return 0.0 if quantity.above is None else float(getattr(law, name))
 
 
 def with_held_out(
     candidate: TravelCandidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
 ) -> TravelCandidate:
-    """Return a candidate with its held-out errors; the same where trials repeat one setting.
-
-    Parameters
-    ----------
-    candidate : TravelCandidate
-        The law with its fit, if it has one.
-    trials : sequence of Trial
-        The readings.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the name of the law and its number of runs so far.
-
-    Returns
-    -------
-    TravelCandidate
-        A copy with errors [m] and their root mean square, or with the reason why a fit failed.
-    """
+    """Return a candidate with its held-out errors; the same where trials repeat one setting."""
     if candidate.fit is None or len({trial.setting for trial in trials}) < 2:
         return candidate
     report = None if watch is None else (lambda runs: watch(candidate.name, runs))
@@ -199,14 +185,21 @@ def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:
 def _influence(
     fit: TravelFit, trial: Trial, assumed: Sequence[str], t_end: float
 ) -> Mapping[str, float]:
-    """Return how far each given parameter moves the travel [m], changed by half."""
+    """Return how far each given parameter moves the travel [m], changed by half.
+
+    A slope that is 0 is raised to half of what doubles friction at the largest speed.
+    """
     found = {}
+    quantities = fields_of(type(fit.law))
     for name in assumed:
         value = float(getattr(fit.law, name))
-        moved = [0.0]
-        for factor in CHANGES:
+        moved, values = [0.0], [value * factor for factor in CHANGES]
+        if value == 0.0 and quantities[name].scale == "slope":
+            model = TravelModel(fit.law, [e.path for e in fit.estimates], t_end)
+            values = [PART * doubling_slope(model, [trial], [e.value for e in fit.estimates])]
+        for other in values:
             try:
-                changed = vary(fit.law, "friction", {f"friction.{name}": value * factor})
+                changed = vary(fit.law, "friction", {f"friction.{name}": other})
                 travel = TravelModel(changed, (), t_end).travel(trial, ())
             except (ParameterError, SimulationError):
                 continue

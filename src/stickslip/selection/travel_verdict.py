@@ -20,8 +20,6 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
-__all__ = ["TravelCandidate", "TravelVerdict", "misfit"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -173,12 +171,6 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
 
 def misfit(candidate: TravelCandidate) -> float:
-    """Return the root mean square of the residuals of a fit [m].
-
-    Parameters
-    ----------
-    candidate : TravelCandidate
-        A candidate with a fit.
-    """
+    """Return the root mean square of the residuals of a fit [m]."""
     residuals = candidate.fit.residuals if candidate.fit else ()
     return math.sqrt(sum(r * r for r in residuals) / max(len(residuals), 1))

@@ -27,8 +27,6 @@ from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
 from stickslip.selection.wording import UNMEASURED, held_out_text, not_distinguished
 
-__all__ = ["estimate_text", "wording"]
-
 ADVICE = {
     "static_coefficient": (
         "Pull slowly until the block moves: the force at break-away is $mu_s$ times the load."
@@ -68,28 +66,7 @@ def wording(
     *,
     ranked: bool,
 ) -> Wording:
-    """Put a selection into words.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The readings.
-    candidates : sequence of TravelCandidate
-        All laws that were tried.
-    best : TravelCandidate or None
-        The law that is named or closest; None if no law fits.
-    proposal : Proposal or None
-        Settings that would tell laws apart; None if there are none.
-    against : Contradiction or None
-        Why no law explains the readings; None if one does.
-    ranked : bool
-        Whether held-out errors rank the laws.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection into words."""
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:
@@ -114,6 +91,45 @@ def wording(
         ),
         no_score="" if against else _no_score(trials, ranked=ranked),
     )
+
+
+def undecided(
+    trials: Sequence[Trial],
+    candidates: Sequence[TravelCandidate],
+    closest: TravelCandidate | None,
+    explaining: Sequence[TravelCandidate],
+) -> Wording:
+    """Say that only laws with values that the readings do not determine explain them."""
+    simplest = min(explaining, key=lambda c: c.parameters)
+    settings = len({trial.setting for trial in trials})
+    names = {name for c in explaining for name in c.invented}
+    titles = joined([c.title for c in explaining])
+    explain = "explains" if len(explaining) == 1 else "explain"
+    lede = (
+        f"{titles} friction {explain} them, with values of {_symbols(explaining, names)} that"
+        f" {count(settings, 'setting')} cannot determine."
+    )
+    if closest is not None:
+        lede += f" {_with_estimates(closest, doubts(closest))} does not: {_left(closest)}."
+    return Wording(
+        verdict="These readings cannot tell which friction law holds.",
+        lede=lede,
+        settles=(),
+        cannot_tell=tuple(_given_lines(candidates, max(t.half_width for t in trials)))[:3]
+        or (UNMEASURED,),
+        measure_next=(
+            f"Measure at {simplest.parameters + 1} settings or more: {simplest.title} friction has"
+            f" {count(simplest.parameters, 'parameter')} to fit.",
+            *(advice for name, advice in ADVICE.items() if name in names),
+        )[:3],
+        no_score="",
+    )
+
+
+def _left(candidate: TravelCandidate) -> str:
+    """Return what a law leaves of the readings, in words."""
+    left = quantity(misfit(candidate), "m", 2)
+    return f"it leaves {left} (root mean square)"
 
 
 def estimate_text(estimate: Estimate) -> str:
@@ -220,12 +236,8 @@ def _fit_quality(best: TravelCandidate) -> str:
 
 
 def _remarks(explained: Sequence[TravelCandidate], best: TravelCandidate) -> str:
-    """Say of the closest law that is passed over why it is, and of the best what is invented."""
+    """Say of the closest law that is passed over why it is."""
     said = ""
-    if best.invented:
-        names = _symbols([best], set(best.invented))
-        verb = "was" if len(best.invented) == 1 else "were"
-        said = f" {names} {verb} neither measured, given nor fitted: a typical value was assumed."
     travels = best.fit.measured if best.fit else ()
     seen = LEAST_ERROR * max(map(abs, travels), default=0.0)
     closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best) - seen]

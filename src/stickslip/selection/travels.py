@@ -22,7 +22,13 @@ from stickslip.identification import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-from stickslip.selection.admissibility import chosen, mark_passed_over
+from stickslip.selection.admissibility import (
+    LEVEL,
+    chosen,
+    mark_passed_over,
+    reaching,
+    unsettling,
+)
 from stickslip.selection.candidates import Watch, check_any, check_apart
 from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
 from stickslip.selection.design.discriminating_settings import (
@@ -34,9 +40,7 @@ from stickslip.selection.design.discriminating_settings import (
 from stickslip.selection.given_levels import refuted_by_travels
 from stickslip.selection.travel_candidates import try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
-from stickslip.selection.travel_wording import wording
-
-__all__ = ["select_travels"]
+from stickslip.selection.travel_wording import undecided, wording
 
 PLAIN = tuple(name for name, one in listed().items() if not one.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
@@ -58,38 +62,6 @@ def select_travels(
     progress: Watch | None = None,
 ) -> TravelVerdict:
     """Fit every law to measured travels, compare them, and say what the data cannot tell.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    laws : mapping or sequence, or None
-        The candidates; instances bring start values and assumptions, types and names take ordinary
-        ones. None and an empty mapping stand for Coulomb, viscous, both, Stribeck, Dahl and LuGre.
-        Parameters that a type cannot do without, and that are not fitted, count as invented.
-    measurement : Measurement
-        One travel or several trials.
-    vary : str or sequence of str, optional
-        ``"friction.*"``, as travels cannot tell parameters of the mechanism from friction.
-    fixed : mapping of str to float, optional
-        Values of parameters of the mechanism that are held.
-    assumed : mapping of str to sequence of str, optional
-        By name of the law, parameters whose values were assumed, not measured. They are fitted
-        where no law explains the travels and there are more settings than fitted parameters.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    progress : callable, optional
-        Called with the name of a law and the number of its runs so far.
-
-    Returns
-    -------
-    TravelVerdict
-        Candidates, the law to use, what the data settle and what they cannot tell.
-
-    Raises
-    ------
-    InputError
-        If there is no law to try or the measurement has no travel.
 
     Examples
     --------
@@ -117,31 +89,41 @@ def select_travels(
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
     compile_for(trials, named.values())
+    marks = assumed or {}
     candidates: list[TravelCandidate] = []
     for name in sorted(named, key=lambda one: len(required_of(type(named[one])))):
         law, usual = named[name], name in ordinary
-        candidates.append(
-            try_law(
-                name, law, trials, t_end=t_end, ordinary=usual, simpler=candidates, watch=progress
-            )
+        found = try_law(
+            name,
+            law,
+            trials,
+            t_end=t_end,
+            ordinary=usual,
+            simpler=candidates,
+            marked=marks.get(name, ()),
+            watch=progress,
         )
+        candidates.append(found)
     candidates.sort(key=lambda c: list(named).index(c.name))
-    marks = assumed or {}
-    candidates = [replace(c, marked=tuple(marks.get(c.name, ()))) for c in candidates]
     if scored:
         candidates = _freed(candidates, trials, t_end, progress)
     candidates = [_refuted(c, trials, t_end) for c in candidates]
-    candidates, best, against = (
+    candidates, best, against, open_ = (
         _ranked(candidates, trials, t_end, progress)
         if scored
-        else (candidates, _plainest(candidates), _repeats_of(candidates, trials))
+        else (candidates, _plainest(candidates), _repeats_of(candidates, trials), [])
     )
-    if against is not None:
+    closest = best
+    if against is not None or open_:
         best = None
     fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
     predictions = separations(mechanism, fitted, t_end=t_end, trials=trials)
     proposal = None if best is None else _proposal(trials, candidates, best, predictions)
-    words = wording(trials, candidates, best, proposal, against, ranked=scored)
+    words = (
+        undecided(trials, candidates, closest, open_)
+        if open_
+        else wording(trials, candidates, best, proposal, against, ranked=scored)
+    )
     return TravelVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -214,21 +196,24 @@ def _freed(
     are more settings than parameters.
     """
     best = chosen(candidates)
-    if best is not None and best.fit is not None and not _leaves_much(best.fit):
+    enough = best is not None and best.fit is not None and not _leaves_much(best.fit)
+    wanted = unsettling(candidates, best, LEVEL)
+    if enough and not wanted:
         return list(candidates)
     settings = len({trial.setting for trial in trials})
     simpler = [other for other in candidates if not other.invented]
     found = []
     for c in candidates:
         free = _to_free(c, settings)
-        if free and c.fit is not None:
+        # what was invented has been looked for already: a law that explains no more stays as it is
+        if free and c.fit is not None and (c in wanted or not c.invented):
             others = [other for other in simpler if other is not c]
             freed = try_law(
-                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=others,
-                free=free, watch=watch,
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=[*others, c],
+                marked=c.marked, free=free, watch=watch,
             )  # fmt: skip
             better = not freed.dropped and (c.invented or misfit(freed) < WORTH * misfit(c))
-            found.append(replace(freed, marked=c.marked) if better else c)
+            found.append(freed if better else c)
         else:
             found.append(c)
     return found
@@ -258,7 +243,13 @@ def _to_free(candidate: TravelCandidate, settings: int) -> list[str]:
     Of assumed values those come first that move the travel most.
     """
     if candidate.invented:
-        paths = [f"friction.{name}" for name in required_of(type(candidate.law))]
+        needed = [*required_of(type(candidate.law)), *candidate.invented]
+        paths = [f"friction.{name}" for name in dict.fromkeys(needed)]
+        paths += (
+            [e.path for e in candidate.fit.estimates if e.path not in paths]
+            if (candidate.fit and len(paths) + 1 < settings)
+            else []
+        )
         return paths if len(paths) < settings else []
     moving = [name for name in candidate.marked if candidate.influence.get(name, 0.0) > 0.0]
     if not moving or candidate.fit is None:
@@ -281,19 +272,20 @@ def _ranked(
     trials: Sequence[Trial],
     t_end: float,
     watch: Watch | None,
-) -> tuple[list[TravelCandidate], TravelCandidate | None, Contradiction | None]:
+) -> tuple[
+    list[TravelCandidate], TravelCandidate | None, Contradiction | None, list[TravelCandidate]
+]:
     """Choose, order the others by held-out error, and return what speaks against the choice.
 
-    Laws with invented parameters are not scored, unless there is no other.
+    That is a contradiction, or laws that explain more, with invented parameters. Those are not
+    scored.
     """
-    plain = any(c.fit is not None and not c.invented for c in candidates)
     scored = [
-        c if plain and c.invented else with_held_out(c, trials, t_end=t_end, watch=watch)
-        for c in candidates
+        c if c.invented else with_held_out(c, trials, t_end=t_end, watch=watch) for c in candidates
     ]
     best = chosen(scored)
     if best is None:
-        return scored, None, None
+        return scored, None, None, unsettling(scored, None)
     against = contradiction(trials, best, scored)
     if against is not None:
         # a law that explains the readings alone explains them beside others too
@@ -301,13 +293,18 @@ def _ranked(
         explaining = [c for c in tested if contradiction(trials, c, [c]) is None]
         if better := chosen(explaining):
             best, against = better, None
+    if open_ := unsettling(scored, best):
+        return scored, best, None, open_
     if against is None:
         marked = mark_passed_over(scored, best)
+        ties = [c for c in marked if c is not best and not c.distinguished]
+        whole = reaching(best, ties)
+        marked, best = [whole if c is best else c for c in marked], whole
     else:  # where no law is named, none is passed over for it
         marked, best = scored, closest_of(scored) or best
     others = [c for c in marked if c is not best]
     others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))
-    return [best, *others], best, against
+    return [best, *others], best, against, []
 
 
 def _proposal(

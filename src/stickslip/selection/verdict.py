@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from stickslip.display import Drawing, Target
 
-__all__ = ["Candidate", "Verdict", "Wording", "plain", "score_scale", "score_text"]
-
 Fit_co = TypeVar("Fit_co", bound=Fit[Any], default=Fit[Any], covariant=True)
 
 
@@ -33,18 +31,6 @@ def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
     """Return the multiple of a unit in which the scores of a verdict are shown, on all its media.
 
     The median chooses: neither a law that fails nor one that is exact hides the others.
-
-    Parameters
-    ----------
-    scores : iterable of float or None
-        Held-out errors [SI]; None for laws without one.
-    unit : str
-        Their SI unit.
-
-    Returns
-    -------
-    Scale
-        Factor and unit, such as 1000 and mm.
 
     Examples
     --------
@@ -57,20 +43,6 @@ def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
 
 def score_text(scale: Scale, score: float | None, error: float | None = None) -> EstimateText:
     """Return a score and its standard error, without the unit; nothing for what is not known.
-
-    Parameters
-    ----------
-    scale : Scale
-        Unit of all scores of the verdict.
-    score : float or None
-        Held-out error [SI]; None if there is none.
-    error : float, optional
-        Its standard error [SI].
-
-    Returns
-    -------
-    EstimateText
-        Value and uncertainty.
 
     Examples
     --------

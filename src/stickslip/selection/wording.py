@@ -7,20 +7,6 @@ from stickslip.experiments import Checks
 from stickslip.formatting import Scale, joined, number, with_unit
 from stickslip.selection.verdict import score_text
 
-__all__ = [
-    "NOT_DISTINGUISHED",
-    "ONE_LAW",
-    "UNMEASURED",
-    "corrections",
-    "friction_of",
-    "held_out_text",
-    "in_sentence",
-    "longer",
-    "not_distinguished",
-    "on_second_record",
-    "to_predict",
-]
-
 MOST = 3
 """Laws named in a sentence at most."""
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
@@ -37,19 +23,6 @@ TOO_SHORT = "effective size"
 
 def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]:
     """Return what to correct in a record before anything else is measured, or what to measure.
-
-    Parameters
-    ----------
-    checks : Checks
-        Findings about the record.
-    but : collection of str
-        Kinds of findings that are answered otherwise.
-
-    Returns
-    -------
-    tuple of str
-        The first warning that a correction answers, else the first that a further measurement
-        answers, else nothing.
 
     Examples
     --------
@@ -131,20 +104,6 @@ def friction_of(title: str) -> str:
 def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -> str:
     """Return the clause that laws are as good as the chosen one, `most` of them by name.
 
-    Parameters
-    ----------
-    titles : sequence of str
-        Titles of these laws.
-    source : str
-        What was measured, in the plural if it ends in s, such as ``"these readings"``.
-    most : int
-        Laws to name; if there are more, the rest is counted.
-
-    Returns
-    -------
-    str
-        The clause, without a full stop.
-
     Examples
     --------
     >>> not_distinguished(["Stribeck", "Viscous"], "this record")
@@ -162,20 +121,6 @@ def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -
 def held_out_text(scale: Scale, score: float | None, error: float | None, scored: str) -> str:
     """Return the sentence of a held-out error, with its standard error and what it is of.
 
-    Parameters
-    ----------
-    scale : Scale
-        Multiple of the unit to show it in.
-    score, error : float
-        Held-out error and its standard error.
-    scored : str
-        What was predicted, and how errors were averaged.
-
-    Returns
-    -------
-    str
-        The sentence.
-
     Examples
     --------
     >>> held_out_text(Scale(1e3, "mm"), 0.00060, 0.00007, "8 blocks, root mean square")
@@ -187,18 +132,6 @@ def held_out_text(scale: Scale, score: float | None, error: float | None, scored
 
 def to_predict(name: str, doubt: str) -> str:
     """Return the verdict on a law that predicts, although some of its parameters are open.
-
-    Parameters
-    ----------
-    name : str
-        Friction of the law.
-    doubt : str
-        Which parameters, and why.
-
-    Returns
-    -------
-    str
-        The sentence.
 
     Examples
     --------

@@ -16,8 +16,6 @@ from stickslip.kernels.header import Sizes
 from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE, STATUS
 from stickslip.solver.compile.modules import is_loaded, load, load_compiled
 
-__all__ = ["Runner", "runner_of"]
-
 
 @dataclass(frozen=True)
 class Runner:
@@ -76,36 +74,14 @@ class Runner:
         return np.array(values, dtype=np.int64) if self.compiled else values
 
     def working(self, numbers: Sequence[float]) -> Any:
-        """Return the vector of a run, with the parameters in it.
-
-        Parameters
-        ----------
-        numbers : sequence of float
-            Parameters in the order of the model [SI].
-
-        Returns
-        -------
-        array or list (SIZE,)
-            The vector, laid out as in `kernels.state_layout`; all else is 0.
-        """
+        """Return the vector of a run, with the parameters in it."""
         w = self.zeros(self.header[SIZE])
         for place, number in zip(self.places, numbers, strict=True):
             w[place] = number
         return self._addressed(w)
 
     def taken_over(self, w: Sequence[Any]) -> Any:
-        """Return the vector of a run that the other tier has begun.
-
-        Parameters
-        ----------
-        w : sequence (SIZE,)
-            The vector; it is left as it is.
-
-        Returns
-        -------
-        array or list (SIZE,)
-            A copy that this tier can go on with.
-        """
+        """Return the vector of a run that the other tier has begun."""
         numbers = list(w)
         numbers[ADDRESS] = numbers[SEVERAL] = 0.0
         return self._addressed(self.vector(numbers))
@@ -123,32 +99,7 @@ class Runner:
         log: Any,
         events: Any,
     ) -> tuple[Any, Any]:
-        """Run on to a time, as `kernels.driver.run` does, with as much room as it takes.
-
-        Parameters
-        ----------
-        w : array or list (SIZE,)
-            Vector of the run.
-        whole : array or list (WHOLES,)
-            Whole numbers of the run.
-        table, bounds : array or list
-            Rows of the pieces of the drives, and least and largest values of the drives.
-        t_end : float
-            End of the run [s].
-        rtol : float
-            Relative tolerance.
-        cap : float
-            Longest step [s].
-        limit : int
-            Most steps.
-        log, events : array or list
-            Rows of steps and of events.
-
-        Returns
-        -------
-        log, events : array or list
-            The same, or longer vectors that begin with the same rows.
-        """
+        """Run on to a time, as `kernels.driver.run` does, with as much room as it takes."""
         while True:
             log, events = self.with_room(whole, log, events)
             self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
@@ -156,20 +107,7 @@ class Runner:
                 return log, events
 
     def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
-        """Return rows of steps and of events with room for a further step.
-
-        Parameters
-        ----------
-        whole : array or list (WHOLES,)
-            Whole numbers of the run.
-        log, events : array or list
-            Rows of steps and of events.
-
-        Returns
-        -------
-        log, events : array or list
-            The same, or vectors of twice the length that begin with the same rows.
-        """
+        """Return rows of steps and of events with room for a further step."""
         while log_is_full(whole, log):
             log = self._longer(log)
         while events_are_full(whole, events):
@@ -200,20 +138,7 @@ def _beginning(header: tuple[int, ...]) -> NDArray[np.int64]:
 
 
 def runner_of(model: Model, *, compiled: bool) -> Runner:
-    """Return the runner of a tier; the compiled one compiles what is not there yet.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    compiled : bool
-        Whether to take machine code, or else plain Python.
-
-    Returns
-    -------
-    Runner
-        What calls the kernels.
-    """
+    """Return the runner of a tier; the compiled one compiles what is not there yet."""
     tier = load_compiled(model) if compiled else load(model)
     return Runner(
         tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places, model

@@ -9,8 +9,6 @@ from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.quantities import Parametrised, parameters, turned
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Solver", "column_units", "name_of_only_contact", "path_units"]
-
 KINDS = {"friction": "N", "mode": "1"}
 """Units of columns of a contact that slips along a line; others are bristles [m]."""
 
@@ -55,18 +53,6 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
     """Return the unit of each column of a trajectory.
 
     Friction of a contact that slips along an angle is a torque, and its bristles are angles.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : sequence of str
-        Names of bristle states, friction, loads and modes.
-
-    Returns
-    -------
-    dict of str to str
-        SI unit by column.
     """
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     units |= {
@@ -87,20 +73,6 @@ def path_units(
     mechanism: Mechanism, law: FrictionLaw | Laws, bristles: Sequence[str] = ()
 ) -> dict[str, str]:
     """Return the unit of each initial state and parameter.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    bristles : sequence of str
-        Names of bristle states.
-
-    Returns
-    -------
-    dict of str to str
-        SI unit by full path, ``"1"`` where it has none.
 
     Examples
     --------

@@ -9,7 +9,8 @@ from typing import Annotated, ClassVar, NamedTuple, Self, final
 from typing_extensions import override
 
 from stickslip.drives import Drive, Profile
-from stickslip.errors import InputError
+from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import quantity
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
@@ -24,9 +25,6 @@ from stickslip.quantities import Parametrised, Quantity
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-__all__ = ["BlockDiagram", "Diagram", "Lead", "SoftConstraint", "leads_of", "limits_of"]
-
-
 FRICTION = -3
 """Place of the friction force in a sample of one contact."""
 NORMAL = -2
@@ -38,6 +36,16 @@ STAND_IN = Coulomb(kinetic_coefficient=0.0)
 def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Return what ends runs of a mechanism."""
     return formulate(mechanism, STAND_IN).limits
+
+
+def check_within(margins: Mapping[str, float], t: float) -> None:
+    """Refuse to step on where a law has no meaning, as with a factor with which friction drives."""
+    for name, margin in margins.items():
+        if not margin >= 0.0:
+            raise SimulationError(
+                f"at t = {quantity(t, 's', 6)}, {name}, where fixed steps do not end a run: use"
+                " EventDriven(), or a law whose factors stay above that."
+            )
 
 
 @final
@@ -114,60 +122,15 @@ class BlockDiagram(ABC):
 
     @abstractmethod
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
-        """Whether contacts can hold their coordinates, by the rules of their laws.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : sequence of bool (m,)
-            Coordinates that are to be held.
-
-        Returns
-        -------
-        tuple of bool (m,)
-            Those of them for which the needed friction is within the break-away level.
-        """
+        """Whether contacts can hold their coordinates, by the rules of their laws."""
 
     @abstractmethod
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        """Return the time derivatives of the state.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : sequence of bool (m,)
-            Whether contacts stick: no slip acceleration then, and bristles stay as they are.
-
-        Returns
-        -------
-        list of float (n,)
-            Rates of coordinates, of rates and of bristles.
-        """
+        """Return the time derivatives of the state."""
 
     @abstractmethod
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        """Return time and columns.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : sequence of bool (m,)
-            Whether contacts stick.
-
-        Returns
-        -------
-        list of float (1 + columns,)
-            A row of a trajectory; a mode is the sign of the slip velocity, 0 while held.
-        """
+        """Return time and columns."""
 
     @abstractmethod
     def lifts(self, row: Sequence[float]) -> bool:
@@ -177,54 +140,16 @@ class BlockDiagram(ABC):
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
-        """Return the energy of a state and what changes it.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : sequence of bool (m,)
-            Whether contacts stick.
-        row : sequence of float
-            The sample at this state.
-
-        Returns
-        -------
-        tuple of float (2 + contacts,)
-            Kinetic and potential energy [J], power supplied, and power taken by the friction of
-            each contact [W].
-        """
+        """Return the energy of a state and what changes it."""
 
     def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
-        """Turn latched switches at the end of a step, within which they stay as they are.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        """
+        """Turn latched switches at the end of a step, within which they stay as they are."""
 
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
 
         Steps would add up what each misses of a phase that ends within it, and the guided
         coordinate would stray: in a block diagram its motion is a source.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : list of float (n,)
-            State; may be written to.
-
-        Returns
-        -------
-        list of float (n,)
-            The state.
         """
         for place, rate, profile, ahead, faster in self.leads:
             position, speed = profile.at(t)
@@ -277,35 +202,7 @@ class Diagram(BlockDiagram):
         viscous: float = 0.0,
         step: float = 0.0,
     ) -> Self:
-        """Take the mechanism's own equations; any law serves to formulate them.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        law : FrictionLaw or PrintedForm
-            Friction of its contact.
-        t_end : float
-            Last time that drives are asked for [s].
-        y0 : sequence of float (n,)
-            State at time 0: coordinates, rates, bristles [SI].
-        soft : SoftConstraint, optional
-            How softly friction holds, where no rule for rest does.
-        viscous : float
-            Part of friction over velocity that a step takes with the velocity at its end [N s/m].
-        step : float
-            Such a step [s].
-
-        Returns
-        -------
-        type of the class
-            The diagram.
-
-        Raises
-        ------
-        InputError
-            If the mechanism has latched switches of its own.
-        """
+        """Take the mechanism's own equations; any law serves to formulate them."""
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         if model.latched:
@@ -379,6 +276,7 @@ class Diagram(BlockDiagram):
             (contact,) = self.mechanism.contacts()
             told = self.mechanism.contact_inputs(t, q, q_dot, drives)
             state.law = bound(law, of_contact(told, contact.name))
+            check_within({name: float(one) for name, one in state.law.limits().items()}, t)
         return state.law
 
     @cached_property
@@ -393,22 +291,7 @@ class Diagram(BlockDiagram):
         return y[self.slip], tuple(y[first : first + len(self.bristles)])
 
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
-        """Return friction and normal force; the normal force is that without friction.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : bool
-            Whether the contact sticks.
-
-        Returns
-        -------
-        (float, float)
-            Friction force and normal force [N].
-        """
+        """Return friction and normal force; the normal force is that without friction."""
         normal, needed = self._open(t, y)
         if held:
             return needed, normal
@@ -511,20 +394,7 @@ class Diagram(BlockDiagram):
 
 
 def leads_of(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
-    """Return the guided coordinates that a profile tells of, from where the run begins.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    y0 : sequence of float (n,)
-        State at time 0: coordinates, rates, bristles [SI].
-
-    Returns
-    -------
-    tuple of Lead
-        The coordinates with their profiles.
-    """
+    """Return the guided coordinates that a profile tells of, from where the run begins."""
     drives, n = mechanism.drives(), len(mechanism.coordinates)
     found = []
     for name, guide in mechanism.guided().items():

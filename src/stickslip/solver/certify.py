@@ -40,8 +40,6 @@ from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
 from stickslip.trajectory import Certificate
 
-__all__ = ["certify", "passes"]
-
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
@@ -63,20 +61,7 @@ def energy_limit_at(tolerance: float) -> float:
 
 
 def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
-    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more).
-
-    Parameters
-    ----------
-    evidence : array (n, 3 or more)
-        Energy error, guard violation and event residual of each run, then columns that are ignored.
-    tolerance : float
-        Relative tolerance of the runs.
-
-    Returns
-    -------
-    array (n,)
-        True where all three are within their limits; False where one is NaN.
-    """
+    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more)."""
     limits = np.array([energy_limit_at(tolerance), VIOLATION_LIMIT, RESIDUAL_LIMIT])
     return np.asarray((evidence[:, :3] <= limits).all(axis=1))
 
@@ -84,24 +69,7 @@ def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]
 def certify(
     playback: Playback, w: Sequence[float], whole: Sequence[int], tolerance: float
 ) -> Certificate:
-    """Check energy, guards, events and stick of a finished run.
-
-    Parameters
-    ----------
-    playback : Playback
-        The recorded run.
-    w : sequence of float (SIZE,)
-        Vector of the run at its end.
-    whole : sequence of int (WHOLES,)
-        Whole numbers of the run at its end.
-    tolerance : float
-        Relative tolerance of the run.
-
-    Returns
-    -------
-    Certificate
-        Evidence, margins of the limits, and what is wrong in words.
-    """
+    """Check energy, guards, events and stick of a finished run."""
     books = _books(playback, w)
     energy_error = books["energy_error"]
     violation, residual = float(w[VIOLATION]), float(w[RESIDUAL])
@@ -186,11 +154,12 @@ def _warning(name: str, share: float) -> str:
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
-    """Return energies and works, and their mismatch over the energies and all work done."""
-    start, end = _energies(playback, w)
+    """Return energies and works, and their mismatch over all energies and all work done."""
+    (start, still), (end, at_rest) = _energies(playback, w)
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
-    size = max(abs(start), abs(end), float(w[GROSS]))
+    # of what falls freely, the sum of both energies may be rounding alone
+    size = max(abs(start), abs(end), float(w[GROSS]), start - still, end - at_rest)
     mismatch = abs(end - start - supplied + taken + lost)
     return {
         "energy_error": mismatch / size if mismatch != 0 else 0.0,  # what is no number stays none
@@ -202,16 +171,19 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     }
 
 
-def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
-    """Return the energies at the start of the first row and at the end of the last."""
+def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
+    """Return the energies at the start of the first row and at the end of the last, and at rest."""
     rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
     states = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.asarray(w[y : y + n])
     equations = Equations(playback.model, playback.inputs)
+    coordinates = playback.runner.header[N_COORDINATES]
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         equations.load(int(row[5]))
-        (energy,) = equations("energy", 0, int(row[4]), t, state.tolist())
-        found.append(float(energy))
+        rest = state.copy()
+        rest[coordinates : 2 * coordinates] = 0.0
+        energies = [equations("energy", 0, int(row[4]), t, y.tolist())[0] for y in (state, rest)]
+        found.append([float(energy) for energy in energies])
     return found
 
 

@@ -23,8 +23,6 @@ from stickslip.solver.reducers import Output, asked, is_gradient
 from stickslip.solver.run import FIRST_ROWS
 from stickslip.solver.sensitivities import Directions, directions_of
 
-__all__ = ["Chunk", "Job", "run_chunks"]
-
 Array = NDArray[np.float64]
 MOST_ROWS = 4096
 """Runs in a chunk: some ten milliseconds of work, and memory that does not grow with the whole."""
@@ -79,22 +77,7 @@ class Chunk:
 
 
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
-    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
-
-    Parameters
-    ----------
-    job : Job
-        What all chunks have in common.
-    start : int
-        Index of the first row in the ensemble.
-    columns : mapping of str to array
-        What varies, an array (rows,) [SI] by full path.
-
-    Returns
-    -------
-    Chunk
-        Results, statuses, evidence and gradients of the rows.
-    """
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
     model = job.model()
     runner = _runner(job)
     vector = runner.flat
@@ -191,25 +174,7 @@ def run_chunks(
     executor: Executor | None,
     keep: Callable[[Chunk], bool],
 ) -> None:
-    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on.
-
-    Parameters
-    ----------
-    job : Job
-        What all chunks have in common.
-    columns : mapping of str to array
-        What varies, an array (count,) [SI] by full path.
-    executor : Executor or None
-        Where chunks run; threads of their own, one a processor, if None.
-    keep : callable
-        Called with each chunk in the order in which they end; no more are run once it returns
-        False.
-
-    Raises
-    ------
-    InputError
-        If `executor` has no method `submit`.
-    """
+    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
     if not (executor is None or hasattr(executor, "submit")):
         raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
     _runner(job)  # compiled here, if it has to be, and not in all threads at once

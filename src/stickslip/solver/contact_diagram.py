@@ -8,15 +8,15 @@ from typing import Any, Self, final
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.formulation import Model, formulate
+from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.contacts.assembly import prepare, refresh
+from stickslip.kernels.contacts.assembly import prepare, put_motion, refresh
 from stickslip.kernels.contacts.guards import law_flags
 from stickslip.kernels.contacts.motion import slip_rate, supply
 from stickslip.kernels.contacts.transitions import rubs, set_own_flags
 from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import ENERGY, LOADS, evaluate
+from stickslip.kernels.equations import ENERGY, LIMITS, LOADS, evaluate
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_RATES,
@@ -26,6 +26,7 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LOAD,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_STATES,
@@ -40,11 +41,9 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.block_diagram import BlockDiagram, Lead, leads_of
+from stickslip.solver.block_diagram import BlockDiagram, Lead, check_within, leads_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
-
-__all__ = ["ContactDiagram"]
 
 OPENED = 3.0
 """Mode of a contact without load, as columns have it."""
@@ -75,29 +74,7 @@ class ContactDiagram(BlockDiagram):
     def build(
         cls, mechanism: Mechanism, law: FrictionLaw | Laws, t_end: float, y0: Sequence[float]
     ) -> Self:
-        """Derive the parts of the equations.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        law : FrictionLaw or Laws
-            The law that all contacts share, or laws by contact.
-        t_end : float
-            Last time that drives are asked for [s].
-        y0 : sequence of float (n,)
-            State at time 0: coordinates, rates, bristles [SI].
-
-        Returns
-        -------
-        type of the class
-            The diagram.
-
-        Raises
-        ------
-        InputError
-            If contacts close a loop.
-        """
+        """Derive the parts of the equations."""
         model = formulate(mechanism, law)
         if model.closing:
             raise InputError(
@@ -198,6 +175,11 @@ class ContactDiagram(BlockDiagram):
                 whole[modes + i] = FREE
         law_flags(t, w, whole, whole[Y])
         refresh(t, w, whole, whole[Y])
+        limits = [name for name in self.model.limits if name != PAINLEVE]
+        if limits:
+            put_motion(w, whole, whole[Y])
+            evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[VALUES])
+            check_within(dict(zip(limits, w[whole[VALUES] :], strict=False)), t)
         self.asked[:] = [y, *asked]
         return w, whole
 

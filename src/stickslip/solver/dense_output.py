@@ -13,8 +13,6 @@ from stickslip.kernels.state_layout import ROW_COLUMNS
 from stickslip.solver.backend import Runner
 from stickslip.solver.drive_schedule import Inputs
 
-__all__ = ["Playback"]
-
 Array = NDArray[np.float64]
 
 
@@ -37,26 +35,7 @@ class Playback:
     def from_log(
         cls, model: Model, runner: Runner, inputs: Inputs, log: Sequence[float], count: int
     ) -> Self:
-        """Take the recorded part of a log.
-
-        Parameters
-        ----------
-        model : Model
-            The equations that were run.
-        runner : Runner
-            The kernels that ran them.
-        inputs : Inputs
-            Parameters and drives of the run.
-        log : sequence of float (rows ROW_COLUMNS,)
-            Rows of steps one after the other; those behind the last one are ignored.
-        count : int
-            Number of rows that were recorded.
-
-        Returns
-        -------
-        type of the class
-            The playback.
-        """
+        """Take the recorded part of a log."""
         width = runner.header[ROW_COLUMNS]
         log = log[: count * width]
         return cls(
@@ -77,20 +56,7 @@ class Playback:
         return self.column(0, self.rows[-1, 1])
 
     def column(self, index: int, last: float) -> Array:
-        """Return a number of each row, and one more behind them.
-
-        Parameters
-        ----------
-        index : int
-            Index of the number in a row.
-        last : float
-            What comes after that of the last row.
-
-        Returns
-        -------
-        array (steps + 1,)
-            The numbers.
-        """
+        """Return a number of each row, and one more behind them."""
         found = np.empty(len(self.rows) + 1)
         found[:-1] = self.rows[:, index]
         found[-1] = last

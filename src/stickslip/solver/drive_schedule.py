@@ -20,16 +20,6 @@ from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = [
-    "Inputs",
-    "Schedule",
-    "gather",
-    "refuse_turned",
-    "schedule",
-    "schedule_slopes",
-    "values_of",
-]
-
 IMAGINARY = 1e-30
 """A part so small that what it does is a derivative, exact but for rounding."""
 
@@ -73,48 +63,13 @@ class Inputs:
 
 
 def values_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, float]:
-    """Return the parameters of a mechanism and a law by path.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-
-    Returns
-    -------
-    dict of str to float
-        Values [SI] by full path.
-    """
+    """Return the parameters of a mechanism and a law by path."""
     roots = ((mechanism, "mechanism"), (law, "friction"))
     return {path: value for root, prefix in roots for path, _, value in parameters(root, prefix)}
 
 
 def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: float) -> Inputs:
-    """Collect the numbers of a mechanism and a law in the order of the model.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    model : Model
-        Their equations.
-    t_end : float
-        Last time of the run [s].
-
-    Returns
-    -------
-    Inputs
-        Parameters in the order of the model, and what the drives do.
-
-    Raises
-    ------
-    InputError
-        If slips cannot take the places of coordinates at these parameters.
-    """
+    """Collect the numbers of a mechanism and a law in the order of the model."""
     refuse_turned(mechanism, model)
     values = values_of(mechanism, law)
     plan = _alone(tuple(mechanism.drives().values()), t_end)
@@ -127,15 +82,7 @@ def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: f
 
 
 def refuse_turned(mechanism: Mechanism, model: Model) -> None:
-    """Refuse parameters at which the change of coordinates is singular, if it depends on any.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    model : Model
-        Its equations.
-    """
+    """Refuse parameters at which the change of coordinates is singular, if it depends on any."""
     if model.turning and isinstance(model.sizes, ContactSizes):
         refuse_singular(mechanism, dict(zip(model.contacts, model.sizes.slips, strict=True)))
 
@@ -166,24 +113,7 @@ def _numbers() -> int:
 def schedule(
     mechanism: Mechanism, columns: Mapping[str, Array], count: int, t_end: float
 ) -> Schedule:
-    """Return what the drives do in a number of runs.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    columns : mapping
-        Parameters that are not the mechanism's own, an array (count,) by full path.
-    count : int
-        Number of runs.
-    t_end : float
-        Last time of the runs [s].
-
-    Returns
-    -------
-    Schedule
-        Tables, bounds and time scales, with a row a run.
-    """
+    """Return what the drives do in a number of runs."""
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
     return _scheduled(tuple(twin.drives().values()), count, t_end)
@@ -215,25 +145,6 @@ def schedule_slopes(
 
     They are the imaginary parts that the numbers of drives get from those of their parameters.
     `columns` and `tables` are those of a schedule.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    columns : mapping of str to array
-        Parameters that vary, an array (runs,) by full path.
-    paths : sequence of str
-        Full paths of what is differentiated by.
-    tables : array (runs, numbers)
-        Tables of the schedule.
-    t_end : float
-        Last time of the runs [s].
-
-    Returns
-    -------
-    array (runs, pieces, 1 + 3 drives, paths)
-        Derivatives of start, and of value, slope and start of each drive; NaN in the start of
-        pieces where none is defined.
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     runs, m = len(tables), len(paths)

@@ -29,8 +29,6 @@ from stickslip.solver.initial_states import (
 from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
 from stickslip.trajectory import Ensemble
 
-__all__ = ["run_ensemble"]
-
 Array = NDArray[np.float64]
 RESERVED = ("status", "certified")
 """Columns that a table of an ensemble has of itself."""
@@ -50,36 +48,7 @@ def run_ensemble(
     executor: Executor | None,
     progress: Callable[[int, int], object] | None,
 ) -> Ensemble:
-    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    varied : mapping of str to array_like
-        Values (count,) [SI] by path.
-    y0 : sequence of float
-        State at time 0: coordinates, rates, bristles [SI].
-    told : sequence of str
-        States that begin where the mechanism says.
-    t_end : float
-        Last time of each run [s].
-    outputs : sequence of str, mapping of str to Output or None
-        What is kept, as in `stickslip.ensemble`.
-    solver : EventDriven
-        Tolerance, most steps and tier of the runs.
-    executor : Executor or None
-        Where chunks run; threads of their own if None.
-    progress : callable or None
-        Called with runs done and in all; the ensemble ends if it returns False.
-
-    Returns
-    -------
-    Ensemble
-        Outputs, statuses and evidence, with a row a run.
-    """
+    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`."""
     model = formulate(mechanism, law)
     columns, count = _columns(mechanism, law, model, varied)
     wanted = _outputs(mechanism, law, model, outputs)
@@ -227,25 +196,7 @@ def _quantities(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> 
 
 
 def as_numbers(path: str, values: ArrayLike) -> Array:
-    """Return values of a parameter as an array.
-
-    Parameters
-    ----------
-    path : str
-        Full path of the parameter, for the message.
-    values : array_like
-        What was given.
-
-    Returns
-    -------
-    ndarray
-        Its numbers, of whatever shape.
-
-    Raises
-    ------
-    InputError
-        If they are no numbers.
-    """
+    """Return values of a parameter as an array."""
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):

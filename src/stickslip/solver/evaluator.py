@@ -16,8 +16,6 @@ from stickslip.solver.backend import runner_of
 from stickslip.solver.compile.modules import plain_equations
 from stickslip.solver.drive_schedule import Inputs
 
-__all__ = ["Equations"]
-
 
 @functools.lru_cache(maxsize=256)
 def _lengths(sizes: Sizes) -> Mapping[str, int]:
@@ -29,15 +27,7 @@ class Equations:
     """Evaluates the equations of one mechanism with one law at any state."""
 
     def __init__(self, model: Model, inputs: Inputs) -> None:
-        """Take the equations, and the parameters.
-
-        Parameters
-        ----------
-        model : Model
-            Equations of a mechanism with a law.
-        inputs : Inputs
-            Parameters and drives.
-        """
+        """Take the equations, and the parameters."""
         runner = runner_of(model, compiled=False)
         self.sizes = sizes = model.sizes
         self.functions = plain_equations(model)
@@ -71,20 +61,7 @@ class Equations:
         self.w[first : first + n] = y[:n]
 
     def flags(self, t: float, y: Sequence[Any]) -> int:
-        """Return the flags of the switches that a state asks for.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of object (n,)
-            State.
-
-        Returns
-        -------
-        int
-            Bit j is set where the condition of switch j holds.
-        """
+        """Return the flags of the switches that a state asks for."""
         self._put(y)
         return set_flags(t, self.w, self.whole, self.whole[Y], 0, 0)
 
@@ -104,26 +81,7 @@ class Equations:
     def here(
         self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
     ) -> list[Any]:
-        """Return what a function gives at the state that flags were last asked for.
-
-        Parameters
-        ----------
-        name : str
-            Name of the function.
-        mode : int
-            Contact mode.
-        flags : int
-            Flags of the switches.
-        t : float
-            Time [s].
-        given : sequence of object
-            Values in place of the model's given drives.
-
-        Returns
-        -------
-        list of object
-            What the function writes.
-        """
+        """Return what a function gives at the state that flags were last asked for."""
         to, length = self.whole[SIZE], self.lengths[name]
         place = self.whole[GIVEN]
         self.w[place : place + len(given)] = given

@@ -32,8 +32,6 @@ from stickslip.solver.step_limits import (
 )
 from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
-__all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
-
 _STATUS = {
     enums.END_TIME: Status.END_TIME,
     enums.AT_REST: Status.AT_REST,
@@ -46,20 +44,7 @@ _STATUS = {
 
 
 def status_of(code: int, model: Model) -> Status:
-    """Return how a run ended, from the kernels' code.
-
-    Parameters
-    ----------
-    code : int
-        Code as in `kernels.enums`.
-    model : Model
-        The equations that were run, for the names of their limits.
-
-    Returns
-    -------
-    Status
-        How the run ended.
-    """
+    """Return how a run ended, from the kernels' code."""
     if code < enums.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
     limits = model.limits[code - enums.LIMITED :]
@@ -249,32 +234,7 @@ def trajectory_of(
     t_end: float,
     told: Sequence[str] = (),
 ) -> Trajectory:
-    """Wrap what the kernels recorded.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    model : Model
-        Their equations.
-    inputs : Inputs
-        Parameters and drives of the run.
-    record : Record
-        What the kernels recorded.
-    tolerance : float
-        Relative tolerance of the run, by which it is certified.
-    t_end : float
-        Last time that was asked for [s].
-    told : sequence of str, optional
-        States that began where the mechanism says.
-
-    Returns
-    -------
-    Trajectory
-        The run, certified.
-    """
+    """Wrap what the kernels recorded."""
     whole = record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
     status, cause = status_of(whole[STATUS], model), ""

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number
-from stickslip.formulation import PAINLEVE, formulate
+from stickslip.formulation import PAINLEVE
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity
@@ -21,8 +21,6 @@ from stickslip.solver.block_diagram import BlockDiagram, Diagram, SoftConstraint
 from stickslip.solver.contact_diagram import ContactDiagram
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
-
-__all__ = ["FixedStep", "Method"]
 
 Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]
 """Integrators of a fixed step."""
@@ -231,7 +229,7 @@ def _diagram(
             f"{law.name} is an equation as printed, for one contact that slips along a coordinate,"
             f" but {type(mechanism).__name__} has {names}: give {law.corrected.__name__}(...)."
         )
-    limits = formulate(mechanism, law).limits
+    limits = limits_of(mechanism)
     refuse_limits(mechanism, tuple(name for name in limits if name != PAINLEVE))
     return ContactDiagram.build(mechanism, law, t_end, y0)
 

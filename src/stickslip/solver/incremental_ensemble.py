@@ -41,8 +41,6 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS
 from stickslip.trajectory import Status
 
-__all__ = ["IncrementalEnsemble"]
-
 FEWEST = 16
 """Runs of a thread below which one more thread costs more than it saves."""
 
@@ -66,26 +64,7 @@ class IncrementalEnsemble:
         solver: EventDriven,
         threads: int | None = None,
     ) -> None:
-        """Make room for the runs; each has to begin before it can go on.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves; the values of its drives are told.
-        law : FrictionLaw
-            Friction of its contact.
-        count : int
-            Number of runs.
-        solver : EventDriven
-            Tolerance, and most steps of a stretch. Its tier has no effect: machine code is taken.
-        threads : int, optional
-            Threads that share the runs; one a processor if not given.
-
-        Raises
-        ------
-        InputError
-            If `threads` is below 1.
-        """
+        """Make room for the runs; each has to begin before it can go on."""
         if threads is not None and threads < 1:
             raise InputError(f"threads must be at least 1, got {threads!r}.")
         self.mechanism, self.law, self.count, self.solver = mechanism, law, count, solver
@@ -161,20 +140,7 @@ class IncrementalEnsemble:
         rows: Sequence[int] | NDArray[np.intp],
         states: Array,
     ) -> None:
-        """Let some runs begin anew at time 0.
-
-        Parameters
-        ----------
-        rows : sequence of int (m,)
-            Their indices.
-        states : array (m, n)
-            State of each at time 0: coordinates, rates, bristles [SI].
-
-        Raises
-        ------
-        InputError
-            If a state is not finite, or beyond a hard stop.
-        """
+        """Let some runs begin anew at time 0."""
         if not np.isfinite(states).all():
             raise InputError(f"states must be finite, got {states!r}.")
         self._kept[rows] = self._fresh
@@ -183,20 +149,7 @@ class IncrementalEnsemble:
         self._kept[rows, self._y : self._y + len(self.model.states)] = placed
 
     def advance(self, untils: Array, values: Array) -> None:
-        """Go on with all runs that have not ended, the drives having constant values.
-
-        Parameters
-        ----------
-        untils : array (count,)
-            End of the stretch of each run [s].
-        values : array (count, drives)
-            Values of the drives in the stretch, in their units and in the order of the mechanism.
-
-        Raises
-        ------
-        InputError
-            If an array has another shape.
-        """
+        """Go on with all runs that have not ended, the drives having constant values."""
         shapes = {"untils": (self.count,), "values": (self.count, len(self.model.drives))}
         for (name, shape), given in zip(shapes.items(), (untils, values), strict=True):
             if given.size != math.prod(shape):

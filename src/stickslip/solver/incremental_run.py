@@ -25,8 +25,6 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS, STRETCH, Record, work_of
 from stickslip.trajectory import Trajectory
 
-__all__ = ["IncrementalRun"]
-
 
 @final
 class IncrementalRun:
@@ -50,21 +48,6 @@ class IncrementalRun:
 
         `drives` are the names of the drives that are told; the mechanism's own ones have zeros,
         with a piece for each stretch.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        law : FrictionLaw or Laws
-            Friction of its contacts.
-        drives : sequence of str
-            Names of the drives that are told.
-        y0 : sequence of float
-            State at time 0: coordinates, rates, bristles [SI].
-        t_end : float
-            Last time of the run [s].
-        solver : EventDriven
-            Tolerance, most steps and tier.
         """
         self.law, self.t_end, self.solver = law, t_end, solver
         self.model = model = formulate(mechanism, law)
@@ -101,21 +84,7 @@ class IncrementalRun:
         return [float(state_seen(first, i, self._w, self._whole)) for i in states]
 
     def advance(self, until: float, lines: Sequence[tuple[float, float]]) -> bool:
-        """Run on to a time, each drive along a line; return whether it was reached.
-
-        Parameters
-        ----------
-        until : float
-            End of the stretch [s].
-        lines : sequence of (float, float)
-            Value of each drive that is told at its start, in its unit, and how it grows in the
-            stretch [unit of the drive / s].
-
-        Returns
-        -------
-        bool
-            Whether the run reached that time; it may have ended before.
-        """
+        """Run on to a time, each drive along a line; return whether it was reached."""
         last, now = bisect_left(self._starts, until), self.t
         for row in range(self._row, last):
             for column, (value, slope) in zip(self._columns, lines, strict=True):

@@ -12,17 +12,6 @@ from stickslip.formulation import PAINLEVE, mass_fault
 from stickslip.mechanisms import MatrixMechanism, Mechanism, Stop, stops_of
 from stickslip.quantities import parameters, shadow
 
-__all__ = [
-    "narrowest",
-    "refuse_limits",
-    "refuse_masses",
-    "refuse_stops",
-    "start_slopes",
-    "starts_as_told",
-    "starts_within_stops",
-    "within_stops",
-]
-
 BEYOND = 1e-12
 """Share of the larger of place and stop that counts as rounding, so that runs can be continued."""
 
@@ -41,22 +30,7 @@ def _told(mechanism: Mechanism, number: Callable[[str, float], Any]) -> Mapping[
 def starts_as_told(
     mechanism: Mechanism, columns: Mapping[str, Array], told: Sequence[str]
 ) -> dict[str, Array]:
-    """Return what varies among runs, with the states that begin elsewhere because of it.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : mapping of str to array
-        What varies, an array (count,) [SI] by full path.
-    told : sequence of str
-        States that begin where the mechanism says.
-
-    Returns
-    -------
-    dict of str to array
-        The same columns, and ``initial.`` paths of states whose start varies with them.
-    """
+    """Return what varies among runs, with the states that begin elsewhere because of it."""
     found = dict(columns)
     values = _told(mechanism, columns.get) if told else {}
     for state in told:
@@ -68,29 +42,7 @@ def starts_as_told(
 def start_slopes(
     mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], told: Sequence[str]
 ) -> dict[str, Array]:
-    """Return how the states that a mechanism begins with change along paths, by state.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : mapping of str to array
-        What varies, an array (count,) [SI] by full path.
-    paths : sequence of str
-        Full paths of what is differentiated by.
-    told : sequence of str
-        States that begin where the mechanism says.
-
-    Returns
-    -------
-    dict of str to array (paths,)
-        Derivatives of the start of each of these states.
-
-    Raises
-    ------
-    InputError
-        If that differs among runs, of which one set of slopes serves all.
-    """
+    """Return how the states that a mechanism begins with change along paths, by state."""
     found = {state: np.zeros(len(paths)) for state in told}
     for c, path in enumerate(paths if told else ()):
         moved = _told(
@@ -112,20 +64,7 @@ def start_slopes(
 
 
 def within_stops(mechanism: Mechanism, y0: Sequence[float]) -> list[float]:
-    """Return the initial state, put onto a stop where it is beyond it by rounding only.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    y0 : sequence of float (n,)
-        State at time 0 [SI].
-
-    Returns
-    -------
-    list of float (n,)
-        The state, moved by rounding at most.
-    """
+    """Return the initial state, put onto a stop where it is beyond it by rounding only."""
     start = [float(value) for value in y0]
     refuse_masses(mechanism, start)
     if not stops_of(mechanism):
@@ -143,25 +82,6 @@ def starts_within_stops(
     """Return what varies among runs, an array by path, with each start put onto its stop.
 
     That is a start beyond its stop by rounding; one that is farther beyond it is refused.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : mapping of str to array
-        What varies, an array (count,) [SI] by full path.
-    y0 : sequence of float (n,)
-        State at time 0 where nothing varies it [SI].
-
-    Returns
-    -------
-    dict of str to array
-        The columns, and ``initial.`` paths of states that were moved.
-
-    Raises
-    ------
-    InputError
-        If a run begins beyond a stop by more than rounding.
     """
     moved = dict(columns)
     for stop in _stops_of_runs(mechanism, columns):
@@ -199,20 +119,7 @@ def _position(stop: Stop) -> Array:
 
 
 def narrowest(mechanism: Mechanism, columns: Mapping[str, Array]) -> set[int]:
-    """Return the runs whose stops leave the least room between them.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : mapping of str to array
-        What varies, an array (count,) [SI] by full path.
-
-    Returns
-    -------
-    set of int
-        Indices of runs, one for each coordinate with two stops.
-    """
+    """Return the runs whose stops leave the least room between them."""
     stops = _stops_of_runs(mechanism, columns)
     lower, upper = (
         {stop.coordinate: _position(stop) for stop in stops if stop.side == side}
@@ -222,20 +129,7 @@ def narrowest(mechanism: Mechanism, columns: Mapping[str, Array]) -> set[int]:
 
 
 def refuse_limits(mechanism: Mechanism, limits: Sequence[str]) -> None:
-    """Raise if a mechanism has limits, or a normal force that depends on friction.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    limits : sequence of str
-        Names of the limits of its equations.
-
-    Raises
-    ------
-    InputError
-        If there are any.
-    """
+    """Raise if a mechanism has limits, or a normal force that depends on friction."""
     if PAINLEVE in limits:
         raise InputError(
             "FixedStep computes the normal force without friction, but that of this"
@@ -252,18 +146,6 @@ def refuse_masses(mechanism: Mechanism, y0: Sequence[float]) -> None:
     """Raise if matrices given for a mechanism are no masses where a run begins.
 
     Those of energies are symmetric, and their parameters have ranges.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    y0 : sequence of float (n,)
-        State at time 0 [SI].
-
-    Raises
-    ------
-    InputError
-        If the mass matrix is not symmetric or not positive definite.
     """
     if isinstance(mechanism, MatrixMechanism):
         fault = mass_fault(mechanism, y0[: len(mechanism.coordinates)])

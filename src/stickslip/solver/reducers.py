@@ -15,23 +15,6 @@ from stickslip.formatting import number
 from stickslip.formulation import Model
 from stickslip.kernels import enums
 
-__all__ = [
-    "EventCount",
-    "EventTimes",
-    "Final",
-    "Max",
-    "Mean",
-    "Min",
-    "Output",
-    "Samples",
-    "Sensitivity",
-    "asked",
-    "is_gradient",
-    "output_unit",
-    "reasons",
-    "value_of",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Sequence[float] | Array
 
@@ -297,18 +280,6 @@ def is_gradient(output: Output) -> TypeIs[Sensitivity]:
 def output_unit(output: Output, units: Mapping[str, str]) -> str:
     """Return the SI unit of an output.
 
-    Parameters
-    ----------
-    output : Output
-        What is kept.
-    units : mapping of str to str
-        SI units of states by name, and of what may vary by full path.
-
-    Returns
-    -------
-    str
-        The unit; ``"1"`` where it has none.
-
     Examples
     --------
     >>> units = {"x": "m", "friction.kinetic_coefficient": "1", "mechanism.stiffness": "N/m"}
@@ -364,30 +335,7 @@ OF_CONTACTS = ("opens", "closes")
 def asked(
     outputs: Mapping[str, Output], model: Model, t_end: float, count: int
 ) -> tuple[Array, Array, dict[str, slice]]:
-    """Return kinds and subjects, arguments with a row for all or a row a run, and their places.
-
-    Parameters
-    ----------
-    outputs : mapping of str to Output
-        What is kept, by name.
-    model : Model
-        The equations that are run.
-    t_end : float
-        Last time of each run [s].
-    count : int
-        Number of runs.
-
-    Returns
-    -------
-    (array, array, dict of str to slice)
-        Kinds and subjects (2 columns,), arguments (1 or count, 2 columns), and the columns of each
-        output.
-
-    Raises
-    ------
-    InputError
-        If the arguments of an output are neither one for all runs nor one for each.
-    """
+    """Return kinds and subjects, arguments with a row for all or a row a run, and their places."""
     kinds: list[float] = []
     arguments: list[Array] = []
     places: dict[str, slice] = {}
@@ -406,21 +354,6 @@ def asked(
 
 
 def value_of(results: Array, place: slice, output: Output) -> Any:
-    """Return an output's numbers (n,), or (n, m) where it has several a run.
-
-    Parameters
-    ----------
-    results : array (n, columns)
-        What the kernels kept of the runs.
-    place : slice
-        Columns of the output.
-    output : Output
-        The output.
-
-    Returns
-    -------
-    array (n,) or (n, m)
-        Its numbers.
-    """
+    """Return an output's numbers (n,), or (n, m) where it has several a run."""
     found = results[:, place]
     return found[:, 0] if output.is_single() else found

@@ -30,8 +30,6 @@ from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.modules import load_compiled
 from stickslip.solver.drive_schedule import Inputs
 
-__all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
-
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
 LOADING = 0.06
@@ -58,13 +56,7 @@ class Work:
     """That of all models [s]."""
 
     def add(self, seconds: float) -> None:
-        """Count what a plain run has taken.
-
-        Parameters
-        ----------
-        seconds : float
-            Processor time of its steps [s].
-        """
+        """Count what a plain run has taken."""
         self.seconds += seconds
         Work.all_seconds += seconds
 
@@ -77,16 +69,6 @@ class Work:
         short that getting machine code takes longer than that by itself; and all together never
         take more than that. What nobody has compiled yet is compiled by a process in the
         background, and without one here once plain runs have taken twice as long.
-
-        Parameters
-        ----------
-        own : float, optional
-            What the run has taken so far in plain Python [s]; it begins if this is not given.
-
-        Returns
-        -------
-        bool
-            Whether to go on in machine code.
         """
         shared, these = (Work.all_seconds, self.seconds) if own is None else (own, own)
         code, cost = code_of(self.model), 0.0
@@ -156,31 +138,7 @@ def execute(
     limit: int,
     tier: Tier,
 ) -> Record:
-    """Run a model from time 0 to `t_end`.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    inputs : Inputs
-        Parameters and drives.
-    y0 : sequence of float (n,)
-        State at time 0: coordinates, rates, bristles [SI].
-    t_end : float
-        Last time [s].
-    tolerance : float
-        Relative tolerance of a step.
-    limit : int
-        Most steps.
-    tier : Tier
-        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, and as
-        soon as plain runs have taken twice as long as getting it takes.
-
-    Returns
-    -------
-    Record
-        Steps, events and the vectors of the run at its end.
-    """
+    """Run a model from time 0 to `t_end`."""
     work = work_of(model)
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and work.is_enough()))
     header = runner.header

@@ -20,8 +20,6 @@ from stickslip.solver.drive_schedule import Inputs, schedule_slopes
 from stickslip.solver.initial_states import start_slopes
 from stickslip.solver.run import Record, work_of
 
-__all__ = ["Directions", "Sensing", "directions_of"]
-
 Array = NDArray[np.float64]
 
 
@@ -52,33 +50,6 @@ def directions_of(
 
     `tables` has a row a run, or one where no drive varies; `told` are the states that begin where
     the mechanism says.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    paths : sequence of str
-        Full paths of parameters, and ``initial.`` paths.
-    columns : mapping of str to array
-        What varies among the runs, an array (count,) [SI] by full path.
-    tables : array (runs, numbers)
-        What the drives do, a row a run or one for all.
-    t_end : float
-        Last time of the runs [s].
-    told : sequence of str, optional
-        States that begin where the mechanism says.
-
-    Returns
-    -------
-    Directions
-        Quantity, start and slopes of the drives' tables along each path.
-
-    Raises
-    ------
-    InputError
-        If a path is one on which the coordinates of the equations depend.
     """
     model = formulate(mechanism, law)
     for path in paths:
@@ -169,22 +140,7 @@ class Sensing:
 
 
 def working(runner: Runner, w: Any, along: Directions) -> Any:
-    """Return the vector of a run, made long enough, with the sensitivities at the start.
-
-    Parameters
-    ----------
-    runner : Runner
-        The kernels that ran.
-    w : object (SIZE,)
-        Vector of the run.
-    along : Directions
-        Directions of the sensitivities.
-
-    Returns
-    -------
-    array or list (sense_size,)
-        A longer copy of the vector.
-    """
+    """Return the vector of a run, made long enough, with the sensitivities at the start."""
     whole = runner.whole()
     longer = runner.zeros(sense_size(along.quantities, len(along.own), whole))
     longer[: len(w)] = w

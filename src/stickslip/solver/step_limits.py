@@ -36,14 +36,6 @@ from stickslip.solver.drive_schedule import Inputs
 from stickslip.solver.run import Record
 from stickslip.trajectory import Event
 
-__all__ = [
-    "FastestMotion",
-    "cause_of_small_steps",
-    "cause_of_step_limit",
-    "cause_of_zeno",
-    "fastest_motion",
-]
-
 STATE_STEP = 1e-6
 """Change of a state over its size, for differences: between rounding and what is not linear."""
 PARAMETER_STEP = 1e-4
@@ -119,22 +111,7 @@ class _Rates:
 
 @np.errstate(all="ignore")  # what is no number has no time scale
 def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotion | None:
-    """Return the fastest motion of the equations at the end of a run, in its modes or slipping.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    inputs : Inputs
-        Parameters of the run.
-    record : Record
-        What the kernels wrote down of it.
-
-    Returns
-    -------
-    FastestMotion or None
-        None where nothing moves by itself, or a rate is not finite.
-    """
+    """Return the fastest motion of the equations at the end of a run, in its modes or slipping."""
     rates = _Rates(model, record)
     found = _eigen(rates)
     rates.slip()
@@ -205,28 +182,7 @@ def cause_of_step_limit(
     record: Record,
     t_end: float,
 ) -> str:
-    """Say what makes the steps of a run so short, and what to do.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    model : Model
-        Their equations.
-    inputs : Inputs
-        Parameters and drives of the run.
-    record : Record
-        What the kernels wrote down of a run that reached its step limit.
-    t_end : float
-        Last time that was asked for [s].
-
-    Returns
-    -------
-    str
-        Sentences for users.
-    """
+    """Say what makes the steps of a run so short, and what to do."""
     steps, events, pieces = (record.whole[place] for place in (STEPS, EVENTS, PIECE))
     t = float(record.w[TIME])
     taken = f"{steps} steps led to {quantity(t, 's', 4)}."
@@ -259,26 +215,7 @@ def cause_of_step_limit(
 def cause_of_small_steps(
     mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, inputs: Inputs, record: Record
 ) -> str:
-    """Say what the equations are like where no step is short enough.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    model : Model
-        Their equations.
-    inputs : Inputs
-        Parameters of the run.
-    record : Record
-        What the kernels wrote down of the run.
-
-    Returns
-    -------
-    str
-        Sentences for users.
-    """
+    """Say what the equations are like where no step is short enough."""
     where = f"That was at {quantity(float(record.w[TIME]), 's', 4)}."
     fastest = fastest_motion(model, inputs, record)
     if fastest is None:
@@ -310,20 +247,7 @@ def _has_negative_mass(model: Model, record: Record) -> bool:
 
 
 def cause_of_zeno(events: Sequence[Event], t: float) -> str:
-    """Say which events follow one another without time going on.
-
-    Parameters
-    ----------
-    events : sequence of Event
-        Events of the run.
-    t : float
-        When the run ended [s].
-
-    Returns
-    -------
-    str
-        A sentence for users.
-    """
+    """Say which events follow one another without time going on."""
     names: list[str] = []
     for event in reversed(events):
         name = f"{event.reason} at {event.contact}" if event.contact else event.reason

@@ -24,8 +24,6 @@ from stickslip.trajectory import completed
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["QUANTILES", "Band", "Spread", "band_of", "draws_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
@@ -92,20 +90,7 @@ class Band(OnAxes, Tabular):
         return _only("travels_by_cycle", self.travels_by_cycle)
 
     def at(self, name: str, t: ArrayLike) -> Array:
-        """Return lower end, median and upper end (3, n) of a state at some of the times `t`.
-
-        Parameters
-        ----------
-        name : str
-            Name of the state.
-        t : array_like (n,)
-            Times [s]; the next of the band's own times is taken, the last one beyond them.
-
-        Returns
-        -------
-        array (3, n)
-            Lower end, median and upper end, in the state's unit.
-        """
+        """Return lower end, median and upper end (3, n) of a state at some of the times `t`."""
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
@@ -194,46 +179,6 @@ def band_of(
     are drawn from normal distributions, independent of the law and of each other. Noise of sensors
     is not part of the band.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or mapping of str to FrictionLaw
-        What holds it back, with its best values; laws by contact, as in `simulate`.
-    estimates : LawEstimates or None
-        How well these are known; parameters without an interval keep their values.
-    t_end : float
-        Last time of every run [s].
-    parameter_uncertainties : mapping of str to float, optional
-        Standard uncertainties of parameters of the mechanism by path, such as
-        `Rig.parameter_uncertainties`.
-    count : int
-        Number of runs, at least 2. The ends of the band are then the 2.5 % and 97.5 % quantiles of
-        that many: of 100 runs they lie near the second and the last but one.
-    seed : int
-        Of the draws.
-    times : array_like (n,), optional
-        Times [s] at which the band is wanted; 601 even ones are added.
-    y0 : mapping or sequence, optional
-        Initial states, as in `ensemble`.
-    solver : EventDriven, optional
-        Tolerances, limits and tier, as in `ensemble`.
-    progress : callable, optional
-        Called with runs done and in all, as in `ensemble`.
-
-    Returns
-    -------
-    Band
-        Median and ends of 95 % of position and velocity, travel, travel per cycle, mean velocity;
-        of all coordinates where there are several contacts.
-
-    Raises
-    ------
-    InputError
-        If an argument cannot be used, or no parameter has an interval or an uncertainty.
-    SimulationError
-        If no run lasts to its end.
-
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock
@@ -316,33 +261,7 @@ def draws_of(
     count: int,
     seed: int,
 ) -> dict[str, Array]:
-    """Return values (count,) of all uncertain parameters, of the law and of the mechanism, by path.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Its friction, with the best values.
-    estimates : LawEstimates or None
-        How well these are known.
-    uncertainties : mapping of str to float
-        Standard uncertainties of parameters of the mechanism, by path or last name.
-    count : int
-        Number of draws.
-    seed : int
-        Of the draws.
-
-    Returns
-    -------
-    dict of str to array (count,)
-        Values [SI] by full path; draws outside the valid ranges are drawn again.
-
-    Raises
-    ------
-    InputError
-        If nothing is uncertain, or hardly a draw lies in the valid ranges.
-    """
+    """Return values (count,) of all uncertain parameters, of law and mechanism, by path."""
     draws: dict[str, Array] = {}
     if estimates is not None and (estimates.intervals or not uncertainties):
         draws |= estimates.draw(law, count, seed=seed)

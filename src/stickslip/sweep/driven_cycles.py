@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.mechanisms import WHOLE, Mechanism, slip_names
 from stickslip.trajectory import Trajectory
 
-__all__ = ["DrivenCycle", "cycles_in"]
-
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
 STILL = 1e-6
@@ -55,20 +53,6 @@ class DrivenCycle:
 
 def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[DrivenCycle, ...]:
     """Return what a run does in each whole cycle from its start on.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    mechanism : Mechanism
-        Whose run it is.
-    period : float
-        Length of a cycle [s], such as `cycle_of` returns.
-
-    Returns
-    -------
-    tuple of DrivenCycle
-        In the order of time; none if the run is shorter than a cycle.
 
     Examples
     --------

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["VelocityMap", "average_velocity"]
-
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
 STILL = 1e-3

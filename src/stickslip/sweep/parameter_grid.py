@@ -15,22 +15,6 @@ from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver import EventDriven, as_numbers, path_units
 
-__all__ = [
-    "Array",
-    "Progress",
-    "Tally",
-    "axis_of",
-    "compiled",
-    "counted",
-    "cycles_of",
-    "names_of",
-    "near",
-    "product",
-    "states_of",
-    "unit_of",
-    "whole_run",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
@@ -41,18 +25,6 @@ MOST_CYCLES = 1_000_000
 
 def states_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> tuple[str, ...]:
     """Return the names of all states, bristles last.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-
-    Returns
-    -------
-    tuple of str
-        Coordinates, rates, bristles.
 
     Examples
     --------
@@ -68,29 +40,6 @@ def axis_of(
     mechanism: Mechanism, law: FrictionLaw | Laws, path: str, values: ArrayLike
 ) -> tuple[str, Array]:
     """Return the full path and the numbers of what varies.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    path : str
-        Full path of a parameter or an initial state, or its last name where only one has it.
-    values : array_like (n,)
-        Values [SI].
-
-    Returns
-    -------
-    (str, array)
-        Full path, and the values as an array (n,).
-
-    Raises
-    ------
-    InputError
-        If the values are no finite numbers, or not in one row.
-    UnknownNameError
-        If the path is unknown.
 
     Examples
     --------
@@ -110,20 +59,6 @@ def axis_of(
 
 def unit_of(mechanism: Mechanism, law: FrictionLaw | Laws, path: str) -> str:
     """Return the SI unit of a full path.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    path : str
-        Full path of a parameter or an initial state.
-
-    Returns
-    -------
-    str
-        The unit; ``"1"`` where the path is unknown.
 
     Examples
     --------
@@ -150,25 +85,6 @@ def product(axes: Mapping[str, Array]) -> dict[str, Array]:
 
 def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float | None) -> Array:
     """Return the period of each row (n,) [s]: the one that is given, or that of its drives.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    columns : mapping of str to array
-        What varies, an array (n,) [SI] by full path.
-    period : float or None
-        Period of all rows [s]; that of the drives if None.
-
-    Returns
-    -------
-    array (n,)
-        Periods [s].
-
-    Raises
-    ------
-    ParameterError
-        If the period is not above 0, or a row has no period or a parameter out of its range.
 
     Examples
     --------
@@ -199,27 +115,6 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
 def counted(owner: str, name: str, value: object, least: int) -> int:
     """Return a whole number of at least `least`, and of no more than a run can have cycles.
 
-    Parameters
-    ----------
-    owner : str
-        Function that asks, for the error.
-    name : str
-        Name of the argument, for the error.
-    value : object
-        What was given.
-    least : int
-        Smallest number that is allowed.
-
-    Returns
-    -------
-    int
-        The number.
-
-    Raises
-    ------
-    InputError
-        If it is no whole number in that range.
-
     Examples
     --------
     >>> counted("basins", "keep", 12, 2)
@@ -245,20 +140,6 @@ def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
     """Refuse more cycles than the drives of a mechanism can go through.
 
     A run would say so too, but only after it was compiled.
-
-    Parameters
-    ----------
-    owner : str
-        Function that asks, for the error.
-    mechanism : Mechanism
-        What is driven.
-    cycles : int
-        Cycles of a run.
-
-    Raises
-    ------
-    InputError
-        If a drive would have too many pieces.
 
     Examples
     --------
@@ -320,18 +201,6 @@ class Tally:
 
 def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
     """Yield the rows in groups within which no period is longer than another by that ratio.
-
-    Parameters
-    ----------
-    periods : array (n,)
-        Periods [s].
-    ratio : float
-        Longest period of a group over the shortest, at most.
-
-    Yields
-    ------
-    array (k,)
-        Rows of a group, in increasing order; groups come in the order of their periods.
 
     Examples
     --------

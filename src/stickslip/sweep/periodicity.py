@@ -4,28 +4,12 @@ import numpy as np
 
 from stickslip.sweep.parameter_grid import Array
 
-__all__ = ["CLOSED", "period_of"]
-
 CLOSED = 1e-3
 """Share of the size of a state within which samples count as the same point."""
 
 
 def period_of(samples: Array, scale: Array | float, tolerance: float = CLOSED) -> int:
     """Return after how many samples an orbit closes, 0 if it does not within half of them.
-
-    Parameters
-    ----------
-    samples : array (n,) or (n, states)
-        Once a cycle, after the motion has settled.
-    scale : float or array (states,)
-        Size of each state.
-    tolerance : float
-        Share of the size within which points are the same.
-
-    Returns
-    -------
-    int
-        Samples after which the orbit closes, up to half of those given; 0 if it does not.
 
     Examples
     --------

@@ -46,16 +46,6 @@ from stickslip.solver import Samples
 from stickslip.sweep.bands import QUANTILES, draws_of
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "ParameterAgreement",
-    "Refit",
-    "ValidatedRecord",
-    "ValidatedTravel",
-    "Validation",
-    "compare_estimates",
-    "validate",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 
 EXPECTED, REFUTED = 0.05, 0.01

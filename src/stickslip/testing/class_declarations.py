@@ -11,38 +11,13 @@ from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.testing.report import Suite
 
-__all__ = [
-    "declared",
-    "explained",
-    "frozen",
-    "kebab_case",
-    "parameters_checked",
-    "quantities_declared",
-    "suite",
-]
-
 Case = TypeVar("Case")
 
 _KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 
 
 def suite(of: Callable[[Case], Parametrised], declares: str, names: Sequence[str]) -> Suite[Case]:
-    """Return the checks of this module, of the law or mechanism of a case.
-
-    Parameters
-    ----------
-    of : callable
-        Returns the law or mechanism of a case.
-    declares : str
-        What it should declare, as the name of that check.
-    names : sequence of str
-        Class attributes that this takes.
-
-    Returns
-    -------
-    Suite
-        Checks by what should be.
-    """
+    """Return the checks of this module, of the law or mechanism of a case."""
     return {
         "its name is in kebab case": lambda case: kebab_case(of(case)),
         declares: lambda case: declared(of(case), names),
@@ -64,20 +39,7 @@ def kebab_case(one: Any) -> Iterator[str]:
 
 
 def declared(one: Any, names: Sequence[str]) -> Iterator[str]:
-    """Yield class attributes that are missing.
-
-    Parameters
-    ----------
-    one : object
-        Law or mechanism.
-    names : sequence of str
-        Names that its class must have.
-
-    Yields
-    ------
-    str
-        A finding in words.
-    """
+    """Yield class attributes that are missing."""
     for name in names:
         if not hasattr(type(one), name):
             yield f"{type(one).__name__}.{name} is missing"

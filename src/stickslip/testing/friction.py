@@ -15,8 +15,6 @@ from stickslip.simulation import simulate
 from stickslip.testing import class_declarations, generated_equations
 from stickslip.testing.report import Report, Suite, examine
 
-__all__ = ["check_friction"]
-
 ROUNDING = 1e-11
 """Some thousand roundings of the largest term; bristles have terms a hundred times their sum."""
 TOLD = ("name", "title", "formula", "sources")

@@ -15,22 +15,6 @@ from stickslip.simulation import simulate
 from stickslip.solver import Equations, EventDriven, gather
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "BALANCED",
-    "DERIVATIVES",
-    "DERIVED",
-    "FINITE",
-    "TIERS",
-    "derived",
-    "finite_near_rest",
-    "generated",
-    "reach",
-    "same_in_both_tiers",
-    "sensitivities_hold",
-    "slip_rates",
-    "vector",
-]
-
 DERIVED = "its equations can be derived"
 BALANCED = "runs satisfy the energy balance"
 FINITE = "equations are finite at the end of slip"
@@ -49,39 +33,13 @@ ALLOWED = 1e-3
 
 
 def generated(mechanism: Mechanism, law: FrictionLaw) -> Equations:
-    """Return the equations of a mechanism with a law, to be called with numbers.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-
-    Returns
-    -------
-    Equations
-        The equations in plain Python.
-    """
+    """Return the equations of a mechanism with a law, to be called with numbers."""
     model = formulate(mechanism, law)
     return Equations(model, gather(mechanism, law, model, 0.0))
 
 
 def derived(mechanism: Mechanism, law: FrictionLaw) -> Iterator[str]:
-    """Yield nothing; raise what keeps the equations from being derived.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contacts.
-
-    Yields
-    ------
-    str
-        A finding in words.
-    """
+    """Yield nothing; raise what keeps the equations from being derived."""
     formulate(mechanism, law)
     yield from ()
 
@@ -94,22 +52,7 @@ def slip_rates(mechanism: Mechanism) -> list[str]:
 
 
 def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) -> list[float]:
-    """Return all states in order; what is not given is 0.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    values : mapping of str to float
-        Values [SI] by name of the state.
-
-    Returns
-    -------
-    list of float (n,)
-        Coordinates, rates, bristles.
-    """
+    """Return all states in order; what is not given is 0."""
     contacts = tuple(contact.name for contact in mechanism.contacts())
     names = (*mechanism.coordinates, *mechanism.rates, *bristle_names(contacts, law))
     return [float(values.get(name, 0.0)) for name in names]
@@ -118,22 +61,7 @@ def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) 
 def finite_near_rest(
     mechanism: Mechanism, law: FrictionLaw, starts: Sequence[Mapping[str, float]]
 ) -> Iterator[str]:
-    """Yield functions of the equations that are not finite where slip ends.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    starts : sequence of mapping of str to float
-        States [SI] by name, at each of which slow slip in both directions is tried.
-
-    Yields
-    ------
-    str
-        A finding in words.
-    """
+    """Yield functions of the equations that are not finite where slip ends."""
     equations = generated(mechanism, law)
     names = OF_PARTS if formulate(mechanism, law).contacts else LAWFUL
     for start in starts:
@@ -151,24 +79,7 @@ def finite_near_rest(
 def same_in_both_tiers(
     mechanism: Mechanism, law: FrictionLaw, start: Mapping[str, float], t_end: float
 ) -> Iterator[str]:
-    """Yield columns in which plain Python and machine code do not agree to the last bit.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    start : mapping of str to float
-        Initial state [SI] by name.
-    t_end : float
-        Last time of the run [s].
-
-    Yields
-    ------
-    str
-        A finding in words.
-    """
+    """Yield columns in which plain Python and machine code do not agree to the last bit."""
     plain, compiled = (
         simulate(mechanism, law, t_end=t_end, y0=start, solver=EventDriven(tier=tier), throw=False)
         for tier in ("python", "compiled")
@@ -193,24 +104,6 @@ def sensitivities_hold(
 
     Nothing is compared where the run ends early or bounced at a hard stop, where its neighbours
     have other events, or where there is no derivative (at a pulse that ends with the run).
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw
-        Friction of its contact.
-    varied : Parametrised
-        The one of both whose parameters are changed.
-    start : mapping of str to float
-        Initial state [SI] by name.
-    t_end : float
-        Last time of the run [s].
-
-    Yields
-    ------
-    str
-        A finding in words.
     """
     run = simulate(mechanism, law, t_end=t_end, y0=start, throw=False)
     if not run.status.complete:

@@ -17,8 +17,6 @@ from stickslip.testing import class_declarations, generated_equations
 from stickslip.testing.report import Report, Suite, examine
 from stickslip.trajectory import Status
 
-__all__ = ["check_mechanism"]
-
 ROUNDING = 1e-11
 """Some thousand roundings of the largest term: what sums of a mechanism's size may leave."""
 ENDS = (Status.LIFT_OFF, Status.PAINLEVE, Status.LIMIT)

@@ -10,8 +10,6 @@ from typing_extensions import override
 
 from stickslip.errors import ConformanceError
 
-__all__ = ["ConformanceFinding", "Report", "Suite", "examine"]
-
 Case = TypeVar("Case")
 Suite = Mapping[str, Callable[[Case], Iterable[str]]]
 """Checks by what should be; each yields what is not so."""
@@ -94,31 +92,7 @@ class Report:
 def examine(
     subject: str, case: Case, first: "Suite[Case]", then: "Suite[Case]", *, throw: bool
 ) -> Report:
-    """Make the first checks, and the others if these found nothing that stands in their way.
-
-    Parameters
-    ----------
-    subject : str
-        What is checked, for the title.
-    case : Case
-        What the checks are called with.
-    first : Suite[Case]
-        Checks by name; a finding of the last one means that the others cannot be made.
-    then : Suite[Case]
-        Checks that need the first ones to pass.
-    throw : bool
-        Whether findings are raised as an error.
-
-    Returns
-    -------
-    Report
-        Checks made and skipped, and the findings.
-
-    Raises
-    ------
-    ConformanceError
-        If `throw` is set and there are findings.
-    """
+    """Make the first checks, and the others if these found nothing that stands in their way."""
     findings = _found(case, first)
     skipped: tuple[str, ...] = ()
     if any(one.check == list(first)[-1] for one in findings):

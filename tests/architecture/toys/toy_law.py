@@ -9,8 +9,6 @@ from stickslip.friction.base import SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
-__all__ = ["ToyLaw"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -11,8 +11,6 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, Mechanism
 from stickslip.quantities import Quantity
 
-__all__ = ["ToySlab"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

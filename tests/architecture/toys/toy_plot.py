@@ -7,8 +7,6 @@ from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.svg import Draw
 from stickslip.trajectory import Trajectory
 
-__all__ = ["draw_toy", "plot_toy"]
-
 
 def draw_toy(run: Trajectory) -> Draw:
     """Return a drawing of the travel of a run."""

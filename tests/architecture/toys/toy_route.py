@@ -29,8 +29,6 @@ from stickslip.selection.verdict import Candidate, Verdict, Wording
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
-__all__ = ["ToyFit", "ToyRoute", "ToyVerdict"]
-
 NAME = "toy"
 
 

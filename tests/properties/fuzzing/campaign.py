@@ -24,8 +24,6 @@ from tests.properties.fuzzing.several import LOOPS, draw_joints
 from stickslip import EventDriven
 from stickslip.errors import InputError
 
-__all__ = ["Campaign", "HangError", "Outcome", "outcome_of", "time_limit"]
-
 NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 

@@ -25,19 +25,6 @@ from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory
 
-__all__ = [
-    "Case",
-    "Structure",
-    "draw_case",
-    "draw_law",
-    "draw_shape",
-    "draw_structure",
-    "factor_of_start",
-    "full_deflection",
-    "level_of",
-    "run_case",
-]
-
 Kinds = tuple[type[Drive], ...]
 
 

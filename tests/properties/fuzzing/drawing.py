@@ -8,8 +8,6 @@ from random import Random
 from stickslip.drives import Drive, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, Sum
 from stickslip.drives.registry import DRIVES
 
-__all__ = ["Sizes", "around", "decade", "draw_drive", "sizes", "within"]
-
 WIDEST: Mapping[str, tuple[float, float]] = {
     "kg": (1e-6, 1e4),
     "N/m": (1e-3, 1e9),

@@ -10,8 +10,6 @@ from tests.properties.fuzzing.rigs import OWN
 
 from stickslip import EventDriven
 
-__all__ = ["classes", "reproducer", "violated"]
-
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]

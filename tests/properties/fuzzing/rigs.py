@@ -11,8 +11,6 @@ from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Quantity
 
-__all__ = ["OWN", "Chain", "PendulumCart", "ShakenBlock"]
-
 Mass = Annotated[float, Quantity("m", "kg", above=0)]
 Gravity = Annotated[float, Quantity("g", "m/s^2", above=0)]
 

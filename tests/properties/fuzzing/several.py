@@ -37,8 +37,6 @@ from stickslip.mechanisms import (
     TwoLinkArm,
 )
 
-__all__ = ["LOOPS", "MAKERS", "Dense", "Looped", "draw_joints"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Dense(MatrixMechanism):

@@ -10,8 +10,6 @@ from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
 from stickslip.quantities import Parametrised, fields_of
 
-__all__ = ["shrunk"]
-
 DIGITS = (1, 2, 4)
 
 

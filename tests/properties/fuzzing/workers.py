@@ -8,8 +8,6 @@ from multiprocessing.connection import Connection
 
 from tests.properties.fuzzing.campaign import Campaign, Outcome
 
-__all__ = ["outcomes", "outcomes_side_by_side"]
-
 WAITS = 10.0
 """Time that a case may take over its limit, which is of processor time."""
 COMPILING = 600.0

@@ -11,8 +11,6 @@ from stickslip.experiments.differentiation import smooth
 from stickslip.experiments.measurement import Measurement
 from stickslip.formatting import number, percent
 
-__all__ = ["friction_sign", "velocity_and_position"]
-
 ALIKE: Final = 0.9
 """Correlation from which two velocities are one and the same but for a factor."""
 OFF: Final = 0.1
@@ -72,20 +70,7 @@ def _guess(factor: float) -> str:
 
 
 def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Compare the sign of friction with that of the velocity.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    motion : Motion or None
-        Its velocity; None if it has none.
-
-    Yields
-    ------
-    Finding
-        What was found.
-    """
+    """Compare the sign of friction with that of the velocity."""
     if motion is None or not isinstance(record.friction, np.ndarray):
         return
     direction = motion.directions

@@ -30,8 +30,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Checks", "Finding", "check", "faults"]
-
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 
@@ -163,18 +161,6 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
 
 def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
     """Return the errors that `check` finds, without the work for what is no error.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        What was measured.
-    mechanism : Mechanism, optional
-        What was measured on, if known.
-
-    Returns
-    -------
-    tuple of Finding
-        Findings of severity ``"error"``.
 
     Examples
     --------

@@ -15,8 +15,6 @@ from stickslip.formatting import number, percent
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 
-__all__ = ["energy", "inertia_of", "missing", "proportion"]
-
 DRIVES: Final = ("force", "reference")
 """What drives a record in time."""
 OTHERS: Final = ("friction", "spring_force", "pull")
@@ -43,20 +41,7 @@ IMPOSSIBLE: Final = 300.0
 
 
 def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Say that nothing was recorded that could drive a motion, nor does the mechanism.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    mechanism : Mechanism or None
-        What was measured on; None if unknown.
-
-    Yields
-    ------
-    Finding
-        What was found.
-    """
+    """Say that nothing was recorded that could drive a motion, nor does the mechanism."""
     known = record.quantities()
     moved = "position" in known or "velocity" in known
     if record.time is None or not moved or {*known} & {*DRIVES, *OTHERS}:
@@ -77,18 +62,6 @@ def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
 
     A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
     position alone was recorded, has the forces that its parameters say.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    mechanism : Mechanism or None
-        What was measured on; None if unknown.
-
-    Returns
-    -------
-    bool
-        Whether a fit may have a constant force.
     """
     measured = {*record.quantities()} & {*DRIVES, *OTHERS}
     return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
@@ -99,18 +72,6 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
 
     At one position springs hold the same energy every time, so that without a drive no later
     passage can be faster; without a spring no speed can rise and fall again.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    mechanism : Mechanism or None
-        What was measured on; None if unknown.
-
-    Yields
-    ------
-    Finding
-        What was found.
     """
     if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
         return
@@ -271,17 +232,6 @@ def _pull(mechanism: Mechanism, x: Array) -> Array:
 def inertia_of(record: Measurement) -> float | None:
     """Return the inertia of an axis that moves as it did under the forces of a record.
 
-    Parameters
-    ----------
-    record : Measurement
-        One record in time.
-
-    Returns
-    -------
-    float or None
-        Mass [kg] or moment of inertia [kg m^2], for a first guess; None if the record does not
-        tell one.
-
     Examples
     --------
     >>> t = np.arange(500) / 100
@@ -301,20 +251,7 @@ def inertia_of(record: Measurement) -> float | None:
 
 
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Compare a force with what a mechanism takes to move as it did, friction left aside.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    mechanism : Mechanism or None
-        What was measured on; None if unknown.
-
-    Yields
-    ------
-    Finding
-        What was found.
-    """
+    """Compare a force with what a mechanism takes to move as it did, friction left aside."""
     known = record.quantities()
     if mechanism is None or "force" not in known or record.time is None:
         return

@@ -1,6 +1,6 @@
-"""One remark about a measurement."""
+"""One remark about a measurement, or about what was found from it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -8,8 +8,6 @@ from typing import Any, Final, Literal
 from typing_extensions import override
 
 from stickslip.described import Described
-
-__all__ = ["OTHER_SPEEDS", "OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
 
 OTHER_SPEEDS: Final = "Measure at further velocities"
 """What answers a motion at too few speeds."""
@@ -73,3 +71,18 @@ class Finding(metaclass=Described):
             "numbers": dict(self.numbers),
             "record": self.record,
         }
+
+
+def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
+    """Return findings in words, those of some kinds alone if any are named.
+
+    Examples
+    --------
+    >>> found = [
+    ...     Finding(kind="drift", sentence="It drifts."),
+    ...     Finding(kind="gap", sentence="A gap."),
+    ... ]
+    >>> sentences_of(found, "drift")
+    ('It drifts.',)
+    """
+    return tuple(str(one) for one in findings if not kinds or one.kind in kinds)

@@ -14,8 +14,6 @@ from stickslip.formatting import number, percent, quantity
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 
-__all__ = ["coefficient", "direction"]
-
 EXPLAINED: Final = 0.5
 """Share of a force that the motion must explain, for its sign to be told."""
 GIVEN_OUT: Final = 0.1
@@ -36,18 +34,6 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     """Doubt the sign of a force that seems to move a negative inertia against negative friction.
 
     Springs and a constant are left aside; no passive mechanism has both.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    motion : Motion or None
-        Its velocity; None if it has none.
-
-    Yields
-    ------
-    Finding
-        What was found.
     """
     known = {*record.quantities()}
     if motion is None or "force" not in known or known & {"friction", "spring_force", "pull"}:
@@ -84,20 +70,7 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
 
 
 def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Doubt friction that is a small share of its load and of the size of a coefficient.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    mechanism : Mechanism or None
-        What was measured on, perhaps with a load; None if unknown.
-
-    Yields
-    ------
-    Finding
-        What was found.
-    """
+    """Doubt friction that is a small share of its load and of the size of a coefficient."""
     if record.friction is None:
         return
     if record.load is None:

@@ -10,8 +10,6 @@ from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement
 from stickslip.formatting import number, percent, quantity
 
-__all__ = ["CURE", "MainsLine", "hum", "is_narrow", "lines_of", "words_of"]
-
 MAINS: Final = (50.0, 60.0)
 """Frequencies of mains [Hz]."""
 ORDERS: Final = (1, 2, 3, 4, 5)
@@ -58,19 +56,6 @@ class MainsLine:
 def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
     """Return the lines of the mains in a signal, the fundamental or its first harmonic first.
 
-    Parameters
-    ----------
-    values : array (n,)
-        Samples, evenly spaced.
-    step : float
-        Time between them [s].
-
-    Returns
-    -------
-    tuple of MainsLine
-        Of one mains frequency; none where neither it nor its second harmonic stands out. Where it
-        is above half the sampling frequency, it is looked for where sampling folds it to.
-
     Examples
     --------
     >>> t = np.arange(0.0, 20.0, 1e-3)
@@ -113,20 +98,6 @@ def is_narrow(values: Array, step: float, frequency: float) -> bool:
     """Whether a signal has a narrow line at a frequency [Hz], of the mains or not.
 
     Below some 16 periods in a block of 20 s, a line cannot be told from a broader peak.
-
-    Parameters
-    ----------
-    values : array (n,)
-        Evenly sampled signal.
-    step : float
-        Time between samples [s].
-    frequency : float
-        Frequency of the line [Hz].
-
-    Returns
-    -------
-    bool
-        Whether there is such a line.
 
     Examples
     --------

@@ -15,8 +15,6 @@ from stickslip.experiments.checking.finding import (
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.formatting import count, percent, quantities, quantity
 
-__all__ = ["alike", "coverage", "repeated", "same", "settings", "unused"]
-
 FEWEST: Final = 3
 FEW_SPEEDS: Final = 5
 SHOWN: Final = 8
@@ -195,16 +193,6 @@ def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
 
 def same(one: Measurement, other: Measurement) -> bool:
     """Whether what both records have is the same, sample by sample.
-
-    Parameters
-    ----------
-    one, other : Measurement
-        Two records, neither of which has trials.
-
-    Returns
-    -------
-    bool
-        True if at least two arrays are equal and nothing differs.
 
     Examples
     --------

@@ -20,8 +20,6 @@ from stickslip.experiments.differentiation import (
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import count, number, percent, quantities, quantity
 
-__all__ = ["Motion", "motion_of", "rests", "reversals", "slow", "straight"]
-
 SLOW: Final = 0.05
 BENT: Final = 0.01
 """Distance from the line of motion over its length up to which a motion counts as straight."""
@@ -96,18 +94,6 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
 
     Motion one way tells no friction level from a constant force: one that a fit looks for, or that
     a sensor of force may add. Where there is no such `offset`, nothing is lost.
-
-    Parameters
-    ----------
-    motion : Motion
-        Velocity of a record.
-    offset : bool
-        Whether a constant force may stand beside friction.
-
-    Yields
-    ------
-    Finding
-        What was found.
     """
     seen = motion.directions[motion.directions != 0]
     if not seen.size:

@@ -10,8 +10,6 @@ from stickslip.experiments.differentiation import GAP, interval_of
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import count, number, percent, quantity
 
-__all__ = ["gaps", "length", "sampling", "usual"]
-
 FEWEST: Final = 10
 FEW: Final = 50
 EVEN: Final = 0.01

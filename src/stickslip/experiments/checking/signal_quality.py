@@ -11,19 +11,6 @@ from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Array, Measurement
 from stickslip.formatting import number, percent, quantity
 
-__all__ = [
-    "constant",
-    "cut_off",
-    "held",
-    "jumps",
-    "lifted",
-    "plausible",
-    "quantised",
-    "saturated",
-    "unmoved",
-    "unusable",
-]
-
 LIMITED: Final = ("force", "spring_force")
 """What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
 NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
@@ -311,20 +298,7 @@ def quantised(record: Measurement) -> Iterator[Finding]:
 
 
 def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Ask for the unit of numbers that no rig has.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    motion : Motion or None
-        Its velocity; None if it has none.
-
-    Yields
-    ------
-    Finding
-        What was found, by quantity.
-    """
+    """Ask for the unit of numbers that no rig has."""
     for name, values in arrays(record):
         unit = record.unit(name)
         largest, span = float(np.abs(values).max()), float(np.ptp(values))

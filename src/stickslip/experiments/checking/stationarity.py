@@ -12,8 +12,6 @@ from stickslip.experiments.differentiation import acceleration_of, smooth
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import number, percent, quantities
 
-__all__ = ["drift", "effective"]
-
 FORCES: Final = ("force", "friction", "spring_force", "load")
 BLOCKS: Final = 10
 """Blocks in each half, whose scatter is the doubt of its mean."""
@@ -41,20 +39,7 @@ class Level(NamedTuple):
 
 
 def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
-    """Yield forces less what acceleration, velocity and direction explain of them.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    motion : Motion or None
-        Its velocity; None if it has none.
-
-    Yields
-    ------
-    Level
-        One entry per force that was recorded.
-    """
+    """Yield forces less what acceleration, velocity and direction explain of them."""
     for name in FORCES:
         if not isinstance(getattr(record, name), np.ndarray):
             continue
@@ -142,20 +127,7 @@ def _doubt(values: Array) -> float:
 
 
 def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
-    """Say how many independent values the record has, and of what.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    levels : list of Level
-        Forces without what the motion explains of them.
-
-    Yields
-    ------
-    Finding
-        What was found.
-    """
+    """Say how many independent values the record has, and of what."""
     chosen = next((level for level in levels if level.name != "load"), None)
     time = record.time
     if chosen is not None:

@@ -11,8 +11,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.readers.table_reader import Frame
 from stickslip.formatting import number
 
-__all__ = ["TRIAL", "by_trial", "condition_cells", "condition_keys", "conditions_in", "unused_in"]
-
 TRIAL = "trial"
 """Name of a column that says which trial a row belongs to."""
 KELVINS = ("K", "°C", "degC", "°F", "degF")
@@ -44,28 +42,17 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
 
 
 def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
-    """Return by name of a condition, with its unit if its column has one, the name of its column.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table.
-    columns : sequence of str
-        Names of the columns that hold conditions.
-
-    Returns
-    -------
-    dict of str to str
-        Names of columns by name of the condition.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such column.
-    """
+    """Return the column of each condition, by name, with its unit if the column has one."""
     found = {}
     for name in columns:
-        own = next((key for key, header in frame.names.items() if name in (key, header)), None)
+        own = next(
+            (
+                key
+                for key, header in frame.names.items()
+                if name in (key, header, header.partition("[")[0].strip())
+            ),
+            None,
+        )
         if own is None:
             raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
         unit = frame.units.get(own)
@@ -74,20 +61,7 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
 
 
 def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
-    """Return the cells of a column as numbers, or as texts if one is none; None where empty.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table.
-    name : str
-        Name of the column.
-
-    Returns
-    -------
-    list of float, str or None (rows,)
-        The cells.
-    """
+    """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
     column = frame.data[frame.names[name]]
     numbers = pd.to_numeric(column, errors="coerce")
     if numbers.notna().sum() == column.notna().sum() and column.dtype != bool:
@@ -99,24 +73,6 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
     """Return the conditions of a record, whose columns have one value each.
 
     A condition without any value is left out.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table of one record.
-    columns : sequence of str
-        Names of the columns that hold conditions.
-
-    Returns
-    -------
-    dict of str to float or str
-        Values by name of the condition.
-
-    Raises
-    ------
-    InputError
-        If a column is not known, or changes within the record, but for a temperature, of which the
-        mean is taken.
     """
     found: dict[str, float | str] = {}
     for key, name in condition_keys(frame, columns).items():
@@ -156,20 +112,7 @@ def _is_temperature(name: str, unit: str | None) -> bool:
 
 
 def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
-    """Return the columns that nothing was read from, with their value if they have one.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table.
-    used : collection of str
-        Names of the columns that were read.
-
-    Returns
-    -------
-    dict of str to float, str or None
-        Values by name of the column; None where they differ.
-    """
+    """Return the columns that nothing was read from, with their value if they have one."""
     found: dict[str, float | str | None] = {}
     for name in frame.names:
         if name in used or not name:

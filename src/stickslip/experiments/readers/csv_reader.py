@@ -26,8 +26,6 @@ from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
 from stickslip.units import shown
 
-__all__ = ["ambiguous", "culprit", "grouped", "read_text", "refuse_numbers"]
-
 HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
 LOOKED_AT: Final = 50
@@ -49,43 +47,12 @@ _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", 
 
 
 def ambiguous(file: str | Path, name: str) -> InputError:
-    """Return the error of a table in which two columns have one name.
-
-    Parameters
-    ----------
-    file : str or Path
-        The file.
-    name : str
-        The name.
-
-    Returns
-    -------
-    InputError
-        The error, to be raised.
-    """
+    """Return the error of a table in which two columns have one name."""
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
 def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, int]:
-    """Return a CSV table and the line of its first row; lines before the header may be comments.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    layout : Layout, optional
-        How it holds its table; found out if not given.
-
-    Returns
-    -------
-    DataFrame, int
-        Columns as they are named, with units that have a row of their own in brackets; the line.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is not such a table.
-    """
+    """Return a CSV table and the line of its first row; lines before the header may be comments."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -285,20 +252,7 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
 
 
 def refuse_numbers(path: Path, text: str) -> None:
-    """Refuse a text whose first line is a row of numbers, whatever parts them.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    text : str
-        Its contents.
-
-    Raises
-    ------
-    InputError
-        If there are no names above the numbers.
-    """
+    """Refuse a text whose first line is a row of numbers, whatever parts them."""
     first = text.lstrip()[:LONGEST_LINE].partition("\n")[0].strip()
     if any(all(map(is_number, cells_of(first, mark))) for mark in (*SEPARATORS, "|")):
         raise _no_names(path)

@@ -1,7 +1,7 @@
 """What a file seems to hold: its layout, its columns, their units; and what speaks for it."""
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +14,12 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array
+from stickslip.experiments.readers.condition_columns import (
+    KELVINS,
+    TRIAL,
+    by_trial,
+    conditions_in,
+)
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
@@ -24,9 +30,7 @@ from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.toml import check_file
 from stickslip.experiments.readers.video_tracks import is_blocks
 from stickslip.formatting import count, number
-from stickslip.units import factor, is_of, is_unit, shown
-
-__all__ = ["Guess", "guess_data"]
+from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": (
@@ -79,6 +83,7 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = {
         name: tuple(filter(None, (QUANTITIES[name].unit, QUANTITIES[name].or_unit)))
         for name in ("position", "velocity", "force", "load", "reference")
     },
+    "temperature": (CELSIUS,),
 }
 """Kinds of units of each quantity."""
 WANTED: Final = (
@@ -121,7 +126,9 @@ PREFERRED: Final = (
     *("motor", "drive", "antrieb"),
 )
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
-CONDITIONS: Final = ("temperature", "temperatur", "temp", "humidity", "feuchte", "luftfeuchte")
+TEMPERATURES: Final = ("temperature", "temperatur", "temp")
+"""Words in names of columns of temperatures."""
+CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
 """Words in names of columns that hold a condition."""
 TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
 """Names of columns that number trials."""
@@ -289,8 +296,17 @@ def guess_data(
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, by its name"
-    conditions = _conditions(frame, found, trial)
     turning = _turns(found)
+    parts = _of_trials(frame, trial)
+    conditions = _conditions(frame, found, trial)
+    if "temperature" not in found:
+        found |= _temperature(parts, conditions)
+    alone = [one.name for one in found.values()] if len(parts) == 1 else []
+    conditions = tuple(
+        name
+        for name in conditions
+        if name not in alone and all(_has_one_value(part, name) for part in parts)
+    )
     known = {
         q: one.unit
         for q, one in found.items()
@@ -324,7 +340,7 @@ def guess_data(
         reasons=reasons,
         doubts=(
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
-            *_offered(conditions),
+            *_offered(conditions, found),
         ),
     )
 
@@ -630,7 +646,8 @@ def _turns(found: Mapping[str, _Found]) -> bool:
             straight, turns = (is_of(one.unit, kind) for kind in kinds[:2])
             if straight or turns:
                 return turns
-    moving = [one.name.casefold() for q, one in found.items() if q not in ("time", "load")]
+    still = ("time", "load", "temperature")
+    moving = [one.name.casefold() for q, one in found.items() if q not in still]
     return any(word in name for name in moving for word in TURNING)
 
 
@@ -761,9 +778,52 @@ def _conditions(frame: Frame, found: Mapping[str, _Found], trial: str) -> tuple[
         name
         for name in frame.names
         if name not in taken
-        and any(part in CONDITIONS or part.endswith("temperatur") for part in _parts(name))
+        and _is_named(name, CONDITIONS)
         and bool(frame.data[frame.names[name]].notna().any())
     )
+
+
+def _is_named(name: str, words: Collection[str]) -> bool:
+    """Whether the name of a column has one of the words, or ends as the German one of heat."""
+    return any(part in words or part.endswith("temperatur") for part in _parts(name))
+
+
+def _of_trials(frame: Frame, trial: str) -> list[Frame]:
+    """Return the rows of each trial; the table itself if no column numbers trials."""
+    names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
+    return [part for _, part in by_trial(replace(frame, names=names))]
+
+
+def _temperature(parts: Sequence[Frame], names: Iterable[str]) -> Iterator[tuple[str, _Found]]:
+    """Yield the temperature that laws may contain: known at all times, and one that changes."""
+    found = [
+        _Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+        for name in names
+        if _is_named(name, TEMPERATURES)
+        for cells in [[part.data[part.names[name]] for part in parts]]
+        if any(column.nunique() > 1 for column in cells)
+        and all(np.isfinite(pd.to_numeric(column, errors="coerce")).all() for column in cells)
+        for stated in [parts[0].units.get(name)]
+        for unit in [_temperature_unit(name, stated)]
+        if unit is None or unit in KELVINS
+    ]
+    if found:
+        yield "temperature", replace(found[0], others=tuple(one.name for one in found[1:]))
+
+
+def _temperature_unit(name: str, stated: str | None) -> str | None:
+    """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
+    spelt = [stated] if stated else [m["unit"] for one in _STYLES if (m := one.fullmatch(name))]
+    return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
+
+
+def _has_one_value(part: Frame, name: str) -> bool:
+    """Whether the reader takes one value of a condition for a trial."""
+    try:
+        conditions_in(part, [name])
+    except InputError:
+        return False
+    return True
 
 
 def _may_drive(frame: Frame, name: str) -> bool:
@@ -776,8 +836,14 @@ def _may_drive(frame: Frame, name: str) -> bool:
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 
 
-def _offered(conditions: Sequence[str]) -> Iterable[str]:
-    """Yield what is said of conditions that were found by their names."""
+def _offered(conditions: Sequence[str], found: Mapping[str, _Found]) -> Iterable[str]:
+    """Yield what is said of conditions and of a temperature that were found by their names."""
+    warm = found.get("temperature")
+    if warm is not None and warm.why != "as given":
+        yield (
+            f"The column {warm.name!r} changes within a record: it is the temperature on which a"
+            " friction law may depend, such as level + viscous * exponential[temperature]."
+        )
     for name in conditions:
         yield (
             f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"

@@ -12,17 +12,6 @@ from stickslip.errors import InputError
 from stickslip.experiments.readers.time_stamps import is_stamp
 from stickslip.units import is_unit
 
-__all__ = [
-    "Layout",
-    "Text",
-    "cells_of",
-    "decoded",
-    "is_number",
-    "labview_units",
-    "layout_of",
-    "unit_in",
-]
-
 Separator = Literal[",", ";", "\t", "|", " "]
 SEPARATORS: Final = (";", "\t", ",", "|", " ")
 """Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
@@ -119,17 +108,6 @@ class Text:
 def decoded(data: bytes) -> tuple[str, str]:
     """Return a text and its code page.
 
-    Parameters
-    ----------
-    data : bytes
-        Contents of a text file.
-
-    Returns
-    -------
-    str, str
-        Text and code page: UTF-8, UTF-16 with its mark or where every other byte is 0, else that of
-        Windows.
-
     Examples
     --------
     >>> decoded("µm".encode("cp1252")), decoded("µm".encode("utf-16"))
@@ -149,40 +127,12 @@ def decoded(data: bytes) -> tuple[str, str]:
 
 
 def cells_of(line: str, separator: str) -> list[str]:
-    """Return the cells of a line, quotes removed.
-
-    Parameters
-    ----------
-    line : str
-        One line.
-    separator : str
-        What stands between cells.
-
-    Returns
-    -------
-    list of str
-        Cells without blanks around them.
-    """
+    """Return the cells of a line, quotes removed."""
     return [cell.strip() for cell in bare_cells(line, separator, skipinitialspace=True)]
 
 
 def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> list[str]:
-    """Return the cells of a line as they stand; one beyond what `csv` takes is cut.
-
-    Parameters
-    ----------
-    line : str
-        One line.
-    separator : str
-        What stands between cells.
-    skipinitialspace : bool, default False
-        Whether blanks after a separator are left out, so that quotes may follow them.
-
-    Returns
-    -------
-    list of str
-        The cells.
-    """
+    """Return the cells of a line as they stand; one beyond what `csv` takes is cut."""
     if separator == " ":
         return line.lstrip("#% \t").split()  # a header may be marked as a comment
     try:
@@ -205,18 +155,6 @@ def is_number(cell: str) -> bool:
 
 def layout_of(text: str, encoding: str) -> Text | None:
     r"""Return how a text holds its table; None if it has no header above rows of numbers.
-
-    Parameters
-    ----------
-    text : str
-        The whole text.
-    encoding : str
-        Its code page.
-
-    Returns
-    -------
-    Text or None
-        Layout and upper rows.
 
     Examples
     --------
@@ -345,20 +283,6 @@ def unit_in(cell: str) -> str:
 
 def labview_units(names: Sequence[str], above: Sequence[str], separator: str) -> tuple[str, ...]:
     r"""Return the units that a file of LabVIEW has among the lines above its header.
-
-    Parameters
-    ----------
-    names : sequence of str (n,)
-        Names of the columns.
-    above : sequence of str
-        The lines above them.
-    separator : str
-        What stands between cells.
-
-    Returns
-    -------
-    tuple of str (n,)
-        Units of the columns, empty where none is known; no units of a file of another kind.
 
     Examples
     --------

@@ -12,8 +12,6 @@ from typing import Final, NamedTuple
 
 from stickslip.errors import MOST_NUMBERS, check_size
 
-__all__ = ["CURE", "check_structure", "is_level_5"]
-
 CURE: Final = "split the file, or save fewer variables"
 HEADER: Final = 128
 MATRIX: Final = 14
@@ -52,22 +50,7 @@ def is_level_5(data: bytes) -> bool:
 
 
 def check_structure(data: bytes, file: str = "data.mat") -> None:
-    """Check that all sizes in a file fit each other, and that it does not grow without bound.
-
-    Parameters
-    ----------
-    data : bytes
-        Content of the file.
-    file : str
-        Its name, for messages.
-
-    Raises
-    ------
-    InputError
-        If it has too many numbers.
-    ValueError
-        If sizes do not fit.
-    """
+    """Check that all sizes in a file fit each other, and that it does not grow without bound."""
     order = "<" if data[126:HEADER] == b"IM" else ">"
     numbers, expanded = 0, 0
     for element in _elements(memoryview(data)[HEADER:], order):

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.mat5_validator import CURE, check_structure, is_level_5
 
-__all__ = ["read_mat"]
-
 Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
 LEAST_SPLIT, MOST_SPLIT = 100, 64
@@ -48,26 +46,7 @@ CHANNELS: Final = (
 
 
 def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
-    """Return the vectors of one length as columns; fields of structs as ``struct.field``.
-
-    Parameters
-    ----------
-    path : Path
-        A MATLAB file, version 5 to 7.3.
-    names : collection of str
-        Names that columns should have: where there are vectors of several lengths, those of the
-        length with most of these names are taken, else of the length that is most common.
-
-    Returns
-    -------
-    DataFrame
-        Whatever else the file has is left alone.
-
-    Raises
-    ------
-    InputError
-        If it is no MATLAB file or has no vector; the message lists what it has.
-    """
+    """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
     vectors = vectors or dict(_split(found))

@@ -14,8 +14,6 @@ import pandas as pd
 
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
 
-__all__ = ["MDF", "read_mdf"]
-
 MDF: Final = (".mf4", ".mdf")
 """Endings of MDF files."""
 CURE: Final = "split the file, or save fewer channels"
@@ -27,26 +25,7 @@ _DEFLATED: Final = {0, 1}
 
 
 def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
-    """Return the channels of one group as columns, with their units in brackets.
-
-    Parameters
-    ----------
-    path : Path
-        An MDF file, version 3 or 4.
-    names : collection of str
-        Names that columns should have: where there are several groups, that with most of these
-        names is taken, else that with most channels, else the longest.
-
-    Returns
-    -------
-    DataFrame
-        Column ``time [s]``, and one for each channel of numbers.
-
-    Raises
-    ------
-    InputError
-        If the package asammdf is not installed, or it is no MDF file or has no channel of numbers.
-    """
+    """Return the channels of one group as columns, with their units in brackets."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of the package's own imports

@@ -15,8 +15,6 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.units import shown
 
-__all__ = ["Column", "Reading", "check_columns", "column_of", "motor_constants"]
-
 Column: TypeAlias = str | tuple[str, str]
 """Name of a column, or of the two with a position in a plane."""
 PAIR: Final = (list, tuple)
@@ -33,22 +31,6 @@ MOTORS = {
 
 def motor_constants(given: Any) -> dict[str, float | str]:
     """Return motor constants by current: newtons or newton metres per ampere.
-
-    Parameters
-    ----------
-    given : float, str or mapping of str to float or str
-        One for all that was measured, or one for each joint by its name. Keys may also be
-        ``current`` and ``current.elbow``.
-
-    Returns
-    -------
-    dict of str to float or str
-        By ``current`` or ``current.elbow``; a text where it has a unit.
-
-    Raises
-    ------
-    ParameterError
-        If one is not a number other than 0, or its unit is of another kind.
 
     Examples
     --------
@@ -76,23 +58,6 @@ def motor_constants(given: Any) -> dict[str, float | str]:
 
 def column_of(quantity: str, given: Any) -> Column:
     """Return the name of the column that holds a quantity, or the two names of a position.
-
-    Parameters
-    ----------
-    quantity : str
-        Name of the quantity.
-    given : object
-        What ``columns`` says of it.
-
-    Returns
-    -------
-    str or tuple of str
-        Name of the column, or both names.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
 
     Examples
     --------
@@ -173,22 +138,6 @@ def check_columns(
     names: Iterable[str], mechanism: Mechanism | None = None, currents: Collection[str] = ()
 ) -> None:
     """Check that each key of ``columns`` is a quantity or a path: a typo would drop its column.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Keys of ``columns``: quantities or parameter paths.
-    mechanism : Mechanism, optional
-        Mechanism whose parameters may be named too.
-    currents : collection of str
-        Currents that have a motor constant.
-
-    Raises
-    ------
-    InputError
-        If a name is ``current``, ``voltage`` or ``torque``, which is read as a force with a gain.
-    UnknownNameError
-        If a name is neither a quantity nor a path.
 
     Examples
     --------

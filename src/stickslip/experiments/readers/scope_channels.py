@@ -13,8 +13,6 @@ from stickslip.experiments.readers.layout import cells_of, is_number
 from stickslip.formatting import count
 from stickslip.units import is_unit, shown
 
-__all__ = ["SCOPE", "is_scope", "read_scope"]
-
 SCOPE: Final = "channels of TwinCAT Scope"
 """What such a file is, for messages."""
 LONGEST_HEAD: Final = 10_000
@@ -41,11 +39,6 @@ def read_scope(text: str) -> tuple[pd.DataFrame, int]:
     Above the rows stand pairs of a key and its value, a pair for each channel. A row has a time in
     milliseconds, or the number of a sample, and a value for each channel. Channels with other times
     than the first are merged with it, and cells are then empty.
-
-    Raises
-    ------
-    InputError
-        If it has no channels, or a cell is no number.
 
     Examples
     --------

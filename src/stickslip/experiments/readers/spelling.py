@@ -3,8 +3,6 @@
 import re
 from typing import Final, Literal, TypeAlias
 
-__all__ = ["Speaker", "spelled"]
-
 Speaker: TypeAlias = Literal["python", "options", "rig"]
 """Who says how files are read: a call, the options of a command, or a rig file."""
 
@@ -20,18 +18,6 @@ _OPTIONS: Final = {"units": "unit"}
 
 def spelled(text: str, by: Speaker) -> str:
     """Return a message with the settings that it names as they are given there.
-
-    Parameters
-    ----------
-    text : str
-        With settings as in Python, such as ``columns={"position": "..."}``.
-    by : {"python", "options", "rig"}
-        Who is to be told.
-
-    Returns
-    -------
-    str
-        The same message.
 
     Examples
     --------

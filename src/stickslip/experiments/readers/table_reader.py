@@ -27,8 +27,6 @@ from stickslip.experiments.readers.toml import check_file
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
 
-__all__ = ["SECOND", "TEXT", "Frame", "frame_of", "is_data_file", "read_frame"]
-
 TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
 """Endings of text files."""
 DATA: Final = (*TEXT, *MDF, ".parquet", ".pq", ".mat")
@@ -71,42 +69,11 @@ class Frame:
         return f"{kind} {self.first_row + int(self.data.index[row])}"
 
     def place(self, name: str, row: int) -> str:
-        """Return where a cell stands, for messages.
-
-        Parameters
-        ----------
-        name : str
-            Quantity, path or name of a column.
-        row : int
-            Number of the row, from 0.
-
-        Returns
-        -------
-        str
-            File, column and line.
-        """
+        """Return where a cell stands, for messages."""
         return f"{self.file}: column {self.names[name]!r}, {self.line(row)}"
 
     def numbers(self, name: str, target: str | None) -> NDArray[np.float64]:
-        """Return a column (n,) as numbers in the target unit, or in SI.
-
-        Parameters
-        ----------
-        name : str
-            Quantity, path or name of a column.
-        target : str or None
-            Unit of the result; SI if None.
-
-        Returns
-        -------
-        array (n,)
-            Finite numbers in that unit.
-
-        Raises
-        ------
-        ParameterError
-            If a cell is not a finite number, or the unit is of another kind.
-        """
+        """Return a column (n,) as numbers in the target unit, or in SI."""
         return self.scaled(name, self.raw(name), target)
 
     def raw(
@@ -116,25 +83,6 @@ class Frame:
 
         All are finite, unless `holes` lets cells be empty, NaN or infinite. `repairable` says that
         the caller has an option that would.
-
-        Parameters
-        ----------
-        name : str
-            Quantity, path or name of a column.
-        holes : bool
-            Whether cells may be empty, NaN or infinite.
-        repairable : bool
-            Whether the message names the option that drops such rows.
-
-        Returns
-        -------
-        array (n,)
-            Numbers in the unit of the file; NaN where a cell is empty.
-
-        Raises
-        ------
-        ParameterError
-            If a cell is not a number, or not finite without `holes`.
         """
         column = self.data[self.names[name]]
         if name == "time" and not pd.api.types.is_numeric_dtype(column.dtype):
@@ -161,27 +109,7 @@ class Frame:
     def scaled(
         self, name: str, values: NDArray[np.float64], target: str | None
     ) -> NDArray[np.float64]:
-        """Convert values of a column from its unit to the target unit, or to SI.
-
-        Parameters
-        ----------
-        name : str
-            Quantity, path or name of a column.
-        values : array (n,)
-            Numbers in the unit of the file.
-        target : str or None
-            Unit of the result; SI if None.
-
-        Returns
-        -------
-        array (n,)
-            Numbers in that unit.
-
-        Raises
-        ------
-        ParameterError
-            If the unit of the column is of another kind.
-        """
+        """Convert values of a column from its unit to the target unit, or to SI."""
         unit = self.units.get(name)
         if unit is None:
             return values
@@ -237,30 +165,7 @@ def read_frame(
     units: Mapping[str, str],
     layout: Layout | None = None,
 ) -> Frame:
-    """Read a file and find out what its columns hold.
-
-    Parameters
-    ----------
-    path : str or Path
-        A ``.csv``, ``.tsv``, ``.txt``, ``.dat``, ``.asc``, ``.lvm``, ``.parquet``, ``.pq``,
-        ``.mat`` or ``.mf4`` file.
-    columns : mapping of str to str or tuple of str
-        Names of columns by quantity or path, where they differ.
-    units : mapping of str to str
-        Units of columns by quantity or path, where the header has none.
-    layout : Layout, optional
-        How a text file holds its table; found out if not given.
-
-    Returns
-    -------
-    Frame
-        The table.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is of another kind, or has no rows.
-    """
+    """Read a file and find out what its columns hold."""
     check_file(path)
     check_size(
         str(path), Path(path).stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS
@@ -294,31 +199,7 @@ def frame_of(
     units: Mapping[str, str],
     first_row: int = 1,
 ) -> Frame:
-    """Find out what the columns of a table hold.
-
-    Parameters
-    ----------
-    data : DataFrame
-        The table.
-    file : str
-        Name of its file, for messages.
-    columns : mapping of str to str or tuple of str
-        Names of columns by quantity or path, where they differ.
-    units : mapping of str to str
-        Units of columns by quantity or path, where the header has none.
-    first_row : int
-        Line of the first row in the file, or 1 where there are no lines.
-
-    Returns
-    -------
-    Frame
-        The table.
-
-    Raises
-    ------
-    InputError
-        If it has no rows.
-    """
+    """Find out what the columns of a table hold."""
     if data.empty:
         raise InputError(f"{file}: has no rows.")
     return _named(file, data, first_row, dict(_single(columns)), units)

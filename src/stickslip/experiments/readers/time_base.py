@@ -9,8 +9,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import Array
 from stickslip.formatting import count, quantity
 
-__all__ = ["Repair", "nearly_zero", "repaired", "repairs"]
-
 NEAR = 1e-3
 """Share of the usual step of time below which two samples are of one time."""
 LONG = 0.9
@@ -39,23 +37,6 @@ def repaired(
     columns: Mapping[str, Array], steps: Sequence[Repair]
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Return the columns of a record after repairs, and what was done in words.
-
-    Parameters
-    ----------
-    columns : mapping of str to array (n,)
-        By quantity, time among them for sorting.
-    steps : sequence of {"gaps", "sort"}
-        What to do, in this order.
-
-    Returns
-    -------
-    tuple of dict and tuple of str
-        Columns, and one remark for each thing that was done.
-
-    Raises
-    ------
-    InputError
-        If nothing is left, or there is no time to sort by.
 
     Examples
     --------
@@ -140,16 +121,6 @@ def nearly_zero(time: Array) -> float:
     """Return the step of time that separates no samples [s]: a thousandth of the usual step.
 
     The usual step is the median of those that are not themselves nearly zero.
-
-    Parameters
-    ----------
-    time : array (n,)
-        Times in order [s].
-
-    Returns
-    -------
-    float
-        The step; 0 if there is no longer one.
 
     Examples
     --------

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["is_stamp", "seconds_of"]
-
 DAY: Final = 86_400.0
 HALF: Final = DAY / 2
 """A time of day that falls by more than this has passed midnight."""
@@ -34,19 +32,6 @@ def is_stamp(cell: str) -> bool:
 
 def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
     """Return time stamps (n,) as seconds: with dates, since the first; else, since midnight.
-
-    Parameters
-    ----------
-    column : Series (n,)
-        Texts such as ``"01.03.2024 12:30:00,250"``, ``"2024-03-01T12:30:00.25Z"`` or
-        ``"12:30:00.25"``, all of one kind, or dates of pandas. A day stands before its month, but
-        where slashes part them and no first number exceeds 12. Times of day without a date pass
-        midnight where they fall by more than 12 hours.
-
-    Returns
-    -------
-    array (n,) or None
-        Times [s], NaN where a cell is empty; None if they are no time stamps.
 
     Examples
     --------

@@ -8,8 +8,6 @@ from typing import Any, TypeVar
 
 from stickslip.errors import InputError
 
-__all__ = ["LARGEST", "apply", "parse", "paths_of", "read_bytes", "resolved"]
-
 T = TypeVar("T")
 
 LARGEST = 10_000_000
@@ -23,25 +21,7 @@ _DEEP_KEY = re.compile(
 
 
 def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
-    """Return the contents of a regular file, or say why it cannot be read.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    largest : int, optional
-        Largest size [bytes]; no limit if not given.
-
-    Returns
-    -------
-    bytes
-        Its contents.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is empty or too large.
-    """
+    """Return the contents of a regular file, or say why it cannot be read."""
     check_file(path, largest=largest)
     try:
         return Path(path).read_bytes()
@@ -50,20 +30,7 @@ def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
 
 
 def check_file(path: str | Path, *, largest: int | None = None) -> None:
-    """Check that a file is there, is a file, and is neither empty nor too large.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    largest : int, optional
-        Largest size [bytes]; no limit if not given.
-
-    Raises
-    ------
-    InputError
-        If it is not a regular file, is empty or too large.
-    """
+    """Check that a file is there, is a file, and is neither empty nor too large."""
     if not isinstance(path, str | Path):
         raise InputError(f"A path must be text or a Path, got {path!r}.")
     try:
@@ -100,25 +67,7 @@ def _siblings(path: Path) -> str:
 
 
 def decode(data: bytes, file: str) -> str:
-    """Return text from UTF-8, or the line at which it is none.
-
-    Parameters
-    ----------
-    data : bytes
-        Text in UTF-8, perhaps with a byte-order mark.
-    file : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    str
-        The text.
-
-    Raises
-    ------
-    InputError
-        If it is not UTF-8.
-    """
+    """Return text from UTF-8, or the line at which it is none."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -130,25 +79,7 @@ def decode(data: bytes, file: str) -> str:
 
 
 def parse(data: bytes, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML file.
-
-    Parameters
-    ----------
-    data : bytes
-        Text of a TOML file.
-    file : str
-        Name of the file, for messages.
-
-    Returns
-    -------
-    dict of str to object
-        Tables and values by key.
-
-    Raises
-    ------
-    InputError
-        If it is not valid TOML, or has no tables.
-    """
+    """Return the tables of a TOML file."""
     text, tables = decode(data, file), None
     try:
         if not _DEEP_KEY.search(text):
@@ -182,18 +113,6 @@ def _is_deep(tables: dict[str, Any]) -> bool:
 def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
     """Put values given by dotted path into the tables.
 
-    Parameters
-    ----------
-    tables : dict of str to object
-        Tables of a rig file, which are changed in place.
-    overrides : mapping of object to object
-        Values by dotted path.
-
-    Raises
-    ------
-    InputError
-        If a path is malformed, or leads through something that is no table.
-
     Examples
     --------
     >>> tables = {"run": {"t_end": 1.0}}
@@ -220,25 +139,6 @@ def resolved(
 
     What is no end of a known path is left as it is.
 
-    Parameters
-    ----------
-    tables : mapping of str to object
-        Tables of a rig file, whose paths are known.
-    overrides : mapping of object to T
-        Values by dotted path, or by the end of one.
-    known : iterable of str
-        Further paths that may be set, whether they are in the file or not.
-
-    Returns
-    -------
-    dict of object to T
-        Values by full path.
-
-    Raises
-    ------
-    InputError
-        If several paths have that end; the message lists them.
-
     Examples
     --------
     >>> resolved({"mechanism": {"mass": 1.0}}, {"mass": 2, "t_end": 3}, ["run.t_end"])
@@ -260,20 +160,7 @@ def resolved(
 
 
 def paths_of(node: Any, prefix: str = "") -> Iterator[str]:
-    """Yield the paths of all values in tables; a value with its mark is one.
-
-    Parameters
-    ----------
-    node : mapping or list
-        Tables of a rig file.
-    prefix : str
-        What each path begins with.
-
-    Yields
-    ------
-    str
-        Dotted path of a value.
-    """
+    """Yield the paths of all values in tables; a value with its mark is one."""
     inner = node.items() if isinstance(node, Mapping) else enumerate(node)
     for key, value in inner:
         path = f"{prefix}{key}"

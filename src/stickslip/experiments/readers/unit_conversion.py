@@ -18,8 +18,6 @@ from stickslip.units import factor, is_of
 if TYPE_CHECKING:
     from stickslip.experiments.readers.table_reader import Frame
 
-__all__ = ["Scaling", "gains_of", "load_stated", "with_motors"]
-
 RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
 PRESSING: Final = ("load", "mass", "gravity")
@@ -30,25 +28,6 @@ TWICE: Final = 0.01
 
 def gains_of(given: Mapping[str, float | str], known: Iterable[str]) -> dict[str, float | str]:
     """Return gains as numbers, each of a quantity that is known.
-
-    Parameters
-    ----------
-    given : mapping of str to float
-        Gains by quantity.
-    known : iterable of str
-        Quantities that were read.
-
-    Returns
-    -------
-    dict of str to float
-        Gains by quantity.
-
-    Raises
-    ------
-    ParameterError
-        If one is not a finite number other than 0.
-    UnknownNameError
-        If one is of a quantity that was not read.
 
     Examples
     --------
@@ -83,29 +62,7 @@ def _gain(name: str, value: object) -> float | str:
 def with_motors(
     frame: "Frame", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
 ) -> tuple["Frame", dict[str, float | str]]:
-    """Return a table whose currents are known as forces, with the gains that make forces of them.
-
-    Parameters
-    ----------
-    frame : Frame
-        The table.
-    gains : mapping of str to float or str
-        Gains by quantity; that of a current is a factor of its own.
-    constants : mapping of str to float or str
-        Motor constants by current, from `motor_constants`.
-
-    Returns
-    -------
-    Frame, dict of str to float or str
-        Table and gains.
-
-    Raises
-    ------
-    InputError
-        If there is no such current, or a force beside it.
-    ParameterError
-        If the gain of a current has a unit.
-    """
+    """Return a table with currents as forces, and the gains that make forces of them."""
     gains = dict(gains)
     if not constants:
         return frame, gains
@@ -138,18 +95,6 @@ def with_motors(
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
     """Return the load that a mechanism states [N], or None where it has one only by default.
-
-    Parameters
-    ----------
-    mechanism : Mechanism or None
-        What was measured on; None if unknown.
-    overrides : mapping of str to float
-        Parameters of the record [SI], by full path.
-
-    Returns
-    -------
-    float or None
-        Normal force [N].
 
     Examples
     --------

@@ -18,8 +18,6 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.units import shown
 
-__all__ = ["SEPARATOR", "header_of", "is_blocks", "is_named", "read_blocks", "seconds"]
-
 SEPARATOR: Final = "/"
 """Stands between the name of a track and that of its coordinate."""
 FIRST: Final = "t"
@@ -51,18 +49,6 @@ def seconds(cell: object) -> float | None:
 def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
     """Whether a line has the names of tracks, to which the columns in the line below it belong.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Cells of the line.
-    below : sequence of str
-        Cells of the line below it.
-
-    Returns
-    -------
-    bool
-        Whether it names tracks.
-
     Examples
     --------
     >>> is_named(["mass_A"], ["t", "x", "y"]), is_named(["Tribometer"], ["time", "position"])
@@ -75,18 +61,6 @@ def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
 
 def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
     """Return the columns of Tracker with their units, and with their tracks if there are several.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of tracks, empty where a column belongs to the track before it.
-    below : sequence of str
-        Names of columns, perhaps with units in parentheses.
-
-    Returns
-    -------
-    list of str
-        Names of columns, with units in brackets.
 
     Examples
     --------

@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.experiments.readers.guess import Guess
 from stickslip.experiments.readers.layout import Layout
 
-__all__ = ["guessed_rig"]
-
 
 def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
     """Return the text of a commented rig file for what a file seems to hold.

@@ -14,8 +14,6 @@ from stickslip.experiments.rigs.rig_models import Number, Table
 from stickslip.friction import LAWS, FrictionLaw, force_parameters
 from stickslip.quantities import Quantity, fields_of, turned
 
-__all__ = ["FrictionTable", "friction_table", "python_name"]
-
 NONE = "none"
 """What stands in place of a contact's table where nothing rubs."""
 
@@ -28,20 +26,7 @@ class FrictionTable(Table):
 
 
 def python_name(name: str, kind: str = "law") -> str:
-    """Return the attribute under which the own table of a law, or of a contact, is kept.
-
-    Parameters
-    ----------
-    name : str
-        Name of the law or the contact.
-    kind : {"law", "contact"}
-        Which of both it is.
-
-    Returns
-    -------
-    str
-        A name that Python allows.
-    """
+    """Return the attribute under which the own table of a law, or of a contact, is kept."""
     return f"{kind}_{name.replace('-', '_')}"
 
 
@@ -107,26 +92,7 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 def friction_table(
     kinds: tuple[type[FrictionLaw], ...], contacts: tuple[tuple[str, bool], ...] = ()
 ) -> type[FrictionTable]:
-    """Return the model of ``[friction]`` for some laws.
-
-    Parameters
-    ----------
-    kinds : tuple of type of FrictionLaw
-        Types of the laws that may stand there.
-    contacts : tuple of (str, bool)
-        Names of the contacts, and whether each slips along an angle: speeds are then in rad/s too.
-        Several may have tables of their own, in which the same keys stand.
-
-    Returns
-    -------
-    type of FrictionTable
-        A pydantic model of the table.
-
-    Raises
-    ------
-    InputError
-        If a contact has the name of a law, or of a law's parameter.
-    """
+    """Return the model of ``[friction]`` for some laws."""
     turning = bool(contacts) and all(turns for _, turns in contacts)
     if len(contacts) > 1:
         alone = {name: friction_table(kinds, (("", turns),)) for name, turns in contacts}

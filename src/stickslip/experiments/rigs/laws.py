@@ -15,8 +15,6 @@ from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, force_parameters, law_type, laws, listed
 from stickslip.quantities import fields_of
 
-__all__ = ["by_contact", "known_laws", "laws_of", "overridden_fields"]
-
 
 def laws_of(
     friction: object, contacts: Collection[str], more: Mapping[str, type[FrictionLaw]]
@@ -25,20 +23,6 @@ def laws_of(
 
     These are the laws that are tried unasked, those with a table, and for values that these have
     not, all that have them; all laws where a key is unknown.
-
-    Parameters
-    ----------
-    friction : object
-        What stands in the file.
-    contacts : collection of str
-        Names of the contacts, which may have tables of their own.
-    more : mapping of str to type of FrictionLaw
-        Laws that are in no registry, by name.
-
-    Returns
-    -------
-    dict of str to type of FrictionLaw
-        By name, in the order of the registry.
     """
     top = friction if isinstance(friction, Mapping) else {}
     tables = [top, *(top[name] for name in contacts if isinstance(top.get(name), Mapping))]
@@ -65,34 +49,12 @@ def known_laws(
     file: str,
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
+    called: Mapping[str, str],
     at: str = "friction",
 ) -> KnownLaws:
     """Return the laws for which the table gives every required parameter.
 
     A value in a law's own table comes before a shared one, but not before an override of that.
-
-    Parameters
-    ----------
-    friction : Table
-        The table ``[friction]``.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-    kinds : mapping of str to type of FrictionLaw
-        Types of laws by registry name.
-    at : str
-        Where the table stands, for messages.
-
-    Returns
-    -------
-    KnownLaws
-        Complete laws, with their assumed fields.
-
-    Raises
-    ------
-    ParameterError
-        If the table of a law lacks a required parameter.
     """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
@@ -102,6 +64,7 @@ def known_laws(
     meant = _meant(kinds, shared)
     for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
+        table = called.get(f"{at}.{name}", f"{at}.{name}")
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
@@ -109,7 +72,7 @@ def known_laws(
             changed = overridden_fields(law, overridden, of_law=False)
             changed -= overridden_fields(law, overridden, shared=False)
             kept = {key: value for key, value in values.items() if key in changed}
-            values |= _own(own, law, file, overridden, at) | kept
+            values |= _own(own, law, file, overridden, table) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
         stated = {
             key: value.uncertainty
@@ -120,10 +83,10 @@ def known_laws(
             uncertainties[name] = stated
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
-            raise ParameterError(_missing(law, missing[0], file, at))
+            raise ParameterError(_missing(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
-        found[name] = _build(law, values, file, overridden, at)
+        found[name] = _build(law, values, file, overridden, at, table)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
@@ -145,34 +108,12 @@ def by_contact(
     file: str,
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
+    called: Mapping[str, str],
 ) -> dict[str, KnownLaws | None]:
     """Return the laws of each of several contacts; nothing if no contact has a table of its own.
 
     What stands directly in the table ``[friction]`` is shared: it comes before what stands in the
     table of a contact only where an override sets it.
-
-    Parameters
-    ----------
-    friction : FrictionTable
-        The table ``[friction]``.
-    contacts : collection of str
-        Names of the contacts.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-    kinds : mapping of str to type of FrictionLaw
-        Types of laws by registry name.
-
-    Returns
-    -------
-    dict of str to KnownLaws or None
-        Laws by contact, None where the file says that nothing rubs.
-
-    Raises
-    ------
-    InputError
-        If a law that all contacts would share has a table beside those of contacts.
     """
     given = friction.given()
     keys = {python_name(name, "contact"): name for name in contacts}
@@ -205,7 +146,7 @@ def by_contact(
             if k not in kept or (f"friction.{k}" in of_all and f"friction.{k}" not in of_contact)
         }
         whole = (friction.of_one() if own is None else own).model_copy(update=values)
-        found[name] = known_laws(whole, file, of_contact | of_all, kinds, at)
+        found[name] = known_laws(whole, file, of_contact | of_all, kinds, called, at)
     return found
 
 
@@ -217,26 +158,7 @@ def overridden_fields(
     of_law: bool = True,
     at: str = "friction",
 ) -> set[str]:
-    """Return the fields of a law that overrides set: by shared paths, by those of its own table.
-
-    Parameters
-    ----------
-    law : type of FrictionLaw
-        Type of the law.
-    overridden : collection of str
-        Paths that overrides set.
-    shared : bool
-        Whether paths shared by all laws count.
-    of_law : bool
-        Whether paths of the law's own table count.
-    at : str
-        Where the table stands.
-
-    Returns
-    -------
-    set of str
-        Names of fields.
-    """
+    """Return the fields of a law that overrides set: by shared paths, by those of its own table."""
     found = set()
     forces = force_parameters(law)
     for path in overridden:
@@ -308,7 +230,7 @@ def _required(law: type[FrictionLaw]) -> list[str]:
 
 
 def _own(
-    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], at: str
+    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], table: str
 ) -> dict[str, Any]:
     """Return the values of a law's own table, those given as forces over their load."""
     values = own.given()
@@ -324,24 +246,19 @@ def _own(
             continue
         if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
             raise InputError(
-                f"{file}: {at}.{law.name}.{field} and {at}.{law.name}.forces.{key} both give the"
-                " same parameter: leave one out."
+                f"{file}: {table}.{field} and {table}.forces.{key} both give the same parameter:"
+                " leave one out."
             )
         scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
         values[field] = Given(force.value / scale, force.marked)
     return values
 
 
-def _missing(law: type[FrictionLaw], key: str, file: str, at: str) -> str:
+def _missing(law: type[FrictionLaw], key: str, file: str, at: str, table: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
     forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
-    # the file calls the table of a composition what it likes
-    table = f"{at}.{law.name if law.title != law.name else 'NAME'}"
     other = f", or {forces[0]} under [{table}.forces]" if forces else ""
-    return (
-        f"{file}: {at}.{law.name}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]"
-        f"{other}."
-    )
+    return f"{file}: {table}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]{other}."
 
 
 def _build(
@@ -350,15 +267,16 @@ def _build(
     file: str,
     overridden: Collection[str],
     at: str,
+    table: str,
 ) -> FrictionLaw:
     given = {key: _plain(value) for key, value in values.items()}
-    _check_order(law, given, file, overridden, at)
+    _check_order(law, given, file, overridden, at, table)
     try:
         return law(**given)
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith("friction.")]
         where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: {at}.{law.name}: {error}") from None
+        raise ParameterError(f"{where}: {table}: {error}") from None
 
 
 def _check_order(
@@ -367,14 +285,15 @@ def _check_order(
     file: str,
     overridden: Collection[str],
     at: str,
+    table: str,
 ) -> None:
     """Name both parameters where an override has put one above or below another of the file."""
     known = fields_of(law)
     changed = {
-        key: path
+        key: f"{where}.{key}"
         for key in values
-        for path in (f"friction.{key}", f"friction.{law.name}.{key}")
-        if path in overridden
+        for where, path in ((at, "friction"), (table, f"friction.{law.name}"))
+        if f"{path}.{key}" in overridden
     }
     for upper, quantity in known.items():
         lower = quantity.at_least
@@ -385,9 +304,8 @@ def _check_order(
         key, other, relation = (
             (upper, lower, "below") if upper in changed else (lower, upper, "above")
         )
-        path = at + changed[key].removeprefix("friction")
         raise ParameterError(
-            f"override of {file}: {path} ({known[key].symbol}) = {number(values[key], 6)}"
+            f"override of {file}: {changed[key]} ({known[key].symbol}) = {number(values[key], 6)}"
             f" is {relation} {other} ({known[other].symbol}) = {number(values[other], 6)} of the"
             f" file: override both, so that {upper} is at least {lower}."
         )

@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.experiments.rig import Rig
 
-__all__ = ["load_rig", "rig_schema"]
-
 
 def load_rig(
     path: str | Path | None = None,

@@ -13,13 +13,12 @@ from stickslip.errors import InputError
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.friction import (
     FrictionLaw,
+    curves_beside,
     is_composition,
     law_type,
     laws,
 )
 from stickslip.mechanisms import Mechanism
-
-__all__ = ["Imported", "imported"]
 
 _PATH = re.compile(r"(?P<module>[^\W\d]\w*(\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 
@@ -44,31 +43,7 @@ def imported(
     overridden: Collection[str],
     allow: bool,
 ) -> Imported:
-    """Import what the tables name by import path, and take those names of laws out of them.
-
-    Parameters
-    ----------
-    raw : dict
-        Tables of the file; ``type`` is taken out of those of imported laws.
-    file : str
-        What messages call the file.
-    beside : Path, optional
-        Folder in which modules are looked for after Python's own places.
-    overridden : collection of str
-        Paths that overrides set.
-    allow : bool
-        Whether the user allows it.
-
-    Returns
-    -------
-    Imported
-        The classes that were imported.
-
-    Raises
-    ------
-    InputError
-        If it is not allowed, or there is no such class.
-    """
+    """Import what the tables name by import path, and take those names of laws out of them."""
     wanted = dict(_wanted(raw))
     for key, path in wanted.items():
         where = f"{place(key, file, overridden)}: {key}"
@@ -90,7 +65,7 @@ def imported(
     mechanism = found.pop("mechanism.type", None)
     own: dict[str, type[FrictionLaw]] = {}
     tables: dict[str, str] = {}
-    for where, table, law in _composed(raw, file, overridden):
+    for where, table, law in _composed(raw, file, beside, overridden):
         tables[f"{where}.{table}"] = f"{where}.{law.name}"
         if law.name not in laws():
             own[law.name] = law
@@ -107,7 +82,7 @@ def imported(
 
 
 def _composed(
-    raw: dict[str, Any], file: str, overridden: Collection[str]
+    raw: dict[str, Any], file: str, beside: Path | None, overridden: Collection[str]
 ) -> Iterator[tuple[str, str, type[FrictionLaw]]]:
     """Put tables of composed laws under the names of these; yield where, both names and law."""
     friction = raw.get("friction")
@@ -128,7 +103,7 @@ def _composed(
                     f"{where}.law must be a text such as 'level + viscous', got {text!r}."
                 )
             try:
-                kind = law_type(text)
+                kind = law_type(text if beside is None else curves_beside(text, beside))
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
             other = tables.pop(kind.name, {}) if kind.name != name else {}

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from importlib.resources import files
 from pathlib import Path
@@ -35,11 +35,13 @@ from stickslip.experiments.rig import (
     estimated_law,
     state_units,
 )
+from stickslip.experiments.rigs.law_tables import python_name
 from stickslip.experiments.rigs.laws import by_contact, known_laws, laws_of, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
 from stickslip.experiments.rigs.robots import UrdfTable, fill_friction, robot_of
 from stickslip.experiments.rigs.schema import (
+    ContactTable,
     EstimatesTable,
     ReadTable,
     RigTable,
@@ -63,8 +65,6 @@ from stickslip.mechanisms import (
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
 
-__all__ = ["read_rig"]
-
 BUNDLED = "paper_rig.toml"
 SWING_FILE = ("file", "column", "unit")
 """What a table says of the data file with a recorded motion."""
@@ -73,27 +73,7 @@ SWING_FILE = ("file", "column", "unit")
 def read_rig(
     path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
 ) -> Rig:
-    """Return the rig of a file, or the bundled one, with overrides put in.
-
-    Parameters
-    ----------
-    path : str, Path or None
-        Rig file (TOML); the bundled rig if None.
-    overrides : mapping of str to object
-        Values by dotted path, which replace those of the file.
-    allow_import : bool
-        Whether the file may import classes, which runs their code.
-
-    Returns
-    -------
-    Rig
-        The rig.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or used.
-    """
+    """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
     else:
@@ -108,6 +88,7 @@ def read_rig(
     of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
+    called = {law: given for given, law in own.tables.items()}
     contacts = _contacts(raw, own, file, overrides)
     for name, _ in contacts:
         if len(contacts) > 1 and name in of_one_law:
@@ -120,7 +101,7 @@ def read_rig(
         kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
         table = kind.model_validate(raw)
     except ValidationError as error:
-        raise complaint(error, raw, file, overrides) from None
+        raise complaint(error, raw, file, overrides, called) from None
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
@@ -132,10 +113,10 @@ def read_rig(
         mechanism = as_rotary(mechanism)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
-    of_contacts = by_contact(table.friction, names, file, overrides, kinds)
+    of_contacts = by_contact(table.friction, names, file, overrides, kinds, called)
     known = KnownLaws()
     if not of_contacts:
-        known = known_laws(table.friction, file, overrides, kinds)
+        known = known_laws(table.friction, file, overrides, kinds, called)
     named = _paths(table, file)
     return Rig(
         title=table.title or Path(file).stem,
@@ -175,14 +156,32 @@ def _contact_inputs(
     table: Table, mechanism: Mechanism, file: str, overrides: Collection[str]
 ) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
+    names = [one.name for one in mechanism.contacts()]
     found = _values(table, "contact", file, overrides)
-    for name in found:
-        if all(name in input_names(mechanism, contact.name) for contact in mechanism.contacts()):
-            raise InputError(
-                f"{place(f'contact.{name}', file, overrides)}: {mechanism.name} computes"
-                f" contact.{name} from its motion and forces: leave it out."
-            )
+    _refuse_computed(found, "contact", names, mechanism, file, overrides)
+    for name in names:
+        own = getattr(table, python_name(name, "contact"), None)
+        if own is not None:
+            found[name] = _values(own, f"contact.{name}", file, overrides)
+            _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file, overrides)
     return found
+
+
+def _refuse_computed(
+    given: Iterable[str],
+    key: str,
+    contacts: Sequence[str],
+    mechanism: Mechanism,
+    file: str,
+    overrides: Collection[str],
+) -> None:
+    """Refuse inputs that the mechanism computes at each of some contacts."""
+    for name in given:
+        if all(name in input_names(mechanism, contact) for contact in contacts):
+            raise InputError(
+                f"{place(f'{key}.{name}', file, overrides)}: {mechanism.name} computes"
+                f" {key}.{name} from its motion and forces: leave it out."
+            )
 
 
 def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
@@ -217,7 +216,10 @@ def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
 def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     """Yield paths that may be set though a file need not have them."""
     yield from ("run.t_end", "data.hold", "data.file")
-    yield from (f"contact.{name}" for name in CONTACT_INPUTS)
+    known = [raw.get("friction"), raw.get("contact")]  # some of their keys are contacts
+    tables = {name for one in known if isinstance(one, dict) for name in one}
+    for at in ("contact", *(f"contact.{name}" for name in sorted(tables))):
+        yield from (f"{at}.{name}" for name in CONTACT_INPUTS)
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:
@@ -240,7 +242,7 @@ def _contacts(
         friction = raw.get("friction")
         if "mechanism" not in raw or not isinstance(friction, dict):
             return ()
-        raise complaint(error, raw, file, overrides) from None
+        raise complaint(error, raw, file, overrides, {}) from None
     mechanism = _mechanism(table, file, overrides)
     try:
         found = checked_contacts(mechanism)
@@ -347,6 +349,8 @@ def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> d
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
+        if isinstance(value, ContactTable):
+            continue  # of one of several contacts
         if isinstance(value, Table):
             values[name] = _build(value, path, file, overridden)
         elif isinstance(value, list):

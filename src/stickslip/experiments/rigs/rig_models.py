@@ -23,8 +23,6 @@ from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import NUMBER_WITH_UNIT, shown
 
-__all__ = ["Given", "Number", "Table", "choice", "drive_tables", "table_of"]
-
 UNCERTAINTY = "uncertainty"
 """Key of the standard uncertainty of a number."""
 PLUS_MINUS = re.compile(r"\s*(?P<value>\S.*?)\s*(?:\+/?-|±)\s*(?P<doubt>\S.*?)\s*")
@@ -258,29 +256,6 @@ def table_of(
     With a `mark`, that may be said of its own numbers, and where they are `measured` they may have
     an uncertainty. What is `moved`, in m or in rad, decides
     between the units of a motor or a profile; without it both will do.
-
-    Parameters
-    ----------
-    cls : type
-        Class of a mechanism or a drive.
-    kind : str
-        What its ``type`` must say.
-    mark : str
-        Mark that its numbers may bear; none if empty.
-    moved : str
-        Unit of the coordinate that it moves, ``"m"`` or ``"rad"``; both will do if empty.
-    measured : bool
-        Whether its numbers may have an uncertainty.
-    alone : bool
-        Whether nothing else could stand there, so that ``type`` need not be given.
-    only : tuple of str
-        Fields that may be given, and none need be, where the table changes an object; all of a new
-        one if empty.
-
-    Returns
-    -------
-    type of Table
-        A pydantic model of the table.
     """
     fields: dict[str, Any] = {} if only else {"type": (Literal[kind], kind if alone else ...)}
     for field in dataclasses.fields(cls):

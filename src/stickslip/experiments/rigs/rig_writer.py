@@ -2,15 +2,13 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, Sum
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import Friction, FrictionLaw, Laws, assigned, laws
 from stickslip.mechanisms import MOTORS, Mechanism, mechanisms, without_given
 from stickslip.quantities import Parametrised, fields_of
-
-__all__ = ["rig_toml"]
 
 
 def rig_toml(
@@ -26,24 +24,6 @@ def rig_toml(
     Numbers, texts, truth values, motors, profiles, drives and parts are written. A drive that a rig
     file cannot have is left out, which a comment says. A mechanism or a law that is in no registry
     is named by its import path.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism.
-    law : FrictionLaw or mapping of str to FrictionLaw
-        The friction law; laws by the name of the contact, None where nothing rubs.
-    title : str
-        Title of the rig; none is written if empty.
-    t_end : float, optional
-        Length of the runs [s]; none is written if not given.
-    estimates : LawEstimates, optional
-        Intervals and covariance of the parameters of the law, or of those by contact.
-
-    Returns
-    -------
-    str
-        Text in TOML.
 
     Examples
     --------
@@ -83,8 +63,10 @@ def rig_toml(
     return lost + tomlkit.dumps(document)
 
 
-def _contact_input(value: Drive | float) -> object:
-    """Return a contact input as a number, or the tables of a drive."""
+def _contact_input(value: Drive | float | Mapping[str, Any]) -> object:
+    """Return a contact input as a number, or the tables of a drive; those of a contact by name."""
+    if isinstance(value, Mapping):
+        return {name: _contact_input(one) for name, one in value.items()}
     return _drives(value) if isinstance(value, Drive) else value
 
 

@@ -13,8 +13,6 @@ from stickslip.experiments.rigs.rig_models import Given, Number, Table, table_of
 from stickslip.mechanisms import Robot, RobotDescription, RobotJoint, read_urdf
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["URDF", "UrdfTable", "fill_friction", "robot_of"]
-
 URDF = "urdf"
 """``type`` of a mechanism that a robot description gives."""
 ADDED = ("damping", "armature", "effort", "mass", "lower_stop", "upper_stop", "restitution")
@@ -56,29 +54,7 @@ def _described(table: UrdfTable, file: str) -> RobotDescription:
 
 
 def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str) -> Robot:
-    """Return the robot of a table.
-
-    Parameters
-    ----------
-    table : UrdfTable
-        The table of the mechanism.
-    added : mapping of str to mapping
-        What the file says of joints, by the name of the joint.
-    file : str
-        Name of the rig file.
-
-    Returns
-    -------
-    Robot
-        The mechanism.
-
-    Raises
-    ------
-    UnknownNameError
-        If a joint is unknown or does not move.
-    ParameterError
-        If the description and what the file adds do not make a robot.
-    """
+    """Return the robot of a table."""
     described = _described(table, file)
     for remark in described.remarks:
         warnings.warn(f"{file}: {remark}", stacklevel=2)
@@ -97,19 +73,7 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str
 def fill_friction(
     raw: dict[str, Any], table: UrdfTable, contacts: Collection[str], file: str
 ) -> None:
-    """Put the friction levels of a description in where a rig file gives nothing else.
-
-    Parameters
-    ----------
-    raw : dict of str to object
-        The rig file, in which laws of contacts are added.
-    table : UrdfTable
-        The table of the mechanism.
-    contacts : collection of str
-        Names of the contacts.
-    file : str
-        Name of the rig file.
-    """
+    """Put the friction levels of a description in where a rig file gives nothing else."""
     friction = raw.setdefault("friction", {})
     if not isinstance(friction, dict) or not set(friction) <= set(contacts):
         return  # one law for all contacts, or what is refused elsewhere

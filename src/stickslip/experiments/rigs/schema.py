@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
-from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
+from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table, python_name
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, drive_tables, table_of
 from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
@@ -19,19 +19,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity
-
-__all__ = [
-    "DataTable",
-    "EstimatesTable",
-    "PublishedTable",
-    "ReadTable",
-    "RigTable",
-    "RunTable",
-    "TrialTable",
-    "flat",
-    "json_schema",
-    "rig_table",
-]
 
 TRAVEL = QUANTITIES["travel"]
 VARY = "vary"
@@ -248,18 +235,6 @@ class PublishedTable(Table):
 def flat(given: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes.
 
-    Parameters
-    ----------
-    given : mapping of str to object
-        A table; one with a ``value`` is not opened.
-    prefix : str
-        What stands before each path.
-
-    Yields
-    ------
-    (str, object)
-        Path and value.
-
     Examples
     --------
     >>> dict(flat({"elbow": {"static_coefficient": 0.2}, "x.y": 1}))
@@ -344,13 +319,21 @@ class ContactTable(Table):
 
 
 @functools.cache
-def contact_table() -> type[ContactTable]:
-    """Return the table of the contact with its inputs."""
+def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
+    """Return the table of the contact with its inputs, and a table of each of several contacts."""
     fields: dict[str, Any] = {
         name: (_contact_input(name), Field(default=None, description=known.meaning))
         for name, known in CONTACT_INPUTS.items()
     }
-    return create_model("Contact", __base__=ContactTable, **fields)
+    found = create_model("Contact", __base__=ContactTable, **fields)
+    if len(contacts) < 2:
+        return found
+    own: dict[str, Any] = {
+        python_name(name, "contact"): (found | None, Field(default=None, alias=name))
+        for name in contacts
+        if name not in CONTACT_INPUTS
+    }
+    return create_model("Contacts", __base__=found, **own)
 
 
 class RigTable(Table):
@@ -389,26 +372,12 @@ def rig_table(
     """Return the model of a rig file with all mechanisms and drives that are installed.
 
     A mechanism of the user's, with its ``type``, may come to them.
-
-    Parameters
-    ----------
-    mechanism : tuple of str and type of Mechanism, optional
-        Import path and class of a mechanism that is in no registry.
-    laws : tuple of type of FrictionLaw
-        Types of the laws that may stand in it.
-    contacts : tuple of (str, bool)
-        Names of the contacts, and whether each slips along an angle.
-
-    Returns
-    -------
-    type of RigTable
-        A pydantic model of the whole file.
     """
     known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
     tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     options = choice({**tables, URDF: UrdfTable})
     friction = friction_table(laws, contacts)
-    contact = contact_table()
+    contact = contact_table(tuple(name for name, _ in contacts))
     return create_model(
         "Rig",
         __base__=RigTable,
@@ -424,6 +393,8 @@ def json_schema() -> dict[str, Any]:
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
     friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
+    contact = schema["$defs"]["Contact"]
+    contact["additionalProperties"] = {"$ref": "#/$defs/Contact"}
     _drop_nulls(schema)
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return {**dialect, **schema, "title": "stickslip rig file"}

@@ -9,8 +9,6 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError, neare
 from stickslip.experiments.readers.toml import paths_of
 from stickslip.units import shown
 
-__all__ = ["complaint", "place"]
-
 _WANTED = {
     "model_type": "must be a table",
     "model_attributes_type": "must be a table",
@@ -23,51 +21,24 @@ _WANTED = {
 
 
 def place(key: str, file: str, overridden: Collection[str]) -> str:
-    """Return where a key was given: the file, or an override of it.
-
-    Parameters
-    ----------
-    key : str
-        Dotted path of the key.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-
-    Returns
-    -------
-    str
-        Words for the place.
-    """
+    """Return where a key was given: the file, or an override of it."""
     own = any(key == path or key.startswith(path + ".") for path in overridden)
     return f"override of {file}" if own else file
 
 
 def complaint(
-    error: ValidationError, raw: Mapping[str, Any], file: str, overridden: Collection[str]
+    error: ValidationError,
+    raw: Mapping[str, Any],
+    file: str,
+    overridden: Collection[str],
+    called: Mapping[str, str],
 ) -> InputError:
-    """Return the error to raise: the first that was found, unknown keys before all others.
-
-    Parameters
-    ----------
-    error : ValidationError
-        What pydantic found.
-    raw : mapping of str to object
-        Tables that were validated.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-
-    Returns
-    -------
-    InputError
-        The error, which is not raised here.
-    """
+    """Return the error to raise: the first that was found, unknown keys before all others."""
     found = error.errors(include_url=False)
     found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
     first: Mapping[str, Any] = found[0]
-    key, value = _key(first["loc"], raw), first["input"]
+    key, value = _as_called(_key(first["loc"], raw), called), first["input"]
+    overridden = [_as_called(path, called) for path in overridden]
     context = first.get("ctx", {})
     kind = first["type"]
     where = place(key, file, overridden)
@@ -104,6 +75,12 @@ def complaint(
     return ParameterError(f"{where}: {key or 'the file'} {wanted}, got {shown(value)}.")
 
 
+def _as_called(key: str, called: Mapping[str, str]) -> str:
+    """Return a key with the name that the file gives its table."""
+    own = next((path for path in called if f"{key}.".startswith(f"{path}.")), None)
+    return key if own is None else called[own] + key.removeprefix(own)
+
+
 def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
     name, quantity = context["key"], context["quantity"]
     under = f"under {_heading(key)}" if key else "at the top of the file"
@@ -135,11 +112,11 @@ def _key(loc: tuple[int | str, ...], raw: Any) -> str:
     parts: list[str] = []
     node = raw
     for step in loc:
-        if " " in str(step):  # which of several kinds, in words
-            continue
         if _has(node, step):
             node = node[step]
-        elif isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step):
+        elif " " in str(step) or (  # which of several kinds, in words
+            isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step)
+        ):
             continue
         parts.append(str(step))
     return ".".join(parts)

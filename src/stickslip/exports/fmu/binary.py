@@ -12,8 +12,6 @@ from pathlib import Path
 from stickslip.errors import CompilationError, InputError
 from stickslip.exports.fmu.description import Fmi
 
-__all__ = ["FOLDERS", "compiled", "compiler_here"]
-
 FOLDERS: Mapping[Fmi, str] = {2: "linux64", 3: "x86_64-linux"}
 """Folder of the binaries by version of FMI."""
 COMPILERS = ("cc", "gcc", "clang")
@@ -24,13 +22,7 @@ FLAGS = (
 
 
 def compiler_here() -> str:
-    """Return the C compiler; refuse early where no binary can be made.
-
-    Raises
-    ------
-    InputError
-        If the platform is another one, or there is no C compiler.
-    """
+    """Return the C compiler; refuse early where no binary can be made."""
     if sys.platform != "linux" or platform.machine() != "x86_64":
         raise InputError(
             f"an FMU is made on Linux on x86-64, and this is {platform.system()} on"
@@ -47,27 +39,7 @@ def compiler_here() -> str:
 
 
 def compiled(objects: Mapping[str, bytes], header: str, fmi: Fmi) -> bytes:
-    """Return the binary.
-
-    Parameters
-    ----------
-    objects : mapping of str to bytes
-        Object code by file name.
-    header : str
-        Numbers of the model in C.
-    fmi : {2, 3}
-        Version of the standard.
-
-    Returns
-    -------
-    bytes
-        A shared library.
-
-    Raises
-    ------
-    CompilationError
-        If the compiler fails.
-    """
+    """Return the binary."""
     compiler = compiler_here()
     sources = files("stickslip.exports.fmu").joinpath("c")
     names = ("instance.h", "exchange.h", "calls.h", f"fmi{fmi}.c")

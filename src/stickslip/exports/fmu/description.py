@@ -10,8 +10,6 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from stickslip.exports.fmu.units import ZEROS, base_units
 from stickslip.exports.fmu.variables import Variable
 
-__all__ = ["Fmi", "Heading", "model_description"]
-
 Fmi: TypeAlias = Literal[2, 3]
 CAUSALITIES = {
     "independent": ("independent", "continuous", None),
@@ -52,22 +50,7 @@ class Heading:
 
 
 def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi) -> bytes:
-    """Return the model description.
-
-    Parameters
-    ----------
-    heading : Heading
-        What is said of the model as a whole.
-    variables : sequence of Variable
-        The variables, whose places are their value references.
-    fmi : {2, 3}
-        Version of the standard.
-
-    Returns
-    -------
-    bytes
-        The file.
-    """
+    """Return the model description."""
     guards = sum(one.role == "indicator" for one in variables)
     token = "guid" if fmi == 2 else "instantiationToken"
     root = Element(

@@ -16,19 +16,17 @@ from stickslip.drives import Sum
 from stickslip.errors import InputError
 from stickslip.exports.fmu.binary import FOLDERS, compiled, compiler_here
 from stickslip.exports.fmu.description import Fmi, Heading, model_description
-from stickslip.exports.fmu.inputs import TOLD, told_from_outside, with_inputs
+from stickslip.exports.fmu.inputs import label_of, told_from_outside, with_inputs
 from stickslip.exports.fmu.tables import model_header
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.exports.identifiers import identifier
 from stickslip.formatting import printable
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, told_fields
 from stickslip.quantities import Quantity
 from stickslip.simulation import check_pair, initial_state
 from stickslip.solver import EventDriven, gather, object_files, within_stops
-
-__all__ = ["export_fmu"]
 
 EXCHANGE = 1e-9
 """Relative tolerance that is stored for solvers of importers, as CVode does not reach 1e-12 where
@@ -134,7 +132,8 @@ def export_fmu(
             f" {laws.corrected.__name__}."
         )
     driven, drives = with_inputs(mechanism, inputs)
-    found = {name.removeprefix(TOLD): one for name, one in drives.items()}
+    labels = {field: label_of(*at) for field, at in told_fields(driven).items()}
+    found = {labels.get(name, name): one for name, one in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)

@@ -4,20 +4,15 @@ import dataclasses
 import typing
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, final
+from typing import Any, NamedTuple, final
 
 from typing_extensions import override
 
 from stickslip.drives import Drive, Piece, Profile, Sampled, Straight
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import Friction, FrictionLaw
-from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_names
+from stickslip.friction import Friction, PrintedForm, assigned, law_of
+from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_field, input_names
 from stickslip.quantities import Parametrised
-
-__all__ = ["TOLD", "Input", "told_from_outside", "with_inputs"]
-
-TOLD: Final = "contact_"
-"""What drives that are contact inputs begin with."""
 
 
 @final
@@ -40,69 +35,55 @@ class Input(NamedTuple):
 
 
 def told_from_outside(
-    mechanism: Mechanism, law: Friction, names: Sequence[str]
+    mechanism: Mechanism, law: Friction | PrintedForm, names: Sequence[str]
 ) -> tuple[Mechanism, tuple[str, ...]]:
-    """Return a mechanism whose contact inputs that are told from outside are drives.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or mapping of str to FrictionLaw
-        Its law; only that of a single contact may have contact inputs.
-    names : sequence of str
-        Drives and contact inputs that are to be told from outside.
-
-    Returns
-    -------
-    (Mechanism, tuple of str)
-        The mechanism, and the names of all drives that are told from outside.
-
-    Raises
-    ------
-    InputError
-        If the mechanism itself makes a contact input of one of the names.
-    """
+    """Return a mechanism whose contact inputs that are told from outside are drives."""
     found = list(names)
-    for name in law.inputs if isinstance(law, FrictionLaw) else ():
-        told = name in input_names(mechanism)
-        if told and name not in names:
-            continue
-        if told and name not in given_names(mechanism):
-            raise InputError(
-                f"the contact input {name!r} follows from the motion and the drives of"
-                f" {mechanism.title}: leave it out of inputs."
-            )
-        before = getattr(mechanism, TOLD + name, 0.0)
+    for contact, name in _from_outside(mechanism, law, names):
+        field = input_field(contact, name)
+        before = getattr(mechanism, field, 0.0)
         start = before.value(0.0) if isinstance(before, Drive) else float(before)
-        mechanism = given_inputs(mechanism, {name: Sampled(times=(0.0,), values=(start,))})
-        found = [*(one for one in found if one != name), TOLD + name]
+        held = {name: Sampled(times=(0.0,), values=(start,))}
+        mechanism = given_inputs(mechanism, {contact: held} if contact else held)
+        found = [*(one for one in found if one != label_of(contact, name)), field]
     return mechanism, tuple(found)
 
 
+def label_of(contact: str, name: str) -> str:
+    """Return what a contact input is called as a variable."""
+    return f"{contact}.{name}" if contact else name
+
+
+def _from_outside(
+    mechanism: Mechanism, law: Friction | PrintedForm, names: Sequence[str]
+) -> Iterator[tuple[str, str]]:
+    """Yield contact and name of what is asked for, or what laws need and nothing tells."""
+    if isinstance(law, PrintedForm) or not isinstance(mechanism, Mechanism):
+        return  # refused where it is checked with what it is given for
+    contacts = tuple(one.name for one in mechanism.contacts())
+    laws = assigned(contacts, law)
+    asked: dict[str, list[str]] = {}
+    for contact in contacts:
+        one = law_of(contact, laws)
+        for name in () if one is None else one.inputs:
+            asked.setdefault(name, []).append(contact)
+    for name, those in asked.items():
+        untold = [one for one in those if name not in input_names(mechanism, one)]
+        apart = [one for one in those if len(contacts) > 1 and label_of(one, name) in names]
+        for contact in (*([""] if untold or name in names else []), *apart):
+            if not any(
+                name in given_names(mechanism, one) or one in untold
+                for one in ([contact] if contact else those)
+            ):
+                raise InputError(
+                    f"the contact input {label_of(contact, name)!r} follows from the motion and the"
+                    f" drives of {mechanism.title}: leave it out of inputs."
+                )
+            yield contact, name
+
+
 def with_inputs(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, Input]]:
-    """Return a mechanism whose drives of some names are told from outside.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    names : sequence of str
-        Drives as the mechanism lists them, such as ``"torque-1"``, or paths of their places, such
-        as ``"links.0.torque"``. Drives that are there are replaced, others are added.
-
-    Returns
-    -------
-    (Mechanism, dict of str to Input)
-        The mechanism, and of each name that was given the drive that it stands for.
-
-    Raises
-    ------
-    InputError
-        If a drive is a prescribed motion, or is named twice.
-    UnknownNameError
-        If there is no such drive.
-    """
+    """Return a mechanism whose drives of some names are told from outside."""
     found: dict[str, Input] = {}
     for given in names:
         mechanism, one = _with_input(mechanism, given)

@@ -13,8 +13,6 @@ from stickslip.kernels.reducers import happened
 from stickslip.solver import reasons, status_of
 from stickslip.trajectory import Status
 
-__all__ = ["model_header"]
-
 SLOTS = (
     "ADDRESS", "BOOKS", "CONSTANTS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL",
     "SAMPLED", "SEVERAL", "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
@@ -47,28 +45,7 @@ def model_header(
     settings: dict[str, float],
     token: str,
 ) -> str:
-    """Return the header with all numbers of a model.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    variables : sequence of Variable
-        The variables, whose places are their value references.
-    table : sequence of float
-        Rows of the pieces of the drives.
-    nominals : sequence of float (n,)
-        Size that each state has.
-    settings : dict of str to float
-        Values of ``DEFAULT_STOP``, ``LAST_TIME``, ``STEP_CAP``, ``TOLERANCE``.
-    token : str
-        What ties description and binary together.
-
-    Returns
-    -------
-    str
-        Text in C99.
-    """
+    """Return the header with all numbers of a model."""
     header = model.sizes.header
     roles = [one.role for one in variables]
     lines = [f"#define AT_{name} {_slot(name, header)}" for name in SLOTS]

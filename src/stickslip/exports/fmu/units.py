@@ -7,8 +7,6 @@ from typing import Final
 
 from stickslip.errors import InputError
 
-__all__ = ["BASES", "ZEROS", "base_units", "per_second"]
-
 BASES: Final = ("kg", "m", "s", "A", "K", "rad")
 ZEROS: Final = {"degC": "273.15"}
 """Zeros of units that do not count from that of their base units."""
@@ -31,22 +29,6 @@ _FACTOR: Final = re.compile(r"(?P<name>[A-Za-z]+|1)(?:\^(?P<power>\d+))?")
 def base_units(unit: str) -> dict[str, int]:
     """Return the powers of the base units of an SI unit.
 
-    Parameters
-    ----------
-    unit : str
-        Unit as quantities have it: factors separated by spaces; behind each solidus all factors
-        are divisors, in parentheses or not.
-
-    Returns
-    -------
-    dict of str to int
-        Powers by base unit, without those that are 0.
-
-    Raises
-    ------
-    InputError
-        If the unit is not of this form.
-
     Examples
     --------
     >>> base_units("N m s/rad")
@@ -61,16 +43,6 @@ def base_units(unit: str) -> dict[str, int]:
 
 def per_second(unit: str) -> str:
     """Return the unit of a time derivative.
-
-    Parameters
-    ----------
-    unit : str
-        Unit of the quantity, as `base_units` takes it; empty if it is not known.
-
-    Returns
-    -------
-    str
-        A unit of the same form, several divisors in parentheses; empty if that of the quantity is.
 
     Examples
     --------

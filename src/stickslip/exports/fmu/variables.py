@@ -7,16 +7,14 @@ from typing import Any, Literal, TypeAlias, final
 
 from stickslip.drives import Drive, Profile, Sum
 from stickslip.experiments import unit_of_input, unit_on
-from stickslip.exports.fmu.inputs import TOLD, Input
+from stickslip.exports.fmu.inputs import Input, label_of
 from stickslip.exports.fmu.units import per_second
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import state_layout
-from stickslip.mechanisms import Mechanism, has_one_slip
+from stickslip.mechanisms import Mechanism, has_one_slip, told_fields
 from stickslip.quantities import Quantity, parameters, shadow
 from stickslip.solver import column_units, path_units
-
-__all__ = ["Role", "Variable", "variables_of"]
 
 Role: TypeAlias = Literal[
     "independent",
@@ -83,28 +81,7 @@ def variables_of(
     nominals: Sequence[float],
     inputs: Mapping[str, Input],
 ) -> tuple[Variable, ...]:
-    """Return the variables of an FMU.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    model : Model
-        Their equations.
-    y0 : sequence of float (n,)
-        Initial states [SI].
-    nominals : sequence of float (n,)
-        Size that each state has [SI].
-    inputs : mapping of str to Input
-        Drives that are told from outside, by the names of their variables.
-
-    Returns
-    -------
-    tuple of Variable
-        The variables, whose places are their value references.
-    """
+    """Return the variables of an FMU."""
     found = [Variable(name="time", role="independent", unit="s", description="Time")]
     for name, (drive, start) in inputs.items():
         found.append(
@@ -114,7 +91,7 @@ def variables_of(
                 index=1 + 3 * model.drives.index(drive),
                 start=start,
                 unit=_drive_unit(mechanism, drive),
-                description=f"{_called(drive)}, held over each communication step",
+                description=f"{_called(mechanism, drive)}, held over each communication step",
             )
         )
     units: dict[str, str] = column_units(
@@ -317,17 +294,17 @@ def _parts(drive: Drive) -> Iterator[Drive]:
         yield drive
 
 
-def _called(drive: str) -> str:
+def _called(mechanism: Mechanism, drive: str) -> str:
     """Return what a drive is, in words."""
-    name = drive.removeprefix(TOLD)
-    return f"Contact input {name}" if name != drive else f"Drive {drive}"
+    told = told_fields(mechanism).get(drive)
+    return f"Contact input {label_of(*told)}" if told else f"Drive {drive}"
 
 
 def _drive_unit(mechanism: Mechanism, name: str) -> str:
     """Return the unit of a contact input, of a force, torque or load; empty for other drives."""
-    if name.startswith(TOLD):
+    if name in told_fields(mechanism):
         turning = set(mechanism.units) == {"rad"}
-        return unit_of_input(name.removeprefix(TOLD), turning=turning)
+        return unit_of_input(told_fields(mechanism)[name][1], turning=turning)
     q = dict.fromkeys(mechanism.coordinates, 0.0)
     still = dict.fromkeys(mechanism.drives(), 0.0)
     pushed = {**still, name: 1.0}

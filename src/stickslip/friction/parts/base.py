@@ -11,20 +11,6 @@ from stickslip.described import marks
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
-__all__ = [
-    "Becomes",
-    "Extra",
-    "Factor",
-    "Flow",
-    "Level",
-    "Memory",
-    "Parameter",
-    "Part",
-    "Slip",
-    "SmoothLevel",
-    "SmoothSign",
-]
-
 Values: TypeAlias = Any
 """The parameters of a law as one of its parts names them, read as attributes."""
 

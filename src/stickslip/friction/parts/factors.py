@@ -53,7 +53,7 @@ class Ripple(Factor):
     """One harmonic of the input, as of cogging and tooth mesh."""
 
     name = "ripple"
-    tex = r"(1 + a_{1} \cos m_{1} {0} + b_{1} \sin m_{1} {0})"
+    tex = r"(1 + a_{1} \cos(m_{1} {0}) + b_{1} \sin(m_{1} {0}))"
     vanishes = {"cosine": 0.0, "sine": 0.0}
     cosine: Annotated[
         float,

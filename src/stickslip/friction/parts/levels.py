@@ -172,7 +172,7 @@ class BrownMcPhee(SmoothLevel):
     """One smooth curve that peaks near mu_s at the transition velocity."""
 
     name = "brown_mcphee"
-    tex = r"\left[\mu_k \tanh 4u + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
+    tex = r"\left[\mu_k \tanh(4u) + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
     tex_where = r"u = |v|/v_t"
     kinetic_coefficient: KineticCoefficient
     static_coefficient: StaticCoefficient

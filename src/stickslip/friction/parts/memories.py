@@ -15,6 +15,9 @@ ROUNDED = 1e-12
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
+ABOVE_ONE = 1.0 + 1e-15
+"""1 and little more, in one number: in symbolic equations 1 + `LEAST` is 1."""
+
 BENT = 1e-18
 """Square of the share of the friction level within which a loop is rounded."""
 
@@ -381,5 +384,5 @@ class BlimanSorine(Memory):
     @override
     def peak(self, p: Values) -> Scalar:
         b, eta = p.surplus_share + LEAST, p.distance_ratio
-        x = log((1.0 + b) / (b * eta)) / (1.0 - eta + LEAST)  # where the force falls again
-        return 1.0 - (1.0 + b) * exp(-x) + b * exp(-eta * x)
+        x = log((1.0 + b) / (b * eta)) / (ABOVE_ONE - eta)  # where the force falls again
+        return 1.0 + b * (1.0 - eta) * exp(-eta * x)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -10,14 +11,20 @@ from numpy.typing import NDArray
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import LeastSquaresProblem
 from stickslip.quantities import fields_of
-
-__all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
 
 Array = NDArray[np.float64]
 
 STIFFER = 30.0
 """Factor on the start value of what goes to infinity in the simpler law, such as a stiffness."""
+DECADES = tuple(float(f"{10.0 ** (0.5 * power):.3g}") for power in range(-4, 5))
+"""Factors on the start value of what has no effect in the simpler law: half decades."""
+SURPLUS = 0.3
+"""Static surplus over the kinetic level that is tried as well where the simpler law has none: the
+closest fit may lie beyond a ridge."""
+SHARES = (0.1, 0.5, 0.9)
+"""Where in its range such a parameter is tried that does not span decades."""
 WORSE = 0.02
 """Share by which a sum of squares may be above that of a contained law: as far as starts agree."""
 NOT_WHOLE = 1e-6
@@ -45,20 +52,6 @@ def reachable(
     start: FrictionLaw, free_parameters: FreeParameters, fitted: Sequence[FittedLaw]
 ) -> tuple[FittedLaw, ...]:
     """Return those of fitted simpler laws that a richer law can become with what it has free.
-
-    Parameters
-    ----------
-    start : FrictionLaw
-        The richer law; its values hold what is not free.
-    free_parameters : FreeParameters
-        What is free.
-    fitted : sequence of FittedLaw
-        Fits of simpler laws, or of the same law with fewer unknowns.
-
-    Returns
-    -------
-    tuple of FittedLaw
-        Those fits whose law and free parameters the richer law contains.
 
     Examples
     --------
@@ -97,25 +90,13 @@ def starts_from(
     free_parameters: FreeParameters,
     fitted: Sequence[FittedLaw],
     load: float,
+    problem: LeastSquaresProblem | None = None,
 ) -> tuple[Array, ...]:
     """Return values (p,) of a richer law that make it a fitted simpler one.
 
-    Parameters
-    ----------
-    kind : type
-        The richer law.
-    free_parameters : FreeParameters
-        What of it, and of the mechanism, is looked for; start values stand for what has no effect.
-    fitted : sequence of FittedLaw
-        Simpler laws, of which those count that the richer one contains at first hand or that no
-        other one of them contains, and the same law with fewer unknowns.
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    tuple of array (p,)
-        Start values [SI], one array for each way in which the richer law becomes a fitted one.
+    There, some parameters have no effect, such as a Stribeck velocity without a static surplus, and
+    hence no slope that would lead a search to them. Of values over decades that is taken whose
+    neighbourhood promises the closest fit.
 
     Examples
     --------
@@ -134,13 +115,63 @@ def starts_from(
     >>> starts_from(QuadraticDrag, FreeParameters((drag,)), [simple], 1.0)
     (array([0.]),)
     """
+
+    def placed(point: Mapping[str, float]) -> Array:
+        given = [(item, point.get(item.path, item.start)) for item in free_parameters.items]
+        values = np.array([not_whole(item, value) for item, value in given])
+        return free_parameters.values(free_parameters.coordinates(values))
+
     found = []
     for one in _nearest(kind, fitted):
         for point in _embedded(kind, free_parameters, one, fitted, load):
-            given = [(item, point.get(item.path, item.start)) for item in free_parameters.items]
-            values = np.array([not_whole(item, value) for item, value in given])
-            found.append(free_parameters.values(free_parameters.coordinates(values)))
+            silent = [item for item in free_parameters.items if item.path not in point]
+            spread = [(item.path, value) for item in silent for value in _spread(item)]
+            if problem is None or not spread:
+                found.append(placed(point))
+                continue
+            risen = {
+                item.path: (1.0 + SURPLUS) * point[item.above]
+                for item in free_parameters.items
+                if item.path in point and point.get(item.above) == point[item.path]
+            }
+            for base in [point, {**point, **risen}] if risen else [point]:
+                tried = [placed(base), *(placed({**base, path: value}) for path, value in spread)]
+                found.append(min(tried, key=partial(_promised, problem)))
     return tuple(found)
+
+
+def _spread(item: FreeParameter) -> Sequence[float]:
+    """Return values over the range of a parameter."""
+    if not item.path.startswith("friction."):
+        return ()
+    if item.log:
+        values = [item.start * factor for factor in DECADES]
+    elif np.isfinite(item.low) and np.isfinite(item.high):
+        values = [item.low + share * (item.high - item.low) for share in SHARES]
+    else:
+        values = []
+    return [value for value in values if item.low <= value <= item.high]
+
+
+def _promised(problem: LeastSquaresProblem, values: Array) -> float:
+    """Return the sum of squares that a step from some values leaves to first order."""
+    here = problem.linearise(values)
+    if not here.finite:
+        return np.inf
+    low, high = problem.free_parameters.limits()
+    at = problem.free_parameters.coordinates(values)
+    slopes = here.slopes @ problem.free_parameters.slopes(at)
+    size = np.linalg.norm(slopes, axis=0)
+    free = size > 0.0
+    for _ in range(len(values)):
+        step = np.zeros(len(values))
+        step[free] = np.linalg.lstsq(slopes[:, free] / size[free], here.residual)[0] / size[free]
+        out = free & (((at <= low) & (step < 0.0)) | ((at >= high) & (step > 0.0)))
+        if not out.any():
+            break
+        free &= ~out
+    left = here.residual - slopes @ step
+    return float(left @ left)
 
 
 def _nearest(kind: type[FrictionLaw], fitted: Sequence[FittedLaw]) -> Iterator[FittedLaw]:
@@ -157,18 +188,6 @@ def not_whole(item: FreeParameter, value: float) -> float:
     """Return a value; next to it if it is a whole exponent, which has no slope.
 
     Whole exponents shape the equations.
-
-    Parameters
-    ----------
-    item : FreeParameter
-        The free parameter, whose quantity says whether whole values shape equations.
-    value : float
-        Its start value [SI].
-
-    Returns
-    -------
-    float
-        The value, or one next to it by the factor 1 + `NOT_WHOLE`.
     """
     whole = item.quantity.structural and value.is_integer()
     return value * (1.0 + NOT_WHOLE) if whole else value
@@ -217,22 +236,6 @@ def search_failure(
     """Return a sentence if a contained law fits more closely than the richer one; empty if none.
 
     A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
-
-    Parameters
-    ----------
-    kind : type
-        The richer law.
-    cost : float
-        Its sum of squares at the end of the search.
-    rows : int
-        Its number of residuals; fits to other numbers of rows are not compared.
-    fitted : sequence of FittedLaw
-        Fits of laws that it may contain.
-
-    Returns
-    -------
-    str
-        The sentence, with the difference of the root mean squares.
 
     Examples
     --------

@@ -6,8 +6,6 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Directions", "takes_part"]
-
 Array = NDArray[np.float64]
 
 HOPELESS = 1e7
@@ -76,20 +74,7 @@ class Directions:
 
 
 def takes_part(rows: Array, directions: Array) -> NDArray[np.bool_]:
-    """Return which linear functions (m, p) change along any of the directions (p, k) of norm 1.
-
-    Parameters
-    ----------
-    rows : array (m, p)
-        Coefficients of the linear functions.
-    directions : array (p, k)
-        Directions, columns of norm 1.
-
-    Returns
-    -------
-    array of bool (m,)
-        Whether each function changes.
-    """
+    """Return which linear functions (m, p) change along any of the directions (p, k) of norm 1."""
     if not directions.shape[1]:
         return np.zeros(len(rows), dtype=bool)
     change = np.linalg.norm(rows @ directions, axis=1)

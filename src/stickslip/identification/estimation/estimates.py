@@ -15,16 +15,6 @@ from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.results import READINGS, Estimate
 from stickslip.mechanisms import Mechanism
 
-__all__ = [
-    "INTERVAL",
-    "bounds_met",
-    "estimates_of",
-    "offset_left_out",
-    "sentences_of",
-    "step_intervals",
-    "with_unit",
-]
-
 Array = NDArray[np.float64]
 
 INTERVAL = "95 %"
@@ -43,20 +33,7 @@ SEPARABLE = 300.0
 
 
 def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, str]:
-    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters with their bounds.
-    values : array (p,)
-        Their estimates [SI].
-
-    Returns
-    -------
-    mapping of str to str
-        ``"lower"`` or ``"upper"`` by path; those within their bounds are not among them.
-    """
+    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     found = {}
     low, high = free_parameters.limits()
     at = free_parameters.coordinates(values)
@@ -75,24 +52,7 @@ def estimates_of(
     inference: Inference,
     at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
-    """Return the estimates with 95 % intervals, and why an interval is not bounded.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    jacobian : ResidualJacobian
-        Residuals and Jacobian at the estimates.
-    inference : Inference
-        Covariance of the estimates, and why an interval has no ends.
-    at_bounds : mapping of str to str
-        The bound that a parameter ended at, by path, from `bounds_met`.
-
-    Returns
-    -------
-    tuple of Estimate
-        One estimate for each free parameter, in their order.
-    """
+    """Return the estimates with 95 % intervals, and why an interval is not bounded."""
     found = []
     for i, item in enumerate(free_parameters.items):
         value, half = float(jacobian.values[i]), float(inference.half_widths[i])
@@ -143,22 +103,7 @@ def _bound_reason(item: FreeParameter, side: str, value: float) -> str:
 
 
 def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
-    """Return a value of an unknown with its unit.
-
-    Parameters
-    ----------
-    value : float
-        Value of the parameter [SI].
-    item : FreeParameter
-        The parameter, whose unit is written.
-    digits : int
-        Significant digits.
-
-    Returns
-    -------
-    str
-        Number and unit, such as ``"0.25 m/s"``.
-    """
+    """Return a value of an unknown with its unit."""
     return formatting.with_unit(number(value, digits), item.quantity.unit)
 
 
@@ -180,22 +125,7 @@ def in_words(path: str) -> str:
 def step_intervals(
     free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
-    """Return by path surplus, lower and upper end, for unknowns that stand above another.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters, some of which are bounded below by another one.
-    jacobian : ResidualJacobian
-        Residuals and Jacobian at the estimates.
-    inference : Inference
-        Covariance of the estimates.
-
-    Returns
-    -------
-    mapping of str to (float, float, float)
-        By path, the difference to the parameter below and both ends of its 95 % interval [SI].
-    """
+    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
     found = {}
     paths = list(free_parameters.paths)
     for i, item in enumerate(free_parameters.items):
@@ -217,27 +147,7 @@ def sentences_of(
     at_bounds: Mapping[str, str],
     estimates: Sequence[Estimate],
 ) -> tuple[str, ...]:
-    """Return what the record cannot tell.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    jacobian : ResidualJacobian
-        Residuals and Jacobian at the estimates.
-    inference : Inference
-        Covariance of the estimates and condition number of the scaled Jacobian.
-    at_bounds : mapping of str to str
-        The bound that a parameter ended at, by path, from `bounds_met`.
-    estimates : sequence of Estimate
-        Estimates of the free parameters, in their order.
-
-    Returns
-    -------
-    tuple of str
-        Parameters that are undetermined, tied to each other or not separable; empty if there are
-        none.
-    """
+    """Return what the record cannot tell."""
     lines = [
         f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is not identified:"
         f" {estimate.reason}."
@@ -271,21 +181,6 @@ def offset_left_out(
 
     Half the sum of the levels acts against the motion and half their difference always one way, so
     a constant force beside them is the same number twice.
-
-    Parameters
-    ----------
-    law : FrictionLaw or Laws
-        The fitted law; those of several contacts are told one by one.
-    mechanism : Mechanism
-        Mechanism that was measured; its offset [N] is named.
-    free_parameters : FreeParameters
-        The free parameters, perhaps with a constant force.
-
-    Returns
-    -------
-    tuple of str
-        The sentence; empty if the law has one level for both directions or a constant force was
-        fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
     fitted = any(path in free_parameters.paths for path in constants)

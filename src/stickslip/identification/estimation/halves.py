@@ -19,8 +19,6 @@ from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.quantities import Quantity
 
-__all__ = ["Halves", "blocks_of_half", "contradiction", "difference", "widened"]
-
 Array = NDArray[np.float64]
 
 CHANCE = 0.01
@@ -66,22 +64,6 @@ class Halves:
         """Return estimates of two halves, with Welch's degrees of freedom for their difference.
 
         Uncertainties of the mechanism move both halves: only by how much they do so unalike counts.
-
-        Parameters
-        ----------
-        values : (array (p,), array (p,))
-            Estimates from the first and the second half [SI].
-        known : (Inference, Inference)
-            Covariances of both.
-        timed : bool
-            Whether the halves are the first and the second in time.
-        several : bool
-            Whether the halves are of the trials, not of one record.
-
-        Returns
-        -------
-        Halves
-            The estimates with standard errors of their difference.
         """
         variances = np.array([np.maximum(np.diag(one.covariance), 0.0) for one in known])
         freedoms = np.array([one.freedom for one in known])
@@ -125,20 +107,6 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
     halves is added to the covariance as if it were a standard error, so that the half width is the
     root of the sum of squares of its own and of the distances of both halves.
 
-    Parameters
-    ----------
-    inference : Inference
-        Covariance of the estimates from the whole record.
-    values : array (p,)
-        These estimates [SI].
-    halves : Halves
-        Estimates from both halves, which may contradict each other.
-
-    Returns
-    -------
-    Inference
-        The same inference, or one with a larger covariance.
-
     Examples
     --------
     >>> own = Inference(
@@ -166,20 +134,7 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
 
 
 def contradiction(free_parameters: FreeParameters, halves: Halves) -> tuple[str, ...]:
-    """Return a sentence on the parameter in which the halves contradict each other most.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    halves : Halves
-        Estimates of these from both halves.
-
-    Returns
-    -------
-    tuple of str
-        The sentence; empty if the halves agree.
-    """
+    """Return a sentence on the parameter in which the halves contradict each other most."""
     apart = difference([item.quantity for item in free_parameters.items], halves)
     if not apart:
         return ()
@@ -192,20 +147,7 @@ def contradiction(free_parameters: FreeParameters, halves: Halves) -> tuple[str,
 
 
 def difference(quantities: Sequence[Quantity], halves: Halves | None) -> str:
-    """Return the two values of what halves contradict each other in most; empty if in nothing.
-
-    Parameters
-    ----------
-    quantities : sequence of Quantity
-        Symbols and units of the estimates, in their order.
-    halves : Halves or None
-        Estimates from both halves; None if the record was not halved.
-
-    Returns
-    -------
-    str
-        Symbol, both values with unit, and their distance in standard errors.
-    """
+    """Return the two values of what halves contradict each other in most; empty if in nothing."""
     if halves is None or not halves.contradicting:
         return ""
     worst = halves.contradicting[0]

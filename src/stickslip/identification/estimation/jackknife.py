@@ -20,18 +20,6 @@ from stickslip.errors import check_size
 from stickslip.identification.estimation.directions import Directions, takes_part
 from stickslip.identification.estimation.problem import ResidualJacobian
 
-__all__ = [
-    "BLOCKS",
-    "Displaced",
-    "Inference",
-    "block_sums",
-    "bootstrap",
-    "effective_size",
-    "freedom_of",
-    "infer",
-    "quantile_of",
-]
-
 Array = NDArray[np.float64]
 
 NORMAL_95 = 1.959963984540054
@@ -65,18 +53,6 @@ class Displaced:
 
     def followed(self, jacobian: ResidualJacobian, scale: Array) -> Array:
         """Return how far estimates (p,) follow: one Gauss-Newton step.
-
-        Parameters
-        ----------
-        jacobian : ResidualJacobian
-            The record at the estimates.
-        scale : array (p, p)
-            Derivatives of the values by what the optimiser sees; rows that are free of bounds.
-
-        Returns
-        -------
-        array (p,)
-            Change of the estimates [SI].
 
         Examples
         --------
@@ -146,11 +122,6 @@ class Inference:
 
         What the record tells has the least degrees of freedom of the estimates in it; standard
         uncertainties of the mechanism are known.
-
-        Parameters
-        ----------
-        row : array (p,)
-            The factors, of which at least one is not 0.
         """
         kept = row != 0.0
         own, known = (
@@ -174,22 +145,7 @@ class Inference:
 def block_sums(
     jacobian: ResidualJacobian, table: Array, *, blocks: int = BLOCKS
 ) -> tuple[Array, Array]:
-    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks.
-
-    Parameters
-    ----------
-    jacobian : ResidualJacobian
-        Residuals (n,) of the record.
-    table : array (n, p)
-        Derivatives of the prediction by what the optimiser sees.
-    blocks : int
-        Number b of contiguous blocks.
-
-    Returns
-    -------
-    (array (b, p, p), array (b, p))
-        Gauss-Newton matrices and gradients.
-    """
+    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks."""
     squares, slopes = [], []
     for rows in np.array_split(np.arange(len(jacobian.residual)), blocks):
         part = table[rows]
@@ -264,22 +220,6 @@ def infer(
     Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
     methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
     errors in small samples: some practical advice", 2016 (HC2).
-
-    Parameters
-    ----------
-    jacobian : ResidualJacobian
-        The record at the estimates, rows in the order of time.
-    scale : array (p, p)
-        Derivatives of the values by what the optimiser sees; rows that are free of bounds.
-    blocks : int
-        Number of blocks of equal length, of records in time.
-    displaced : sequence of Displaced
-        What the uncertainties of the mechanism make of the residuals.
-
-    Returns
-    -------
-    Inference
-        Covariance (p, p), degrees of freedom (p,) and condition number of the estimates.
 
     Examples
     --------
@@ -410,18 +350,6 @@ def freedom_of(squares: Array, direction: Array) -> float:
     Source: R. M. Bell, D. F. McCaffrey, "Bias reduction in standard errors for linear regression
     with multi-stage samples", 2002; J. E. Pustejovsky, E. Tipton, 2018.
 
-    Parameters
-    ----------
-    squares : array (b, p, p)
-        Gauss-Newton matrices of the blocks.
-    direction : array (p,)
-        Coefficients of the linear function of the values whose variance is meant.
-
-    Returns
-    -------
-    float
-        Degrees of freedom, at least 1.
-
     Examples
     --------
     >>> alike = np.ones((8, 1, 1))
@@ -487,27 +415,6 @@ def bootstrap(
     of a chi square of as many degrees as each parameter has; blocks drawn with replacement vary too
     little where there are so few, and covered 83 % for 95 %. What held parameters of the mechanism
     make of the estimates, as in `Inference.held`, is added.
-
-    Parameters
-    ----------
-    jacobian : ResidualJacobian
-        Residuals (n,) and Jacobian (n, p) at the estimates, rows in the order of time.
-    scale : array (p, p)
-        Derivatives of the values by what the optimiser sees; rows that are free of bounds.
-    draws : int
-        Number of draws.
-    blocks : int
-        Number of blocks of equal length, of records in time.
-    seed : int
-        Seed of the random weights.
-    held : mapping of str to array, optional
-        Change of the estimates by uncertain parameters of the mechanism, by path, as in
-        `Inference.held`.
-
-    Returns
-    -------
-    array (draws, p)
-        Changes in the coordinates of the optimiser.
 
     Examples
     --------

@@ -12,8 +12,6 @@ from stickslip.formatting import number
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import LeastSquaresProblem, ResidualJacobian
 
-__all__ = ["Counter", "OptimizeResult", "Watch", "improve", "search", "step_of"]
-
 Array = NDArray[np.float64]
 Watch = Callable[[float], object]
 """Called with the least root mean square so far; answers False to stop with what there is."""
@@ -101,37 +99,7 @@ def search(
     rival: float = 0.0,
     watch: Watch | None = None,
 ) -> OptimizeResult:
-    """Return the least cost over several starts.
-
-    Parameters
-    ----------
-    problem : LeastSquaresProblem
-        Its unknowns give the first start.
-    starts : int
-        Number of starts; up to `FURTHER` more while only one of several came to the least cost.
-    seed : int
-        Of the jitter of further starts.
-    start_values : sequence of array (p,)
-        Values known to be worth a start, all of which are used, and before jittered ones.
-    few : LeastSquaresProblem, optional
-        The same with some of the segments, on which starts are compared; the best of them go on
-        with all.
-    rival : float
-        Mean square that another law leaves: where all starts are far above it, only the best goes
-        on.
-    watch : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    OptimizeResult
-        The best end of all starts, and the cost and values that each start ended with.
-
-    Raises
-    ------
-    ConvergenceError
-        If the record cannot be predicted from any start.
-    """
+    """Return the least cost over several starts."""
     race = _Race(problem if few is None else few, starts, seed, start_values, rival, Counter(watch))
     race.run()
     ends = [one for one in race.ends if one]
@@ -157,13 +125,7 @@ def search(
 def _polished(
     problem: LeastSquaresProblem, ends: Sequence[ResidualJacobian], race: "_Race"
 ) -> list[ResidualJacobian]:
-    """Return where the best distinct ends of a race lead with all segments.
-
-    Raises
-    ------
-    ConvergenceError
-        If the whole record cannot be predicted from any of them.
-    """
+    """Return where the best distinct ends of a race lead with all segments."""
     ordered = sorted(ends, key=lambda end: end.cost)
     race.counter.least = math.inf  # of some segments so far
     found: list[ResidualJacobian] = []
@@ -307,33 +269,6 @@ def improve(
     A descent that ended at these values, `near`, is continued. It ends early where its cost agrees
     with a `goal`, and where a step promises to lower it by less than the share `flat`; a share that
     is not the usual one never stops the first step.
-
-    Parameters
-    ----------
-    problem : LeastSquaresProblem
-        The residuals; its free parameters give the bounds.
-    values : array (p,)
-        Start values [SI].
-    near : ResidualJacobian, optional
-        Residuals and Jacobian at these values, where an earlier descent ended.
-    counter : callable, optional
-        Called with each linearisation; may end the descent.
-    rounds : int
-        Largest number of iterations.
-    goal : float
-        Sum of squares that another start came to; 0 for none.
-    flat : float
-        Share of the cost below which a promised gain ends the descent.
-
-    Returns
-    -------
-    (ResidualJacobian, bool)
-        Residuals and Jacobian at the end, and whether the watcher ended the descent.
-
-    Raises
-    ------
-    ConvergenceError
-        If the record cannot be predicted at the start.
     """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
@@ -384,28 +319,7 @@ def _eased(gained: float, promised: float) -> float:
 def step_of(
     table: Array, residual: Array, at: Array, low: Array, high: Array, damping: float
 ) -> tuple[Array, float]:
-    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost.
-
-    Parameters
-    ----------
-    table : array (n, p)
-        Derivatives of the prediction by coordinates.
-    residual : array (n,)
-        Measured less predicted.
-    at : array (p,)
-        Coordinates from which the step goes.
-    low : array (p,)
-        Lower bounds of the coordinates.
-    high : array (p,)
-        Upper bounds of the coordinates.
-    damping : float
-        Levenberg-Marquardt damping, over the diagonal of the Gauss-Newton matrix.
-
-    Returns
-    -------
-    (array (p,), float)
-        The step, and the decrease of the sum of squares in the linear model.
-    """
+    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost."""
     slope = table.T @ residual
     free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
     step = np.zeros_like(at)

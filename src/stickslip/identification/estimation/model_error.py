@@ -6,8 +6,6 @@ from typing import Any, final
 
 from typing_extensions import override
 
-__all__ = ["UNSAID", "ModelError"]
-
 UNSAID = "The 95 % intervals do not account for it."
 """What an error means where no more is known of it."""
 

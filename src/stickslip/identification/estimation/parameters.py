@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from stickslip.quantities import Quantity
 
-__all__ = ["FreeParameter", "FreeParameters"]
-
 Array = NDArray[np.float64]
 
 
@@ -41,18 +39,6 @@ class FreeParameter:
 
     def widened(self, side: str, factor: float) -> "FreeParameter":
         """Return the unknown with a guessed bound farther out by a factor; itself at a limit.
-
-        Parameters
-        ----------
-        side : str
-            ``"lower"`` or ``"upper"``.
-        factor : float
-            Above 1.
-
-        Returns
-        -------
-        FreeParameter
-            A copy with the bound moved, or the parameter itself.
 
         Examples
         --------
@@ -137,20 +123,7 @@ class FreeParameters:
         return replace(self, items=tuple(items))
 
     def widened(self, sides: Mapping[str, str], factor: float) -> "FreeParameters":
-        """Return the unknowns with guessed bounds farther out where one was met, by path.
-
-        Parameters
-        ----------
-        sides : mapping of str to str
-            ``"lower"`` or ``"upper"`` by path: the bound that was met.
-        factor : float
-            Factor by which these bounds move, above 1.
-
-        Returns
-        -------
-        FreeParameters
-            All free parameters, in their order.
-        """
+        """Return the unknowns with guessed bounds farther out where one was met, by path."""
         items = (
             item.widened(sides[item.path], factor) if item.path in sides else item
             for item in self.items

@@ -11,8 +11,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.quantities import parameters, shadow, vary
 
-__all__ = ["MOVED", "PerturbedLaws", "with_arrays"]
-
 Array = NDArray[np.float64]
 
 MOVED = 1e-5
@@ -74,32 +72,7 @@ class PerturbedLaws:
         constant: str,
         slopes: bool = True,
     ) -> "PerturbedLaws":
-        """Return the copies of a law at values (p,) of the unknowns.
-
-        Parameters
-        ----------
-        law : FrictionLaw
-            Holds the parameters that are not looked for.
-        free_parameters : FreeParameters
-            Parameters of the law; others stand beside it, such as a constant force.
-        values : array (p,)
-            Their values.
-        constant : str
-            Path of the constant force.
-        slopes : bool
-            Whether moved copies are wanted.
-
-        Returns
-        -------
-        PerturbedLaws
-            The law at the values, followed by one copy for each of its free parameters that is
-            moved.
-
-        Raises
-        ------
-        ParameterError
-            If a value is out of its range.
-        """
+        """Return the copies of a law at values (p,) of the unknowns."""
         items = free_parameters.items
         own = [i for i, item in enumerate(items) if item.path.startswith("friction.")]
         numbers = {items[i].path: float(values[i]) for i in own}
@@ -143,18 +116,6 @@ def _size(value: float, start: float, high: float) -> float:
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
     """Return a law with arrays (copies,) for some of its parameters, by path.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Gives type and all other parameters.
-    table : mapping of str to array
-        Values (copies,) [SI] by path.
-
-    Returns
-    -------
-    object
-        A stand-in for the law, which broadcasts over a last axis (copies,).
 
     Examples
     --------

@@ -11,17 +11,6 @@ from typing_extensions import override
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "STEEPEST",
-    "FixedParameterProblem",
-    "FrictionSamples",
-    "LeastSquaresProblem",
-    "Problem",
-    "RecordProblem",
-    "ResidualJacobian",
-    "SubsetProblem",
-]
-
 Array = NDArray[np.float64]
 
 STEEPEST = 1e100
@@ -41,21 +30,7 @@ class ResidualJacobian:
         segment: NDArray[np.intp],
         memory: Any = None,
     ) -> None:
-        """Take residuals; slopes may be what finds them, when they are asked for.
-
-        Parameters
-        ----------
-        values : array (p,)
-            Values of the free parameters [SI].
-        residual : array (n,)
-            Measured less predicted; infinite where the prediction failed.
-        slopes : array (n, p) or callable
-            Derivatives of the prediction by the values, or what returns them.
-        segment : array of int (n,)
-            Segment each row belongs to.
-        memory : object, optional
-            What the problem is handed again when it linearises near by.
-        """
+        """Take residuals; slopes may be what finds them, when they are asked for."""
         self.values = values
         """Values of the unknowns (p,)."""
         self.residual = residual
@@ -115,20 +90,7 @@ class LeastSquaresProblem(Protocol):
         """What is looked for."""
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,), from an answer for near values if any.
-
-        Parameters
-        ----------
-        values : array (p,)
-            Values of the free parameters [SI].
-        near : ResidualJacobian, optional
-            An earlier answer for near values.
-
-        Returns
-        -------
-        ResidualJacobian
-            Residuals (n,) and Jacobian (n, p).
-        """
+        """Return residuals and slopes at values (p,), from an answer for near values if any."""
 
 
 class Problem(ABC):
@@ -163,24 +125,7 @@ class Problem(ABC):
         only: Sequence[int] | None = None,
         slopes: bool = True,
     ) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,).
-
-        Parameters
-        ----------
-        values : array (p,)
-            Values of the unknowns.
-        near : ResidualJacobian, optional
-            An earlier answer for near values, from which local states are carried on.
-        only : sequence of int, optional
-            Segments that are wanted; all if not given.
-        slopes : bool
-            Whether slopes are needed; zeros may stand for them if not.
-
-        Returns
-        -------
-        ResidualJacobian
-            Residuals (n,) and Jacobian (n, p) of the wanted segments.
-        """
+        """Return residuals and slopes at values (p,)."""
 
 
 class FrictionSamples(NamedTuple):
@@ -230,18 +175,7 @@ class RecordProblem(Problem):
         return 1.0
 
     def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:  # noqa: ARG002
-        """Return the rows of an answer by joint, without weights; empty where there is only one.
-
-        Parameters
-        ----------
-        seen : ResidualJacobian
-            Residuals of all segments, or of some.
-
-        Returns
-        -------
-        mapping of str to ResidualJacobian
-            Residuals and slopes of each joint.
-        """
+        """Return the rows of an answer by joint, without weights; empty where there is only one."""
         return {}
 
     @property
@@ -253,16 +187,6 @@ class RecordProblem(Problem):
         """Return the segments simulated again from their fitted states, each with its certificate.
 
         Times of a run count from the start of its segment. There are none along measured motion.
-
-        Parameters
-        ----------
-        seen : ResidualJacobian
-            An answer with the fitted states.
-
-        Returns
-        -------
-        tuple of Trajectory
-            The runs that reached their end.
         """
         return ()
 
@@ -307,20 +231,7 @@ class SubsetProblem:
         self.free_parameters = whole.free_parameters
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,).
-
-        Parameters
-        ----------
-        values : array (p,)
-            Values of the free parameters [SI].
-        near : ResidualJacobian, optional
-            An earlier answer for near values; the one given at first if None.
-
-        Returns
-        -------
-        ResidualJacobian
-            Residuals and Jacobian of the chosen segments.
-        """
+        """Return residuals and slopes at values (p,)."""
         near = self.known if near is None else near
         return self.whole.linearise(values, near, only=self.chosen)
 
@@ -346,20 +257,7 @@ class FixedParameterProblem:
         self.free_parameters = FreeParameters(items[:index] + items[index + 1 :], known)
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at the values (p - 1,) of the others.
-
-        Parameters
-        ----------
-        values : array (p - 1,)
-            Values of the other free parameters [SI].
-        near : ResidualJacobian, optional
-            An earlier answer of this problem for near values.
-
-        Returns
-        -------
-        ResidualJacobian
-            Residuals (n,) and Jacobian (n, p - 1).
-        """
+        """Return residuals and slopes at the values (p - 1,) of the others."""
         full = np.insert(values, self.index, self.value)
         before = near.memory if near is not None else None
         assert before is None or isinstance(before, ResidualJacobian)

@@ -8,8 +8,6 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["Range", "Sizes", "is_level", "with_ranges"]
-
 DECADES = 1e3
 """Factor by which a parameter without a range may leave its given value."""
 LEVELS = frozenset({"level", "level+", "level-", "force", "stiffness"})
@@ -39,16 +37,6 @@ class Sizes:
 
     def of(self, quantity: Quantity) -> Range:
         """Return start value and bounds of a parameter.
-
-        Parameters
-        ----------
-        quantity : Quantity
-            One with a scale.
-
-        Returns
-        -------
-        Range
-            Bounds do not leave the values that are allowed.
 
         Examples
         --------
@@ -80,23 +68,6 @@ def is_level(quantity: Quantity) -> bool:
 
 def with_ranges(law: FrictionLaw | type[FrictionLaw], name: str) -> Quantity:
     """Return a parameter of a law, with a range: its own, or one about the value that is given.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        An instance gives parameters without a range their values as starts.
-    name : str
-        Last name of a parameter.
-
-    Returns
-    -------
-    Quantity
-        The parameter with scale, bounds and start.
-
-    Raises
-    ------
-    InputError
-        If the parameter has no range, and no value other than 0 is given either.
 
     Examples
     --------

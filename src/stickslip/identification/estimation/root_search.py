@@ -7,8 +7,6 @@ import scipy
 
 from stickslip.errors import SimulationError
 
-__all__ = ["NEAR", "positive_root", "positive_roots"]
-
 STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
 NEAR = 2.5
@@ -28,24 +26,6 @@ def positive_root(
     reach: float = REACH,
 ) -> float | None:
     """Return the root between `low` and `high` that is nearest to `start`, or None.
-
-    Parameters
-    ----------
-    function : callable
-        Function of a positive number, continuous near its root.
-    start : float
-        Where the search begins, above 0.
-    low : float
-        Lower end of the interval that is searched.
-    high : float
-        Upper end of the interval that is searched.
-    reach : float
-        Factor above and below `start` beyond which the search ends.
-
-    Returns
-    -------
-    float or None
-        The root; None if the sign changes nowhere within reach.
 
     Examples
     --------
@@ -67,22 +47,6 @@ def positive_roots(
 
     The search goes outwards from `start` by a factor, so it needs no scale. Points at which the
     function cannot be evaluated are passed over.
-
-    Parameters
-    ----------
-    function : callable
-        Function of a positive number; it may fail at some points.
-    start : float
-        Where the search begins, above 0.
-    low : float
-        Lower end of the interval that is searched.
-    high : float
-        Upper end of the interval that is searched.
-
-    Returns
-    -------
-    tuple of float
-        The roots by their distance from `start`; empty if there are none.
 
     Examples
     --------

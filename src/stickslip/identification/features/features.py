@@ -12,27 +12,11 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError, check_even_times
-from stickslip.experiments import TRAVELS, Measurement
+from stickslip.experiments import TRAVELS, Finding, Measurement, sentences_of
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
 from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
 from stickslip.identification.series.slip_detection import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
-
-__all__ = [
-    "COMPARED",
-    "DRIFTS",
-    "FASTER",
-    "FEATURES",
-    "STEADY",
-    "Regime",
-    "StickSlipFeatures",
-    "by_features",
-    "evenly",
-    "features_of",
-    "refuse_uncertainties",
-    "towed",
-    "towed_load",
-]
 
 Array: TypeAlias = NDArray[np.float64]
 Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
@@ -90,8 +74,13 @@ class StickSlipFeatures(metaclass=Described):
     """Kind of motion."""
     covariance: Array
     """Of the logarithms of frequency, mean and standard deviation (3, 3), by block bootstrap."""
-    sentences: tuple[str, ...]
-    """What can be said, in words."""
+    findings: tuple[Finding, ...]
+    """What can be said: of kinds ``"frequency"``, ``"slips"``, ``"scatter"`` and ``"drift"``."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings in words."""
+        return sentences_of(self.findings)
 
     @property
     def waiting_time(self) -> float:
@@ -224,24 +213,12 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "regime": regime,
         "covariance": covariance,
     }
-    plain = StickSlipFeatures(**parts, sentences=())
-    return StickSlipFeatures(**parts, sentences=_sentences(plain))
+    plain = StickSlipFeatures(**parts, findings=())
+    return StickSlipFeatures(**parts, findings=findings_of(plain))
 
 
 def by_features(measurement: Measurement, route: str | None = None) -> bool:
     """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The record.
-    route : str, optional
-        Name of the route that was asked for; None if none was.
-
-    Returns
-    -------
-    bool
-        True if features are compared.
 
     Examples
     --------
@@ -257,11 +234,6 @@ def by_features(measurement: Measurement, route: str | None = None) -> bool:
 
 def refuse_uncertainties(measurement: Measurement) -> None:
     """Refuse uncertainties of the mechanism, which fits to features do not propagate.
-
-    Raises
-    ------
-    InputError
-        If there are any.
 
     Examples
     --------
@@ -291,25 +263,7 @@ def towed_load(block: TowedBlock) -> float:
 
 
 def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
-    """Return the time between samples [s] and the force over the load, sampled evenly.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        One record with time and spring_force [N].
-    block : TowedBlock
-        The towed block; its mass, stiffness and load are used.
-
-    Returns
-    -------
-    (float, array (n,))
-        Sampling interval [s], and the force over the normal force [1].
-
-    Raises
-    ------
-    InputError
-        If there are trials, time or force is missing, or there are too few samples.
-    """
+    """Return the time between samples [s] and the force over the load, sampled evenly."""
     if measurement.trials or measurement.time is None or measurement.spring_force is None:
         raise InputError(
             "features of stick-slip need one record with time and spring_force [N]. Convert a"
@@ -363,38 +317,47 @@ def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> A
     return np.asarray(scatter + READ**2 * np.eye(3), dtype=float)
 
 
-def _sentences(found: StickSlipFeatures) -> tuple[str, ...]:
+def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding, ...]:
+    """Return what can be said of features of a record, or of a part of it that has a name."""
     said = []
+
+    def add(kind: str, sentence: str) -> None:
+        said.append(Finding(kind=kind, sentence=sentence))
+
     ratio = found.frequency / found.natural_frequency
     error = math.sqrt(found.covariance[0, 0])
     if ratio > FASTER and found.regime == "inertial oscillation":
         low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
-        said.append(
+        add(
+            "frequency",
             f"The observed frequency is {within(ratio, low, high)} ({interval(low, high)}) times"
             " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of the nominal mass cannot"
             f" oscillate so fast; an effective mass of {number(1.0 / ratio**2, 2)} times the"
-            " nominal one could."
+            " nominal one could.",
         )
     if found.slips > 1:
         spread = found.waiting_times.std() / found.waiting_times.mean()
-        said.append(
+        add(
+            "slips",
             f"{found.slips} slips, {quantity(found.waiting_time, 's')} apart in the median;"
             " break-away at"
             f" {estimate(found.break_away, float(found.levels.std()))}, median drop"
             f" {number(found.drop)},"
-            f" slope between slips {number(found.slope_ratio, 2)} k V."
+            f" slope between slips {number(found.slope_ratio, 2)} k V.",
         )
         if spread > 0.2:
-            said.append(
+            add(
+                "scatter",
                 f"Waiting times scatter by {percent(spread)}: a law with fixed parameters predicts"
-                " a single waiting time and cannot explain the scatter."
+                " a single waiting time and cannot explain the scatter.",
             )
     if found.drifts:
         first, second = found.halves
         thirds = ", ".join(number(value) for value in found.thirds)
-        said.append(
-            f"The record drifts: the mean F/N is {number(first)} in the first half and"
+        add(
+            "drift",
+            f"The {part} drifts: the mean F/N is {number(first)} in the first half and"
             f" {number(second)} in the second ({thirds} in thirds). Features of the whole record"
-            " mix different states."
+            " mix different states.",
         )
     return tuple(said)

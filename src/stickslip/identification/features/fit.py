@@ -37,8 +37,6 @@ from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity, fields_of
 from stickslip.quantities import vary as with_values
 
-__all__ = ["compare_features", "fit_features", "free_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 

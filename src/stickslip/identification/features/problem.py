@@ -19,8 +19,6 @@ from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
 
-__all__ = ["SETTLING", "FeatureProblem", "cycle_features", "unknowns_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
@@ -73,20 +71,7 @@ class FeatureProblem(Problem):
         return np.zeros(len(COMPARED))
 
     def features(self, values: Array, progress: Progress | None = None) -> Array:
-        """Return the compared features (n, 3) of limit cycles with values (n, p).
-
-        Parameters
-        ----------
-        values : array (n, p)
-            Values of the free parameters [SI], a row for each limit cycle.
-        progress : callable, optional
-            Called with the number of finished runs and that of all.
-
-        Returns
-        -------
-        array (n, 3)
-            Frequency [Hz], mean and standard deviation of F/N; NaN where a run fails.
-        """
+        """Return the compared features (n, 3) of limit cycles with values (n, p)."""
         return cycle_features(
             self.block,
             self.law,
@@ -141,26 +126,7 @@ def unknowns_of(
     unknown: Sequence[str],
     free: Sequence[str],
 ) -> FreeParameters:
-    """Return what is looked for, with ranges about what the record shows.
-
-    Parameters
-    ----------
-    block : TowedBlock
-        The towed block, with nominal values.
-    law : FrictionLaw
-        Gives start values and the parameters that are held.
-    observed : StickSlipFeatures
-        Features of the record, which scale the ranges.
-    unknown : sequence of str
-        Parameters of the mechanism to fit, by path or last name.
-    free : sequence of str
-        Parameters of the law to fit, by path or last name.
-
-    Returns
-    -------
-    FreeParameters
-        The free parameters with start values and bounds, on logarithmic scales.
-    """
+    """Return what is looked for, with ranges about what the record shows."""
     declared = [*parameters(block, "mechanism"), *parameters(law, "friction")]
     known = {path: quantity for path, quantity, _ in declared}
     values = {path: value for path, _, value in declared}
@@ -236,28 +202,6 @@ def cycle_features(
 
     Runs start where the spring holds the mean level, and are watched after they have settled;
     rows are NaN where a run fails.
-
-    Parameters
-    ----------
-    block : TowedBlock
-        The towed block, with nominal values.
-    law : FrictionLaw
-        The friction law, with nominal values.
-    paths : sequence of str
-        Paths of the p parameters that vary from run to run.
-    values : array (n, p)
-        Their values [SI], a row for each run.
-    period : float
-        Observed period [s], which sets the sampling and the length of the runs.
-    level : float
-        Observed mean of F/N [1], at which the spring begins.
-    progress : callable, optional
-        Called with the number of finished runs and that of all.
-
-    Returns
-    -------
-    array (n, 3)
-        Frequency [Hz], mean and standard deviation of F/N.
     """
     load = towed_load(block)
     times = period * (SETTLING + np.arange(WATCHED * SAMPLES + 1) / SAMPLES)

@@ -20,6 +20,7 @@ from stickslip.identification.features.features import (
     FEATURES,
     StickSlipFeatures,
     features_of,
+    findings_of,
     towed_load,
 )
 from stickslip.identification.features.problem import SETTLING
@@ -30,8 +31,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
-__all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 QUANTILE = 2.36
@@ -40,7 +39,6 @@ FLAT = 0.1
 """A parameter takes part in a change that no feature shows if its share is above this."""
 TOLD = 0.01
 """Singular values below this share of the largest are such changes."""
-WHOLE, PART = "The record drifts", "The fitted part of the record drifts"
 EDGE = 1e-6
 """Logarithms closer than that to an end of their range are at it."""
 MISSED = 0.05
@@ -167,43 +165,14 @@ class FeatureFit(Fit[Law_co]):
 
 
 def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]:
-    """Return the relative errors of predicted features (3,) by name.
-
-    Parameters
-    ----------
-    predicted : array (3,)
-        Frequency [Hz], mean and standard deviation of F/N.
-    observed : StickSlipFeatures
-        Features of the record.
-
-    Returns
-    -------
-    dict of str to float
-        Predicted over observed, less 1, by name of the feature.
-    """
+    """Return the relative errors of predicted features (3,) by name."""
     return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
 
 
 def estimates_of(
     free_parameters: FreeParameters, best: ResidualJacobian, covariance: Array
 ) -> tuple[tuple[Estimate, ...], Array]:
-    """Return what was looked for and which of it no feature tells; its correlation (p, p).
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    best : ResidualJacobian
-        Residuals and Jacobian at the estimates; its memory holds other values with the same
-        features.
-    covariance : array (3, 3)
-        Covariance of the logarithms of the observed features.
-
-    Returns
-    -------
-    (tuple of Estimate, array (p, p))
-        Estimates with 95 % intervals, and their correlation.
-    """
+    """Return what was looked for and which of it no feature tells; its correlation (p, p)."""
     at = free_parameters.coordinates(best.values)
     # what other starts came to with the same features
     alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
@@ -251,25 +220,9 @@ def sentences_of(
     held: StickSlipFeatures | None,
     errors: Mapping[str, float],
 ) -> tuple[str, ...]:
-    """Return what can be said of a fit, in words.
-
-    Parameters
-    ----------
-    estimates : sequence of Estimate
-        Estimates with intervals, or with the reason for none.
-    observed : StickSlipFeatures
-        Features of the part of the record that was fitted.
-    held : StickSlipFeatures or None
-        Features of the part held out; None if there is none.
-    errors : mapping of str to float
-        Relative errors of the fitted limit cycle, by name of the feature.
-
-    Returns
-    -------
-    tuple of str
-        Drift, undetermined parameters and features that the fit misses.
-    """
-    said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
+    """Return what can be said of a fit, in words."""
+    part = "fitted part of the record" if held else "record"
+    said = [str(one) for one in findings_of(observed, part)]
     if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
         said.append(
             f"The record drifts: the mean F/N is {number(observed.mean)} in the fitted part and"

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from stickslip.identification.features.features import COMPARED
 from stickslip.identification.features.result import FeatureFit
 
-__all__ = ["as_good", "error_of_score", "paired", "room_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 SHARE = 0.5
@@ -44,18 +42,6 @@ def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
 
     Both are judged by the same features, so what is in doubt of these cancels as far as the laws
     err alike.
-
-    Parameters
-    ----------
-    other : FeatureFit
-        A fit to the same record.
-    best : FeatureFit
-        The fit with the least score.
-
-    Returns
-    -------
-    (float, float)
-        Difference of the scores and its standard error [1].
     """
     slope = _slope(other.held_out_errors) - _slope(best.held_out_errors)
     return other.score - best.score, _doubt(best, slope)
@@ -66,18 +52,6 @@ def as_good(other: FeatureFit, best: FeatureFit) -> bool:
 
     The difference must exceed one paired standard error, and half of what the features change by
     themselves: a law that misses the fitted part may come nearer to the other by chance.
-
-    Parameters
-    ----------
-    other : FeatureFit
-        A fit to the same record.
-    best : FeatureFit
-        The fit with the least score.
-
-    Returns
-    -------
-    bool
-        True if the difference is within its standard error or the scatter of the features.
     """
     if best.held_out is None:
         return other.rms <= best.rms + LEAST

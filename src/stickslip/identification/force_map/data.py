@@ -14,24 +14,10 @@ from stickslip.experiments import Measurement, noise_of, step_of, usual_top_spee
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
-from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
-
-__all__ = [
-    "SEGMENTS",
-    "TIMELESS",
-    "MotionSegment",
-    "blur_of",
-    "check_loads",
-    "load_along",
-    "reach_of",
-    "refuse_timeless",
-    "smoothed",
-    "stretches_of",
-    "weighs",
-]
 
 Array = NDArray[np.float64]
 
@@ -188,30 +174,6 @@ def stretches_of(
 ) -> tuple[MotionSegment, ...]:
     """Return the stretches of a measurement of friction.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Gives the normal force where it was not measured.
-    measurement : Measurement
-        Friction, with velocity or position in time, or with velocity as a table.
-    segment : float, optional
-        Length of segments [s]; a fortieth of each record if not given.
-    samples : float
-        Samples of a record at most; of more, every second, third and so on is picked. The motion
-        between them is kept.
-    response : SensorResponse
-        How the sensor shows friction; without delay if not given.
-
-    Returns
-    -------
-    tuple of MotionSegment
-        One stretch for each part of a record without a gap.
-
-    Raises
-    ------
-    InputError
-        If there is no friction, no motion or no normal force.
-
     Examples
     --------
     >>> from stickslip import Axis, Measurement
@@ -305,18 +267,6 @@ def refuse_timeless(
 ) -> None:
     """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
 
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        The law to fit.
-    stretches : sequence of MotionSegment
-        Stretches of the measurement.
-
-    Raises
-    ------
-    InputError
-        With what to do instead.
-
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
@@ -332,47 +282,14 @@ def refuse_timeless(
 
 
 def weighs(mechanism: Mechanism, record: Measurement) -> bool:
-    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism that was measured.
-    record : Measurement
-        One record of it.
-
-    Returns
-    -------
-    bool
-        True if the normal force follows from the mechanism's weight.
-    """
+    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed."""
     return "load" not in record.quantities() and any(
         contact.normal is not None for contact in mechanism.contacts()
     )
 
 
 def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
-    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Gives the normal force [N] where none was measured.
-    record : Measurement
-        One record.
-    count : int
-        Number n of samples.
-
-    Returns
-    -------
-    array (n,)
-        Normal force [N].
-
-    Raises
-    ------
-    InputError
-        If it is not above 0 N throughout.
-    """
+    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's."""
     label = f"record {record.name!r}" if record.name else "the record"
     if "load" in record.quantities():
         load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), count)
@@ -561,20 +478,7 @@ def _resolved(
 
 
 def reach_of(position: Array, noise: float) -> float:
-    """Return the displacement to either side that positions with noise do not resolve.
-
-    Parameters
-    ----------
-    position : array (n,)
-        Positions [m].
-    noise : float
-        Standard deviation of their noise [m].
-
-    Returns
-    -------
-    float
-        Displacement [m].
-    """
+    """Return the displacement to either side that positions with noise do not resolve."""
     return max(BEYOND * noise, FINEST * float(np.ptp(position)))
 
 
@@ -595,20 +499,7 @@ def _displacements(position: Array, least: float) -> tuple[NDArray[np.intp], Arr
 
 
 def smoothed(columns: Array, passed: float) -> Array:
-    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed.
-
-    Parameters
-    ----------
-    columns : array
-        Evenly sampled.
-    passed : float
-        What the filter passes, over half the sampling frequency.
-
-    Returns
-    -------
-    array
-        The filtered columns, of the same shape.
-    """
+    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed."""
     from scipy import signal
 
     return np.asarray(signal.sosfiltfilt(_sections(passed), columns, axis=0), dtype=float)

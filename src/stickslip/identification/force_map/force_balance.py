@@ -22,8 +22,8 @@ from stickslip.experiments import (
     usual_top_speed,
 )
 from stickslip.identification.contact_inputs import inputs_along
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     FINEST,
     QUIET,
@@ -52,24 +52,6 @@ from stickslip.identification.series.inverse_dynamics import (
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
-
-__all__ = [
-    "FEWEST",
-    "HIGHEST",
-    "SAMPLES",
-    "BalanceProblemBuilder",
-    "FilteredMotion",
-    "balanced",
-    "compared",
-    "filtered_motion",
-    "followed_beyond",
-    "mean_force",
-    "mean_frequency",
-    "passed_by_balance",
-    "positive_noise",
-    "resting_motion",
-    "second_differences",
-]
 
 Array = NDArray[np.float64]
 
@@ -102,35 +84,6 @@ def balanced(
     wider: float = 1.0,
 ) -> tuple[MotionSegment, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Its mass times the acceleration is taken off the force; trials may override parameters.
-    measurement : Measurement
-        Records in time with position or velocity, and the force applied if there is one.
-    hold : {"zero", "first"}
-        Whether a force keeps its value until the next sample or goes straight to it.
-    segment : float, optional
-        Length of segments [s]; a fortieth of each record if not given.
-    samples : float
-        Samples of a record along which friction is predicted, unless the filter asks for more.
-    slipping : bool
-        Whether rows that see much of what is at rest, or too slow for its direction to be sure, are
-        left out, as they are of fits: there the noise of positions moves what laws predict. Where
-        hardly any row would be left, all stay.
-    wider : float
-        Factor on what the common filter passes: more noise, and more of what is fast.
-
-    Returns
-    -------
-    tuple of MotionSegment
-        One stretch for each part of a record without a gap.
-
-    Raises
-    ------
-    InputError
-        If a record has no motion in time, is too short, or never moves.
 
     Examples
     --------
@@ -181,20 +134,7 @@ class BalanceProblemBuilder:
         return self._along(own, record)
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
-        """Return the problem that is fitted: rows that slip, since rests only judge a law.
-
-        Parameters
-        ----------
-        record : Measurement
-            Records in time of motion and force.
-        length : float, optional
-            Length of segments [s]; a fortieth of each record if not given.
-
-        Returns
-        -------
-        ForceMap
-            The problem, with the mass that friction was derived with.
-        """
+        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
         return self._along(own, record)
 
@@ -267,18 +207,6 @@ def mean_force(force: Array, *, joined: bool) -> Array:
     These weigh accelerations from one sample before to one after as a triangle: of a force that is
     held, that is half of the one before; of one whose samples are joined, nearly its own.
 
-    Parameters
-    ----------
-    force : array (n,)
-        Evenly sampled force [N].
-    joined : bool
-        Whether the force goes straight from sample to sample; else each is held until the next.
-
-    Returns
-    -------
-    array (n,)
-        Mean force [N].
-
     Examples
     --------
     >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=False)
@@ -296,20 +224,7 @@ def mean_force(force: Array, *, joined: bool) -> Array:
 
 
 def second_differences(x: Array, dt: float) -> Array:
-    """Return accelerations (n,) [m/s^2]; the outer ones are repeated.
-
-    Parameters
-    ----------
-    x : array (n,)
-        Evenly sampled positions [m].
-    dt : float
-        Sampling interval [s].
-
-    Returns
-    -------
-    array (n,)
-        Accelerations [m/s^2].
-    """
+    """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
     inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
@@ -386,22 +301,6 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
-
-    Parameters
-    ----------
-    raw : array (n,)
-        Positions [m].
-    dt : float
-        Step of time [s].
-    passed : float
-        What the filter of friction passes, over half the sampling frequency.
-    tracked : bool
-        Whether positions were measured: those integrated from velocities drift at rest.
-
-    Returns
-    -------
-    FilteredMotion
-        Positions, velocities and rests.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
@@ -428,18 +327,7 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
 
 
 def resting_motion(raw: Array) -> FilteredMotion:
-    """Return positions (n,) as those of a body at rest throughout, which at most drifts.
-
-    Parameters
-    ----------
-    raw : array (n,)
-        Positions [m].
-
-    Returns
-    -------
-    FilteredMotion
-        Slow positions without velocity.
-    """
+    """Return positions (n,) as those of a body at rest throughout, which at most drifts."""
     return FilteredMotion(
         position=smoothed(raw, min(2.0 * RIPPLES / len(raw), HIGHEST)),
         velocity=np.zeros_like(raw),
@@ -461,20 +349,7 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
 
 
 def followed_beyond(x: Array, reach: float) -> Array:
-    """Return positions (n,) that follow others only where these leave their reach, as play does.
-
-    Parameters
-    ----------
-    x : array (n,)
-        Positions [m].
-    reach : float
-        Displacement to either side that they do not follow [m].
-
-    Returns
-    -------
-    array (n,)
-        The positions without what stays within reach.
-    """
+    """Return positions (n,) that follow others only where these leave their reach, as play does."""
     found, at = [], float(x[0])
     for one in x.tolist():
         at = min(max(at, one - reach), one + reach)
@@ -488,22 +363,6 @@ def compared(
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
     None are where nothing moves, unless asked for.
-
-    Parameters
-    ----------
-    motion : FilteredMotion
-        The motion, with its rests.
-    passed : float
-        What the filter of friction passes, over half the sampling frequency.
-    slipping : bool
-        Whether rows that see much of what is at rest are left out.
-    throughout : bool
-        Whether rows of a body that rests throughout are compared.
-
-    Returns
-    -------
-    array of bool (n,)
-        True for rows that are compared.
     """
     v = motion.velocity
     kept = np.full(len(v), throughout or not motion.resting.all())

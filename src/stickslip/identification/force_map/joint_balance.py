@@ -12,14 +12,14 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
-from stickslip.identification.contact_inputs import recorded_inputs
+from stickslip.identification.contact_inputs import joint_inputs
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
     FrictionSamples,
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     SEGMENTS,
     MotionSegment,
@@ -29,7 +29,6 @@ from stickslip.identification.force_map.data import (
 )
 from stickslip.identification.force_map.force_balance import (
     FEWEST,
-    HIGHEST,
     OVERSAMPLED,
     RIPPLES,
     SAMPLES,
@@ -44,19 +43,15 @@ from stickslip.identification.force_map.force_balance import (
     second_differences,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.series.inverse_dynamics import LEAST, check_even, positions_of
+from stickslip.identification.series.inverse_dynamics import (
+    HIGHEST,
+    LEAST,
+    check_even,
+    positions_of,
+)
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import parameters, vary
-
-__all__ = [
-    "JointBalance",
-    "JointBalanceBuilder",
-    "check_joints",
-    "contacts_along",
-    "joint_stretches",
-    "with_own_segments",
-]
 
 Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
@@ -91,36 +86,6 @@ def joint_stretches(
     robots, whose gears make accelerations beyond that which no torque of a motor goes with.
 
     Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
-
-    Parameters
-    ----------
-    torques : JointTorques
-        What a motion takes.
-    mechanism : Mechanism
-        Values of its parameters; records may override them.
-    measurement : Measurement
-        Records in time of positions and forces, by joint.
-    hold : {"zero", "first"}
-        Whether a force keeps its value until the next sample or goes straight to it.
-    segment : float, optional
-        Length of segments [s]; a fortieth of each record if not given.
-    samples : sequence of float
-        Samples of a record along which friction is predicted, unless the filter asks for more.
-    slipping : bool
-        Whether rows that see much of what is at rest are left out.
-    wider : float
-        Factor on what the common filter passes.
-
-    Returns
-    -------
-    tuple of tuple of tuple of MotionSegment
-        For each of `samples`: stretches by coordinate, in the order of the mechanism's.
-
-    Raises
-    ------
-    InputError
-        If a joint is missing or one of them has no position or force; or a record is too short, or
-        never moves.
     """
     pieces: list[tuple[int, _Piece, NDArray[np.intp]]] = []
     first = 0
@@ -168,20 +133,7 @@ def _cut(
 
 
 def check_joints(record: Measurement, names: Sequence[str]) -> None:
-    """Refuse a record that does not have position and force of every joint.
-
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    names : sequence of str
-        Coordinates of the mechanism.
-
-    Raises
-    ------
-    InputError
-        With what is missing, or not known.
-    """
+    """Refuse a record that does not have position and force of every joint."""
     label = f"record {record.name!r}" if record.name else "the record"
     if not record.joints:
         raise InputError(
@@ -209,18 +161,7 @@ def check_joints(record: Measurement, names: Sequence[str]) -> None:
 
 
 def with_own_segments(stretches: Stretches) -> Stretches:
-    """Return the stretches of one joint with segments numbered without those that it rests in.
-
-    Parameters
-    ----------
-    stretches : tuple of MotionSegment
-        Stretches of one joint, whose segments are numbered for all joints.
-
-    Returns
-    -------
-    tuple of MotionSegment
-        The same, as if there were no other joint.
-    """
+    """Return the stretches of one joint with segments numbered without those that it rests in."""
     used = np.unique(np.concatenate([one.segment[one.segment >= 0] for one in stretches]))
     return tuple(_renumbered(one, used) for one in stretches)
 
@@ -255,8 +196,8 @@ class _Piece:
     """Slopes of that (n, m, k)."""
     loads: Array
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
-    inputs: Mapping[str, Array]
-    """Contact inputs of the record (n,), which all joints share."""
+    inputs: Sequence[Mapping[str, Array]]
+    """Contact inputs of each joint (n,), by name."""
 
     @property
     def span(self) -> float:
@@ -323,7 +264,17 @@ class _Piece:
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
-            inputs=recorded_inputs(record, time),
+            inputs=joint_inputs(
+                mechanism,
+                {along: one.name for along, one in contacts_along(mechanism).items()},
+                record,
+                time,
+                places,
+                rates,
+                applied[inside],
+                fitted=torques.linear,
+                zeros=torques.by_position,
+            ),
         )
 
     def stretch(
@@ -343,7 +294,7 @@ class _Piece:
                 velocity=motion.velocity[picked],
                 load=self.loads[picked, i],
                 travel=np.diff(motion.position[picked]),
-                inputs={name: x[picked] for name, x in self.inputs.items()},
+                inputs={name: x[picked] for name, x in self.inputs[i].items()},
             ),
             friction=smoothed(self.applied[:, i] - self.taken[:, i], passed)[picked],
             segment=np.where(kept, numbers, -1)[picked],
@@ -400,23 +351,7 @@ def _on_even_times(
 
 
 def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
-    """Return the contact along each coordinate that one rubs along.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-
-    Returns
-    -------
-    dict of str to Contact
-        Contacts by coordinate; one without a name has that of its coordinate.
-
-    Raises
-    ------
-    InputError
-        If a contact is pressed by a reaction, or does not slip along one coordinate, or shares it.
-    """
+    """Return the contact along each coordinate that one rubs along."""
     owner = type(mechanism).__name__
     found: dict[str, Contact] = {}
     for contact in mechanism.contacts():
@@ -552,20 +487,7 @@ class JointBalance(RecordProblem):
         return replace(self, maps=maps, free_parameters_=free_parameters)
 
     def along(self, stretches: Sequence[Stretches], derived: Sequence[float]) -> "JointBalance":
-        """Return the same along other stretches.
-
-        Parameters
-        ----------
-        stretches : sequence of tuple of MotionSegment
-            Of each joint.
-        derived : sequence of float
-            Values of the mechanism's parameters that their friction was derived with [SI].
-
-        Returns
-        -------
-        JointBalance
-            The problem along these stretches.
-        """
+        """Return the same along other stretches."""
         maps = {
             name: replace(one, stretches=own, derived=tuple(derived))
             for (name, one), own in zip(self.maps.items(), stretches, strict=True)
@@ -661,20 +583,7 @@ class JointBalanceBuilder:
         return self._built(record, length, slipping=False)
 
     def fitted(self, record: Measurement, length: float | None = None) -> JointBalance:
-        """Return the problem that is fitted: rows that slip, since rests only judge a law.
-
-        Parameters
-        ----------
-        record : Measurement
-            Records in time, by joint.
-        length : float, optional
-            Length of segments [s]; a fortieth of each record if not given.
-
-        Returns
-        -------
-        JointBalance
-            The problem.
-        """
+        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
         return self._built(record, length, slipping=True)
 
     def _built(self, record: Measurement, length: float | None, *, slipping: bool) -> JointBalance:

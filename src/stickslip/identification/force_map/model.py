@@ -10,7 +10,8 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw, bound
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.bristle_integration import balancing, displaced, follow
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -18,10 +19,7 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
-
-__all__ = ["ForceMap", "moved", "spanned"]
 
 Array = NDArray[np.float64]
 
@@ -169,18 +167,6 @@ class ForceMap(RecordProblem):
         """Return the same along other stretches, with the constant force that records set.
 
         Records that set different ones keep that of the mechanism.
-
-        Parameters
-        ----------
-        stretches : sequence of MotionSegment
-            Measured motion and friction.
-        measurement : Measurement
-            The records they come from, whose overrides may set the constant force [N].
-
-        Returns
-        -------
-        ForceMap
-            The problem along these stretches.
         """
         offsets = {one.overrides.get(self.constant, self.offset) for one in measurement.records()}
         offset = offsets.pop() if len(offsets) == 1 else self.offset
@@ -312,20 +298,7 @@ class ForceMap(RecordProblem):
 
 
 def moved(one: MotionSegment, change: Array) -> MotionSegment:
-    """Return a stretch as if friction had been derived with other parameters of the mechanism.
-
-    Parameters
-    ----------
-    one : MotionSegment
-        The stretch.
-    change : array (k,)
-        By how much the parameters change that its regressors are of [SI].
-
-    Returns
-    -------
-    MotionSegment
-        A copy with friction at rest and in motion moved.
-    """
+    """Return a stretch as if friction had been derived with other parameters of the mechanism."""
     if one.regressors is None:
         return one
     held = one.held
@@ -415,7 +388,8 @@ def _with_memory(
 ) -> tuple[Array, Array, float]:
     """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
     if before is None:
-        start = _first_state(own, one, offset)
+        wanted = float(one.friction[0]) - offset
+        start = balancing(own.base, one.path, wanted, own.bristles)[:, 0]
         guess = follow(own.base, one.path, start[:, None])[..., 0]
     else:
         start, guess = before.near(change), before.states
@@ -435,24 +409,6 @@ def _extended(states: Array, count: int) -> Array:
     return found
 
 
-def _first_state(own: PerturbedLaws, one: MotionSegment, offset: float) -> Array:
-    """Return the least bristle state (b,) that the first measured force can come from."""
-    law = bound(own.base, {name: float(x[0]) for name, x in one.path.inputs.items()})
-    v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
-    level = float(law.break_away(n))
-    wanted = min(max(float(one.friction[0]) - offset, -level), level)
-    size = 1e-6
-    at_rest = law.force(v, n, (0.0,) * count)
-    slope = np.array(
-        [
-            (law.force(v, n, tuple(size * (k == i) for i in range(count))) - at_rest) / size
-            for k in range(count)
-        ]
-    )
-    found: Array = slope * (wanted - at_rest) / max(float(slope @ slope), 1e-300)
-    return found
-
-
 def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the space of first states in some rows (r, k), and what gives them by residual."""
     count = local.shape[1]
@@ -469,18 +425,7 @@ def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 
 def spanned(columns: Array) -> Array:
-    """Return orthonormal columns that span others (n, r); none if all are 0.
-
-    Parameters
-    ----------
-    columns : array (n, k)
-        Columns, of any sizes.
-
-    Returns
-    -------
-    array (n, r)
-        The basis, without directions that the columns hardly have.
-    """
+    """Return orthonormal columns that span others (n, r); none if all are 0."""
     size = np.linalg.norm(columns, axis=0)
     columns = columns[:, size > 0.0] / size[size > 0.0]
     if not columns.shape[1]:

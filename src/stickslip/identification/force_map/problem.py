@@ -18,16 +18,6 @@ from stickslip.identification.force_map.start_values import StartEstimate, looke
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
-__all__ = [
-    "MECHANISM",
-    "SENSOR",
-    "ConstantForce",
-    "ForceMap",
-    "constant_of",
-    "force_map",
-    "map_along",
-]
-
 Array = NDArray[np.float64]
 
 MECHANISM, SENSOR = "mechanism.offset", "measurement.offset.friction"
@@ -62,43 +52,6 @@ def force_map(
     known: Mapping[str, float] | None = None,
 ) -> ForceMap:
     """Return the problem of fitting a law to measured friction, with start values from the data.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        With a type, all parameters of `fit_order` are looked for, and start where the data say.
-        With a law, those of them that stand in its equations are looked for, from its values: a
-        whole exponent is kept.
-    mechanism : Mechanism
-        Gives the normal force where it was not measured.
-    measurement : Measurement
-        Friction, with velocity or position in time, or with velocity as a table.
-    segment : float, optional
-        Length of segments [s]; a fortieth of each record if not given. Segments only say which
-        rows belong together: bristles are carried through from one to the next.
-    samples : float
-        Samples of a record that are compared at most; ``float("inf")`` for all. The motion between
-        them is kept.
-    free : collection of str, optional
-        Parameters of the law that are fitted, by path or last name; if not given, those of its
-        `fit_order`.
-    held : collection of str
-        Parameters that are not fitted, by path or last name.
-    known : mapping of str to float, optional
-        Values of those, by last name, where the law is a type; defaults if not given.
-
-    Returns
-    -------
-    ForceMap
-        A constant offset is looked for as well: ``mechanism.offset`` of a mechanism that has one,
-        else ``measurement.offset.friction``. Not so where the data or the law cannot tell it from
-        a level: slip in one direction only, or a law that differs by direction. Parameters that
-        the record does not depend on are left out.
-
-    Raises
-    ------
-    InputError
-        If there is no friction, no motion or no normal force, or nothing to look for.
 
     Examples
     --------
@@ -150,41 +103,6 @@ def map_along(
     """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
 
     Start values of a law that knows no history come from stretches of fewer samples.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        The law; start values of a type come from the stretches.
-    stretches : sequence of MotionSegment
-        Measured motion and friction along which the law is fitted.
-    few : sequence of MotionSegment
-        The same with fewer samples, from which start values come.
-    free : collection of str, optional
-        Parameters of the law to fit, by path or last name; its `fit_order` if not given.
-    held : collection of str
-        Parameters that are not fitted, by path or last name.
-    known : mapping of str to float, optional
-        Values of parameters of the law that are held [SI], by name.
-    beside : ConstantForce
-        Constant force beside friction, which is looked for unless it is held; that of the force
-        sensor if not given.
-    linear : sequence of FreeParameter
-        Parameters of the mechanism that are looked for too, in the order of the stretches'
-        regressors.
-    derived : sequence of float
-        Values of these parameters that friction was derived with [SI].
-    mass : float
-        What moves as the contact slips [kg], where friction was derived with it.
-
-    Returns
-    -------
-    (ForceMap, tuple of array (p,))
-        The problem, and start values [SI].
-
-    Raises
-    ------
-    InputError
-        If there is nothing to look for, or the law is none that can be mapped.
     """
     kind = law if isinstance(law, type) else type(law)
     if not issubclass(kind, FrictionLaw):

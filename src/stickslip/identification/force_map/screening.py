@@ -16,16 +16,14 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.perturbed_laws import with_arrays
 from stickslip.identification.estimation.ranges import is_level
-from stickslip.identification.force_map.bristle_integration import follow
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.quantities import vary
-
-__all__ = ["screened_starts"]
 
 Array = NDArray[np.float64]
 
@@ -58,19 +56,6 @@ APART = 0.7
 
 def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     """Return values (p,) from which the search of a force map should begin, the best first.
-
-    Parameters
-    ----------
-    problem : ForceMap
-        What is fitted.
-    coarse : ForceMap
-        The same with few samples, on which points of the grid are compared if the law knows no
-        history. What a filter for few samples leaves of presliding would lead elsewhere.
-
-    Returns
-    -------
-    tuple of array (p,)
-        One at least: the start values as they are where no unknown spans decades.
 
     Examples
     --------

@@ -14,8 +14,6 @@ from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 
-__all__ = ["StartEstimate", "looked_for"]
-
 Array = NDArray[np.float64]
 
 FAST = 0.5
@@ -113,20 +111,7 @@ class StartEstimate:
     def of(
         cls, stretches: Sequence[MotionSegment], *, offset: float | None = None
     ) -> "StartEstimate":
-        """Return what some stretches say; the offset is looked for if it is not given.
-
-        Parameters
-        ----------
-        stretches : sequence of MotionSegment
-            Measured motion and friction.
-        offset : float, optional
-            Constant force [N] beside friction.
-
-        Returns
-        -------
-        StartEstimate
-            Levels, slopes and stiffness to start from.
-        """
+        """Return what some stretches say; the offset is looked for if it is not given."""
         rows = [
             np.stack([one.path.velocity, one.path.load, one.friction])[:, one.rows_of(None)]
             for one in stretches
@@ -156,20 +141,7 @@ class StartEstimate:
         return cls(**{**_plain(sides[2]), "sides": (sides[0], sides[1])})
 
     def law(self, kind: type[FrictionLaw], known: Mapping[str, float]) -> FrictionLaw:
-        """Return a law of a kind: known values by name, else of these sizes where it needs some.
-
-        Parameters
-        ----------
-        kind : type
-            Type of the law.
-        known : mapping of str to float
-            Values of its parameters that are given [SI], by name.
-
-        Returns
-        -------
-        FrictionLaw
-            A law with start values.
-        """
+        """Return a law of a kind: known values by name, else of these sizes where it needs some."""
         values: dict[str, Any] = {}
         for declared in fields(kind):
             quantity = fields_of(kind).get(declared.name)
@@ -190,22 +162,7 @@ class StartEstimate:
     def free_parameters(
         self, law: FrictionLaw, paths: Collection[str], constant: str | None
     ) -> FreeParameters:
-        """Return the parameters at some paths, and a constant force, to be looked for.
-
-        Parameters
-        ----------
-        law : FrictionLaw
-            The law with start values.
-        paths : collection of str
-            Full paths of its parameters to fit.
-        constant : str or None
-            Path of the constant force; None if it is not fitted.
-
-        Returns
-        -------
-        FreeParameters
-            The free parameters with start values and bounds.
-        """
+        """Return the parameters at some paths, and a constant force, to be looked for."""
         known = _values(law)
         items = [
             self._unknown(law, path, quantity, value, known)
@@ -273,23 +230,6 @@ def looked_for(
 
     Those of its `fit_order` and of laws within it, as far as they are given. A whole exponent is
     among them only if `whole` is true, or if it is named.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, with start values.
-    whole : bool
-        Whether whole exponents are fitted too.
-    free : collection of str, optional
-        Parameters to fit, by path or last name; ``"friction.*"`` stands for the usual ones, as does
-        None.
-    held : collection of str
-        Parameters that are not fitted, by path or last name.
-
-    Returns
-    -------
-    list of str
-        Full paths, in the order of the law's parameters.
 
     Examples
     --------

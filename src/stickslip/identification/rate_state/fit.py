@@ -45,8 +45,6 @@ from stickslip.identification.validation import (
 )
 from stickslip.mechanisms import Mechanism, TowedBlock
 
-__all__ = ["STARTS", "Drift", "fit_rate_state", "form_of", "with_profile"]
-
 Array: TypeAlias = NDArray[np.float64]
 Drift: TypeAlias = Literal["auto", "none", "linear"]
 
@@ -199,11 +197,6 @@ def with_profile(fit: RateStateFit) -> RateStateFit:
 
 def form_of(law: object) -> RateStateForm:
     """Return the form of a law, its type or its name.
-
-    Raises
-    ------
-    InputError
-        If it is no form of rate-and-state friction.
 
     Examples
     --------

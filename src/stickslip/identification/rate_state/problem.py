@@ -18,8 +18,6 @@ from stickslip.identification.rate_state.slider import coefficients, logarithms
 from stickslip.identification.series.load_point import Path, path_of
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["DRIFT", "PATHS", "Record", "Slider", "record_of", "serves", "unknowns_for"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 PATHS = (
@@ -92,18 +90,7 @@ class Record:
         return float(self.path.position[-1] - self.path.places[0])
 
     def within(self, before: float | None, after: float | None) -> "Record":
-        """Return what lies within some way before the first step and some after the last.
-
-        Parameters
-        ----------
-        before, after : float or None
-            Way of the load point [m] before the first and after the last step; all if None.
-
-        Returns
-        -------
-        Record
-            That part of the record, with times and positions from 0 on.
-        """
+        """Return what lies within some way before the first step and some after the last."""
         place = np.interp(self.time, self.path.time, self.path.position)
         low = -np.inf if before is None else self.path.places[0] - before
         high = np.inf if after is None else self.path.places[-1] + after
@@ -128,11 +115,6 @@ def serves(measurement: Measurement) -> bool:
     It has time, ``pull`` and ``friction``, but neither position nor velocity of the slider: where
     these were measured, friction is compared along the measured motion, without a stiffness.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        Any measurement. Whether its load point changes its speed, `fit_rate_state` says.
-
     Examples
     --------
     >>> pulled = {"time": [0.0, 1.0], "pull": [0.0, 1e-6], "friction": [0.6, 0.6]}
@@ -148,25 +130,7 @@ def serves(measurement: Measurement) -> bool:
 
 
 def record_of(measurement: Measurement, load: float = 1.0) -> Record:
-    """Return the record of a measurement with friction, load and pull.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        One record.
-    load : float
-        Load [N] where none was measured.
-
-    Returns
-    -------
-    Record
-        Coefficient of friction and path of the load point, times and positions from 0 on.
-
-    Raises
-    ------
-    InputError
-        If something is missing, the load point never changes its speed, or friction is negative.
-    """
+    """Return the record of a measurement with friction, load and pull."""
     if measurement.trials:
         raise InputError(
             f"a rate-and-state fit needs one record, got {len(measurement.trials)} trials: give one"
@@ -247,26 +211,7 @@ class Slider(Problem):
         *,
         regularised: bool = False,
     ) -> "Slider":
-        """Return the problem of a record; sums of squares differ by scatter within stretches.
-
-        Parameters
-        ----------
-        record : Record
-            The record; means are taken if it is long.
-        form : RateStateForm
-            Form of the law.
-        free_parameters : FreeParameters
-            What is looked for, from `unknowns_for`.
-        reference_velocity : float
-            Speed at which the reference coefficient holds [m/s].
-        regularised : bool
-            Whether the law has an arcsinh in place of a logarithm.
-
-        Returns
-        -------
-        Slider
-            The problem.
-        """
+        """Return the problem of a record; sums of squares differ by scatter within stretches."""
         bins = np.arange(len(record.time))
         if len(bins) > PLAIN:
             bins = np.searchsorted(_edges(record), record.time, side="right")
@@ -346,21 +291,7 @@ class Slider(Problem):
         )
 
     def predict(self, values: Array, times: Array) -> Array | None:
-        """Return friction coefficients at some times.
-
-        Parameters
-        ----------
-        values : array (p,)
-            Values of the unknowns, in the order of `PATHS`, the stiffness over the load [1/m]; then
-            the drift [1/m], if there is one.
-        times : array (n,)
-            Times [s], increasing, within the record.
-
-        Returns
-        -------
-        array (n,) or None
-            The coefficients, drift included; None if the slider runs away.
-        """
+        """Return friction coefficients at some times."""
         law, path = self.law(values), self.record.path
         speeds = np.maximum(path.speeds, 0.0)
         logs = logarithms(law, float(values[3]), path.time, speeds, times, TOLERANCE)
@@ -444,29 +375,7 @@ def unknowns_for(
     given: Mapping[str, float],
     reference_velocity: float,
 ) -> FreeParameters:
-    """Return what is looked for, with first guesses read off the record.
-
-    Parameters
-    ----------
-    record : Record
-        The record.
-    form : RateStateForm
-        Form of the law; effects that it does not have are held at 0.
-    drift : bool
-        Whether friction changes steadily with the way of the load point.
-    lowest_evolution_effect : float
-        Lower bound of b and b_2.
-    held, given : mapping of str to float
-        Values by path that are not looked for, and from which a search begins; the stiffness is
-        over the load [1/m].
-    reference_velocity : float
-        Speed at which the reference coefficient holds [m/s].
-
-    Returns
-    -------
-    FreeParameters
-        Starts and bounds in the order of `PATHS`, those of held values closed, then the drift.
-    """
+    """Return what is looked for, with first guesses read off the record."""
     declared = fields_of(RateState)
     slid, state = record.slid, form.evolution != "none"
     stressed = form.evolution == "nagata"

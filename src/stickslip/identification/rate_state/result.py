@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.display import plots
-from stickslip.experiments import LawEstimates, Measurement
+from stickslip.experiments import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
     fixed,
@@ -41,16 +41,6 @@ from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
-
-__all__ = [
-    "Profile",
-    "RateStateFit",
-    "Window",
-    "bounds_met",
-    "inference_of",
-    "rate_of",
-    "result_of",
-]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -131,8 +121,8 @@ class RateStateFit(Fit[RateState]):
     """Whether the record tells a and b apart."""
     windows: tuple[Window, ...]
     """a - b by how much of the record after the last step is used, all of it last."""
-    sentences: tuple[str, ...]
-    """What can be said, in words."""
+    findings: tuple[Finding, ...]
+    """What can be said: of speeds, ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``..."""
     time: Array
     """Times of the samples used (n,) [s], from their first on."""
     measured: Array
@@ -229,6 +219,11 @@ class RateStateFit(Fit[RateState]):
             largest_speed=float(self.problem.record.path.lasting.max()),
         )
 
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings in words."""
+        return sentences_of(self.findings)
+
     @override
     def __str__(self) -> str:
         """Return law, estimates and error, then the sentences."""
@@ -271,20 +266,7 @@ class RateStateFit(Fit[RateState]):
 
 
 def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
-    """Return which unknowns stand at no bound (p,); a state without effect has no distance either.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    values : array (p,)
-        Values of the unknowns.
-
-    Returns
-    -------
-    array (p,) of bool
-        False for what is held, at a bound, or without effect.
-    """
+    """Return which unknowns are at no bound (p,); a state without effect has no distance."""
     low, high = slider.free_parameters.limits()
     at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
@@ -306,20 +288,7 @@ def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
 
 
 def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
-    """Return covariances of the values (p,), from leaving out blocks of the record.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    best : ResidualJacobian
-        Residuals and slopes at the fitted values.
-
-    Returns
-    -------
-    Inference
-        Covariances (p, p), 0 for what stands at a bound.
-    """
+    """Return covariances of the values (p,), from leaving out blocks of the record."""
     scale = slider.free_parameters.slopes(slider.free_parameters.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
     return infer(best, scale, blocks=blocks_of(best))
@@ -328,23 +297,7 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
 def rate_of(
     slider: Slider, best: ResidualJacobian, inference: Inference | None = None
 ) -> tuple[float, float, float]:
-    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    best : ResidualJacobian
-        Residuals and slopes at the fitted values.
-    inference : Inference, optional
-        Covariances there; computed if not given.
-
-    Returns
-    -------
-    tuple of float
-        a - b, less b_2 of a second state; half the width, infinite where none can be said; and the
-        standard error of independent residuals. The last two are 0 if all are held.
-    """
+    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals."""
     rate = slider.law(best.values).rate
     row = np.zeros(len(best.values))
     row[[DIRECT, EVOLVED, SECOND]] = 1.0, -1.0, -1.0
@@ -366,28 +319,7 @@ def result_of(
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
 ) -> RateStateFit:
-    """Return what was found, with intervals and words.
-
-    Parameters
-    ----------
-    block : TowedBlock
-        The machine, as it was given.
-    measurement : Measurement
-        The whole record.
-    slider : Slider
-        The problem.
-    optimum : OptimizeResult
-        End of its search.
-    profile : Profile
-        Fits with other evolution effects, by which intervals are widened.
-    windows : tuple of Window
-        a - b by how much of the record is used.
-
-    Returns
-    -------
-    RateStateFit
-        Law, mechanism, estimates with intervals, and sentences.
-    """
+    """Return what was found, with intervals and words."""
     values, record = optimum.best.values, slider.record
     fitted = slider.predict(values, record.time)
     assert fitted is not None
@@ -408,7 +340,7 @@ def result_of(
         correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
-        sentences=(),
+        findings=(),
         time=record.time,
         measured=record.coefficient,
         fitted=fitted,
@@ -417,7 +349,7 @@ def result_of(
         optimum=optimum,
         inference=inference,
     )
-    return replace(fit, sentences=_sentences(fit, optimum), remarks=_remarks(fit))
+    return replace(fit, findings=_findings(fit, optimum), remarks=_remarks(fit))
 
 
 def blocks_of(best: ResidualJacobian) -> int:
@@ -515,41 +447,47 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
     return float(low), float(high)
 
 
-def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
-    path, law, rate = fit.problem.record.path, fit.law, " − ".join(fit.rate_symbols)
-    said = [f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}."]
-    if fit.rate.reason != HELD:
-        said.append(_about_rate(fit.rate, rate))
+def _findings(fit: RateStateFit, found: OptimizeResult) -> tuple[Finding, ...]:
+    path, rate = fit.problem.record.path, " − ".join(fit.rate_symbols)
     fitted = {e.path: e for e in fit.estimates}
+    said = [
+        ("speeds", f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}.")
+    ]
+    if fit.rate.reason != HELD:
+        said.append(("rate", _about_rate(fit.rate, rate)))
     if PATHS[0] in fitted and PATHS[1] in fitted:
-        correlation = fixed(fit.correlation, 2)
-        if fit.separable and law.states:
-            distances = joined([quantity(distance, "m") for _, distance in law.states])
-            said.append(
-                f"a and b are told apart (correlation {correlation}): friction changes at once, and"
-                f" settles over {distances}."
-            )
-        else:
-            said.append(
-                f"a and b are not separable on this record (correlation {correlation}): only {rate}"
-                " is known."
-            )
+        said.append(("separation", _about_separation(fit, rate)))
     said += [
-        f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}."
+        ("distance", f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}.")
         for path in (PATHS[EVOLVED + 1], *PATHS[STRESS:])
         if path in fitted and fitted[path].reason
     ]
     if fit.drift:
-        said.append(
+        text = (
             f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
             f" law; {rate} and a drift trade against each other."
         )
-    said += _about_windows(fit.windows, rate)
+        said.append(("drift", text))
+    said += [("length", line) for line in _about_windows(fit.windows, rate)]
     if found.agreeing == 1 and len(found.costs) > 1:
-        said.append(f"Only one of {len(found.costs)} starts came to the least cost.")
+        said.append(("search", f"Only one of {len(found.costs)} starts came to the least cost."))
     if found.cancelled:
-        said.append("The search was stopped before its end.")
-    return tuple(said)
+        said.append(("search", "The search was stopped before its end."))
+    return tuple(Finding(kind=kind, sentence=sentence) for kind, sentence in said)
+
+
+def _about_separation(fit: RateStateFit, rate: str) -> str:
+    correlation = fixed(fit.correlation, 2)
+    if fit.separable and fit.law.states:
+        distances = joined([quantity(distance, "m") for _, distance in fit.law.states])
+        return (
+            f"a and b are told apart (correlation {correlation}): friction changes at once, and"
+            f" settles over {distances}."
+        )
+    return (
+        f"a and b are not separable on this record (correlation {correlation}): only {rate} is"
+        " known."
+    )
 
 
 def _about_rate(rate: Estimate, symbols: str) -> str:

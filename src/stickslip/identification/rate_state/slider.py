@@ -19,8 +19,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["SliderHistory", "coefficients", "logarithms", "rates_of", "simulate_velocity_steps"]
-
 Array: TypeAlias = NDArray[np.float64]
 Rates: TypeAlias = Callable[[Array, float, float], tuple[float, ...]]
 STEEPEST = 300.0
@@ -185,20 +183,7 @@ def simulate_velocity_steps(
 
 
 def coefficients(law: RateState, logs: Array) -> Array:
-    """Return coefficients of friction.
-
-    Parameters
-    ----------
-    law : RateState
-        Friction of the slider.
-    logs : array (n, 1 + states)
-        What `logarithms` returns.
-
-    Returns
-    -------
-    array (n,)
-        The coefficients.
-    """
+    """Return coefficients of friction."""
     if law.regularised:
         return logs[:, 0].copy()
     effects = [law.direct_effect, *(b for b, _ in law.states)]
@@ -206,20 +191,7 @@ def coefficients(law: RateState, logs: Array) -> Array:
 
 
 def velocities(law: RateState, logs: Array) -> Array:
-    """Return slip speeds.
-
-    Parameters
-    ----------
-    law : RateState
-        Friction of the slider.
-    logs : array (n, 1 + states)
-        What `logarithms` returns.
-
-    Returns
-    -------
-    array (n,)
-        The speeds [m/s]; negative where the regularised form slips backwards.
-    """
+    """Return slip speeds."""
     if not law.regularised:
         return np.asarray(law.reference_velocity * np.exp(logs[:, 0]))
     mu, level = logs[:, 0], law.reference_coefficient + logs[:, 1:] @ [b for b, _ in law.states]
@@ -264,26 +236,6 @@ def logarithms(
     """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) of a slider that a spring pulls.
 
     Of the regularised form, the coefficient stands for w.
-
-    Parameters
-    ----------
-    law : RateState
-        Friction of the slider.
-    stiffness : float
-        Stiffness of spring and machine over the load [1/m].
-    knots : array (k,)
-        Times [s] between which the far end moves steadily, increasing.
-    speeds : array (k - 1,)
-        Its speeds there [m/s], the first above 0; of the regularised form, of either sign.
-    times : array (n,)
-        Times asked for [s], increasing, within the knots.
-    tolerance : float
-        Relative and absolute tolerance of both.
-
-    Returns
-    -------
-    array (n, 1 + states) or None
-        The logarithms at each time; None if the slider runs away.
     """
     if law.evolution == "none" and not law.regularised:
         return _without_state(law, stiffness, knots, speeds, times)[:, None]
@@ -350,18 +302,6 @@ def rates_of(law: RateState, stiffness: float) -> Rates:
     """Return the time derivatives of w and s as a function of state, time and pulling speed.
 
     Of the regularised form, that of the coefficient stands for that of w.
-
-    Parameters
-    ----------
-    law : RateState
-        Friction of the slider.
-    stiffness : float
-        Stiffness of spring and machine over the load [1/m].
-
-    Returns
-    -------
-    callable
-        ``rates(state, time, speed)``; nothing depends on time.
     """
     from math import copysign, exp, log, log1p  # found faster than by the module
 

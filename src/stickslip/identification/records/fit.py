@@ -52,8 +52,6 @@ if TYPE_CHECKING:
 
     from stickslip.display import Drawing, Target
 
-__all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
-
 AT_NOISE = 1.15
 """Residuals over the noise of the sensor up to which they count as this noise alone."""
 
@@ -74,20 +72,7 @@ class ProblemBuilder(Protocol):
         """Return the problem of a record, all of it, in segments of a length [s]."""
 
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
-        """Return the problem of a record as it is fitted: perhaps some of its rows only.
-
-        Parameters
-        ----------
-        record : Measurement
-            The record.
-        length : float or None
-            Length of segments [s]; the usual one if None.
-
-        Returns
-        -------
-        RecordProblem
-            The problem.
-        """
+        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
         """Return what builds the same with other bounds or start values of the unknowns."""
@@ -653,11 +638,6 @@ def _largest_speed(record: Measurement) -> float | None:
 def check_horizon(horizon: float) -> None:
     """Refuse a length that no prediction has.
 
-    Raises
-    ------
-    ParameterError
-        If it is no number above 0 s.
-
     Examples
     --------
     >>> check_horizon(4.0)
@@ -682,22 +662,6 @@ def settled(
 
     Where a segment begins at rest, each round takes three quarters off the error of its first
     state only: after two, one such segment could outweigh all others in a held-out score.
-
-    Parameters
-    ----------
-    problem : Problem
-        The residuals of a record.
-    values : array (p,)
-        Values of the free parameters [SI].
-    only : sequence of int, optional
-        Segments that are wanted; all if not given.
-    rounds : int
-        Largest number of linearisations.
-
-    Returns
-    -------
-    ResidualJacobian
-        Residuals of the wanted segments; its Jacobian is not computed.
     """
     seen = problem.linearise(values, only=only, slopes=False)
     best = seen
@@ -726,20 +690,6 @@ def scale_of(free_parameters: FreeParameters, values: Array, at_bounds: Mapping[
 
     A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
     what trades off with it would seem better known than it is.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    values : array (p,)
-        Their estimates [SI].
-    at_bounds : mapping of str to str
-        The bound that a parameter ended at, by path.
-
-    Returns
-    -------
-    array (p, p)
-        Derivatives of values by the coordinates of the optimiser.
     """
     scale = free_parameters.slopes(free_parameters.coordinates(values))
     for i, item in enumerate(free_parameters.items):

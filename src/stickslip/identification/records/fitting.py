@@ -12,7 +12,7 @@ from stickslip.drives import SampledSwing
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, number, percent, quantity
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import FrictionLaw, containment_of, simpler_laws
 from stickslip.identification.contact_inputs import (
     as_informed,
     check_inputs,
@@ -63,16 +63,6 @@ from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
 
-__all__ = [
-    "ROUTES",
-    "RecordSettings",
-    "finished",
-    "fit_record",
-    "fit_records",
-    "record_route_name",
-    "widened_search",
-]
-
 Array = NDArray[np.float64]
 
 FEWEST_ROWS = 12
@@ -89,6 +79,10 @@ WIDENINGS = 3
 """How often at most."""
 WORTH = 0.02
 """Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
+CONTINUED = 4
+"""How often at most a search goes on from its best end where a law has a memory ..."""
+LEFT = 1e-3
+"""... as long as that takes off this share of the cost."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -98,25 +92,6 @@ ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamic
 
 def record_route_name(measurement: Measurement, route: str | None = None) -> RecordRouteName:
     """Return how a measurement is fitted: as asked, or as its quantities suggest.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The records.
-    route : str, optional
-        Name of the route that was asked for; None if none was.
-
-    Returns
-    -------
-    {"shooting", "force-map", "inverse-dynamics"}
-        Name of the route.
-
-    Raises
-    ------
-    InputError
-        If the route is that of features, which has no residuals.
-    UnknownNameError
-        If no route has that name.
 
     Examples
     --------
@@ -148,30 +123,6 @@ def fit_records(
     progress: Watch | None = None,
 ) -> RecordFit:
     """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; trials may override its parameters.
-    law : FrictionLaw or type
-        An instance, whose values are the start, or a type.
-    measurement : Measurement
-        Records in time, or measured friction.
-    vary : str or sequence of str, optional
-        Parameters to fit; ``"friction.*"`` if not given.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], of law and mechanism.
-    route : str or RouteChoice, optional
-        How records are fitted, or what `choose_route` returned.
-    settings : RecordSettings, optional
-        Segments, starts and seed.
-    progress : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RecordFit
-        The fitted law, estimates with intervals, predictions.
 
     Examples
     --------
@@ -214,52 +165,7 @@ def fit_record(
     rival: float = 0.0,
     watch: Watch | None = None,
 ) -> RecordFit:
-    """Fit a law to records in time or to measured friction.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    law : FrictionLaw or type
-        A type, whose start values come from the record; or an instance, whose values they are.
-    measurement : Measurement
-        Records in time with position or velocity, and the force applied if there is one; or
-        friction measured directly.
-    unknown : sequence of str
-        Parameters of the mechanism that are looked for too, such as ``"inertia"``.
-    free : sequence of str, optional
-        Parameters of the law that are looked for; all of its `fit_order` if not given.
-    known : mapping of str to float, optional
-        Values of those that are not, by name, where the law is a type.
-    route : {"shooting", "force-map", "inverse-dynamics"} or RouteChoice, optional
-        Simulated segments; measured friction along the measured motion; or friction that inverse
-        dynamics finds, along it. Chosen by `choose_route` if not given; where both the first and
-        the last may serve and the first leaves much of the motion, the better of both.
-    settings : RecordSettings, optional
-        Segments and starts.
-    held : sequence of str
-        Parameters of the mechanism that are not looked for, such as an offset, which else is.
-    contained : sequence of FittedLaw, optional
-        Fits of simpler laws to the same record by the same route, from which the search begins too.
-        If not given, the laws that this one contains are fitted first.
-    rival : float, optional
-        Mean square that another law leaves: where all starts are far above it, only the best of
-        them is continued, and the fit says so.
-    watch : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RecordFit
-        The law, estimates with intervals, what the record cannot tell.
-
-    Raises
-    ------
-    InputError
-        If the record does not serve, or a name is not known.
-    ConvergenceError
-        If no start predicts the record.
-    """
+    """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     choice = choice.with_hold(mechanism, measurement)
@@ -339,9 +245,12 @@ def _searched(
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
-    nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
+    few = ready.problem.few or ready.problem
+    nested = starts_from(kind, few.free_parameters, contained, ready.load, few)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, wanted.settings, watch, rival)
+    if kind.states and not found.hopeless:
+        found = _to_the_end(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -368,25 +277,6 @@ def choice_of(
 ) -> RouteChoice:
     """Return the choice of a route that was asked for; one that was made is kept.
 
-    Parameters
-    ----------
-    route : str or RouteChoice
-        Name of a route of records, or a choice with settings of its own.
-    measurement : Measurement
-        The records.
-    settings : RecordSettings, optional
-        Settings of a route that is given by its name; the usual ones if not given.
-
-    Returns
-    -------
-    RouteChoice
-        The route with its settings.
-
-    Raises
-    ------
-    InputError
-        If the route is none of records.
-
     Examples
     --------
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
@@ -403,50 +293,83 @@ def choice_of(
 def _simpler_fits(
     way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
 ) -> tuple[FittedLaw, ...]:
-    """Fit the laws that a law contains at first hand, and those that they contain.
+    """Fit the laws that a law contains, with a name or without, the simplest first.
 
-    The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
-    linear regression as part of the next.
+    Of each, what is looked for and what is held is that of the law. Those that contain nothing are
+    left out: Coulomb friction alone, say, is found by linear regression as part of the next.
     """
-    known = laws()
-    found: dict[str, FittedLaw] = {}
+    kind = _kind_of(wanted.law)
+    free = set(kind.fit_order if wanted.free is None else ())
+    for name in wanted.free or ():
+        free |= set(kind.fit_order) if name == LAW else {name.rpartition(".")[2]}
+    held = dict(wanted.known or {})
+    if not isinstance(wanted.law, type):
+        held |= {name: getattr(wanted.law, name) for name in fields_of(kind) if name not in free}
+    found: dict[frozenset[str], FittedLaw] = {}
 
-    def add(name: str) -> None:
-        simpler = known.get(name)
-        if simpler is None or not simpler.contained or name in found:
-            return
-        for one in simpler.contained:
-            add(one.law)
-        plain = replace(
-            wanted,
-            law=simpler,
-            free=[field for field in simpler.fit_order if not _is_shape(simpler, field)],
-            known=None,
-            settings=replace(wanted.settings, starts=1),
-        )
-        try:
-            ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
-        except (ConvergenceError, InputError):
-            return
-        values = dict(
-            zip(ready.problem.free_parameters.paths, end.best.values.tolist(), strict=True)
-        )
-        friction = {path: v for path, v in values.items() if path.startswith("friction.")}
-        found[name] = FittedLaw(
-            law=vary(ready.start, "friction", friction),
-            values=values,
-            cost=end.best.cost,
-            rows=len(end.best.residual),
-        )
+    def add(richer: type[FrictionLaw], free: Mapping[str, str], held: Mapping[str, float]) -> None:
+        """Add what a law contains of which some fields are free, by those of the law asked for."""
+        for simpler in simpler_laws(richer, free):
+            how = containment_of(richer, simpler)
+            if how is None or not simpler.contained:
+                continue
+            own = {field: to for field, to in how.values.items() if isinstance(to, str)}
+            left = {to: free[field] for field, to in own.items() if field in free}
+            kept = {to: held[field] for field, to in own.items() if held.get(field) is not None}
+            # the same may have two names: with an exponent that is held at 1, and without
+            key = frozenset(left.values())
+            if key in found:
+                continue
+            add(simpler, left, kept)
+            asked = replace(
+                wanted,
+                law=simpler,
+                free=list(left),
+                known=kept,
+                settings=replace(wanted.settings, starts=1),
+            )
+            one = _fitted_law(way, asked, tuple(found.values()), watch)
+            if one is not None:
+                found[key] = one
 
-    for one in _kind_of(wanted.law).contained:
-        add(one.law)
+    add(kind, {name: name for name in free}, held)
     return tuple(found.values())
 
 
-def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
-    """Whether a parameter is an exponent, which the contained law has at its default."""
-    return fields_of(kind)[name].structural
+def _fitted_law(
+    way: RecordRouteName,
+    wanted: ProblemRequest,
+    contained: Sequence[FittedLaw],
+    watch: Watch | None,
+) -> FittedLaw | None:
+    """Return how the search of a law ends; None if it cannot be fitted."""
+    try:
+        ready, end, _ = _searched(way, wanted, contained, watch)
+    except (ConvergenceError, InputError):
+        return None
+    paths = ready.problem.free_parameters.paths
+    values = dict(zip(paths, end.best.values.tolist(), strict=True))
+    friction = {path: v for path, v in values.items() if path.startswith("friction.")}
+    return FittedLaw(
+        law=vary(ready.start, "friction", friction),
+        values=values,
+        cost=end.best.cost,
+        rows=len(end.best.residual),
+    )
+
+
+def _to_the_end(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> OptimizeResult:
+    """Return a search that goes on from its best end as long as that is worth it.
+
+    Parameters of memories make long and bent valleys, in which a descent comes slowly.
+    """
+    for _ in range(CONTINUED):
+        again = _best_of(ready, found, [found.best.values], watch)
+        gained = again.best.cost < (1.0 - LEFT) * found.best.cost
+        found = replace(again, costs=found.costs, values=found.values)
+        if found.cancelled or not gained:
+            break
+    return found
 
 
 def _best_of(
@@ -499,22 +422,6 @@ def widened_search(
 
     A bound that follows from a poor guess would pass for what the record says. One that is a limit
     of the quantity, such as 0, or of what the record covers stays.
-
-    Parameters
-    ----------
-    ready : FitSetup
-        The problem with its starts.
-    settings : RecordSettings
-        Number of starts, and their seed.
-    watch : callable or None
-        Called with the least root mean square so far; False ends the search.
-    rival : float
-        Mean square that another law leaves; 0 for none.
-
-    Returns
-    -------
-    (FitSetup, OptimizeResult)
-        The problem with the bounds that were used last, and the end of the search.
     """
     found = search(
         ready.problem,
@@ -586,26 +493,7 @@ def finished(
     found: OptimizeResult,
     searched: OptimizeResult,
 ) -> RecordFit:
-    """Return a fit from the end of its search, which began with one from several starts.
-
-    Parameters
-    ----------
-    route : str
-        Name of the route.
-    measurement : Measurement
-        What was fitted.
-    ready : FitSetup
-        The problem that was searched.
-    found : OptimizeResult
-        The end of the search.
-    searched : OptimizeResult
-        The search that began from all starts.
-
-    Returns
-    -------
-    RecordFit
-        Law and mechanism with the fitted values, estimates with intervals, what cannot be told.
-    """
+    """Return a fit from the end of its search, which began with one from several starts."""
     free_parameters, best = ready.problem.free_parameters, found.best
     at_bounds = bounds_met(free_parameters, best.values)
     values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))

@@ -21,6 +21,7 @@ from stickslip.friction import (
     given_to,
     specification,
 )
+from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.containment import (
     FittedLaw,
     reachable,
@@ -56,8 +57,6 @@ from stickslip.identification.validation import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
-
-__all__ = ["JOINTS", "JointFitter", "fit_joints", "unexplained"]
 
 Array = NDArray[np.float64]
 JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | None
@@ -106,36 +105,6 @@ def fit_joints(
     mechanism that are looked for, slopes are taken anew where a search ended. A constant force of
     each joint is fitted too, unless positions count from a zero of each record.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; records may override its parameters.
-    laws : mapping of str to FrictionLaw, type, str or None; or type, or str
-        The law of each contact by its name, as in `stickslip.fit`; None where nothing rubs. A type
-        or a name alone stands for one law of that kind at each contact.
-    measurement : Measurement
-        Records in time of positions and forces by joint.
-    vary : str or sequence of str, optional
-        Parameters to fit; those of all laws, ``"friction.*"``, if not given.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], and of constant forces, as
-        ``"measurement.offset.force.elbow"``.
-    settings : RecordSettings, optional
-        Starts, seed and hold, and whether positions count from a zero of each record.
-    progress : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RecordFit
-        The laws by contact, estimates with intervals, predictions of the force of each joint.
-
-    Raises
-    ------
-    InputError
-        If the record does not serve, a name is not known, or parameters of the mechanism do the
-        same to all forces.
-
     Examples
     --------
     >>> from stickslip import CoulombViscous, TwoLinkArm
@@ -170,23 +139,6 @@ def unexplained(fit: RecordFit[Any], before: Sequence[str] = ()) -> tuple[str, .
     """Return the joints of whose force a fit explains hardly anything, in sentences.
 
     Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to records of several joints.
-    before : sequence of str
-        What is known of the cause, which an error says first.
-
-    Returns
-    -------
-    tuple of str
-        A sentence for each such joint.
-
-    Raises
-    ------
-    InputError
-        If the fit is worse at every joint than no mechanism and no friction.
     """
     seen = fit.predict()
     assert seen.joint is not None
@@ -335,30 +287,7 @@ class JointFitter:
         settings: RecordSettings | None = None,
         bristles: bool = False,
     ) -> "JointFitter":
-        """Check the records and derive their motion.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What was measured; records may override its parameters.
-        laws : mapping of str to FrictionLaw, type, str or None; or type, or str
-            Laws that will be fitted, as in `fit_joints`; others of the same contacts may be.
-        measurement : Measurement
-            Records in time of positions and forces by joint.
-        vary : str or sequence of str, optional
-            Parameters to fit.
-        fixed : mapping of str to float, optional
-            Values of parameters that are held [SI].
-        settings : RecordSettings, optional
-            Starts, seed and hold.
-        bristles : bool
-            Whether other laws that will be fitted have bristles.
-
-        Returns
-        -------
-        JointFitter
-            What fits these laws, or others, to the records.
-        """
+        """Check the records and derive their motion."""
         settings = settings or RecordSettings()
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
@@ -408,27 +337,7 @@ class JointFitter:
         contained: Sequence[FittedLaw] = (),
         progress: Watch | None = None,
     ) -> RecordFit[Laws]:
-        """Fit laws by contact.
-
-        Parameters
-        ----------
-        laws : mapping of str to FrictionLaw, type, str or None; or type, or str
-            As in `fit_joints`.
-        near : RecordFit, optional
-            A fit to the same records with the same laws but one, from which the search begins.
-        changed : str
-            The contact whose law is another than in that fit.
-        contained : sequence of FittedLaw
-            Fits to the same records with simpler laws of that contact, from which the search
-            begins too.
-        progress : callable, optional
-            As in `fit_joints`.
-
-        Returns
-        -------
-        RecordFit
-            The laws by contact, estimates with intervals, predictions of the force of each joint.
-        """
+        """Fit laws by contact."""
         if isinstance(laws, Mapping):  # of what rests, none has to be given
             known = contacts_along(self.mechanism)
             laws = {
@@ -516,6 +425,14 @@ class JointFitter:
             contact = contacts.get(coordinate, "")
             further: tuple[Array, ...] = ()
             whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
+            check_inputs(
+                asked.laws.get(contact),
+                asked.mechanism,
+                self.measurement,
+                [k for k in whole[0].path.inputs if all(k in s.path.inputs for s in whole)],
+                contact=contact,
+                fitted=torques.linear,
+            )
             if near is not None and contact != changed:
                 one = _kept(near, coordinate, whole, first)
             else:

@@ -31,27 +31,11 @@ from stickslip.identification.records.joint_fitting import JOINTS
 from stickslip.identification.records.level_units import by_joint
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["joint_record", "joint_view"]
-
 Array = NDArray[np.float64]
 
 
 def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str) -> Measurement:
     """Return what was measured of one joint, as records of that joint alone.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, which says what turns.
-    measurement : Measurement
-        Records by joint.
-    coordinate : str
-        Name of the joint.
-
-    Returns
-    -------
-    Measurement
-        Times, position and force of each record, which keep their names and conditions.
 
     Examples
     --------
@@ -90,22 +74,6 @@ def joint_view(fit: RecordFit[Laws], contact: str, *, records: Pairs = ()) -> Re
 
     Parameters of the mechanism are at their fitted values, and intervals are those of the fit to
     all joints: uncertainties of what the joints share are in them.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to records of several joints.
-    contact : str
-        Name of a contact.
-    records : sequence of (Measurement, Measurement)
-        What was fitted, and what else is to be predicted: records of the joint alone, from
-        `joint_record`, each with the record of all joints that it is from.
-
-    Returns
-    -------
-    RecordFit
-        Law, constant force, residuals and effective sample size of that joint. Parameters are
-        called as those of a single contact.
     """
     whole = cast("JointBalance", fit.problem)
     coordinate = next(c for c, one in contacts_along(fit.mechanism).items() if one.name == contact)

@@ -14,8 +14,6 @@ from stickslip.identification.residuals.delays import RESPONSES, Profile, profil
 from stickslip.identification.residuals.gains import BLOCKS, FEWEST, basis_of, beside
 from stickslip.identification.sensor_response import SensorResponse
 
-__all__ = ["LateSensor", "late_sensors"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -33,18 +31,7 @@ class LateSensor:
 
 
 def late_sensors(fit: RecordFit) -> tuple[LateSensor, ...]:
-    """Return how late a sensor of friction would have to be for what a fit leaves.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to measured friction in time.
-
-    Returns
-    -------
-    tuple of LateSensor
-        A delay and a lag, so far as the residuals can be predicted by them; none for a table.
-    """
+    """Return how late a sensor of friction would have to be for what a fit leaves."""
     if not isinstance(fit.problem, ForceMap) or not fit.friction_was_measured:
         return ()
     fitted = Fitted(

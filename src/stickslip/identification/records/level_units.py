@@ -8,23 +8,9 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 
-__all__ = ["by_joint", "in_forces", "reads_as_forces", "told", "turned_as"]
-
 
 def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with a load.
-
-    Returns
-    -------
-    bool
-        True if a coefficient stands for a force.
 
     Examples
     --------
@@ -51,20 +37,6 @@ def in_forces(
     A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
     the number is the force, and is said in N.
 
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with a load.
-
-    Returns
-    -------
-    FreeParameters
-        The same parameters, levels in N where no load is known.
-
     Examples
     --------
     >>> from stickslip import Axis
@@ -82,18 +54,6 @@ def in_forces(
 
 def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
     """Return the unknowns in the units of what was measured: about an axis, forces are torques.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        Records, which say whether the mechanism turns about an axis.
-    free_parameters : FreeParameters
-        The free parameters, in units of translation.
-
-    Returns
-    -------
-    FreeParameters
-        The same parameters, with N m for N and rad for m if it turns.
 
     Examples
     --------
@@ -121,22 +81,7 @@ JOINTS = "mechanism.joints."
 def told(
     free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
-    """Return the unknowns of a record with the units that their values read in.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, of several joints or of one contact.
-
-    Returns
-    -------
-    FreeParameters
-        The same parameters.
-    """
+    """Return the unknowns of a record with the units that their values read in."""
     if measurement.joint_names():
         return by_joint(free_parameters, mechanism)
     return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
@@ -146,18 +91,6 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
     """Return the unknowns of several joints with the units that their values read in.
 
     Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
-
-    Parameters
-    ----------
-    free_parameters : FreeParameters
-        The free parameters; those of laws have the contact in their paths.
-    mechanism : Mechanism
-        What was measured.
-
-    Returns
-    -------
-    FreeParameters
-        The same parameters.
     """
     turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
     contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}

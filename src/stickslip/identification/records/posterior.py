@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Posterior", "sample_posterior"]
-
 Array = NDArray[np.float64]
 
 WIDE = 20.0

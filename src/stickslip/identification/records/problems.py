@@ -38,13 +38,12 @@ from stickslip.identification.series.start_values import (
     scales_of,
 )
 from stickslip.identification.settings import RecordSettings
+from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.identification.validation import check_varied
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, vary
-
-__all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulated"]
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -123,6 +122,7 @@ class _ShootingBuilder:
 
     def __call__(self, record: Measurement, length: float | None) -> Shooting:
         return Shooting(
+            motions=self._motions(record),
             law=self.law,
             free_parameters_=self.free_parameters,
             segments=segments_of(
@@ -135,6 +135,23 @@ class _ShootingBuilder:
                 zeros=self.settings.position_zeros is not False,
             ),
             quantity_=self.quantity,
+        )
+
+    def _motions(self, record: Measurement) -> tuple[RecordedMotion, ...]:
+        """Return the motions along which bristles are followed; none where they are not known."""
+        if not self.law.states or drives_itself(self.mechanism, record):
+            return ()
+        try:
+            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+        except InputError:
+            return ()
+        return tuple(
+            RecordedMotion(
+                record=one.record,
+                path=one.path,
+                held=0.0 if one.held is None else float(one.held[0]),
+            )
+            for one in found
         )
 
     def fitted(self, record: Measurement, length: float | None) -> Shooting:
@@ -180,25 +197,7 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
 
 
 def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
-    """Return the problem of a route.
-
-    Parameters
-    ----------
-    route : {"shooting", "force-map", "inverse-dynamics"}
-        Name of the route.
-    request : ProblemRequest
-        Law, mechanism, record and free parameters.
-
-    Returns
-    -------
-    FitSetup
-        The problem with start values.
-
-    Raises
-    ------
-    InputError
-        If the record does not serve, or a name is not known.
-    """
+    """Return the problem of a route."""
     if request.settings.position_zeros:
         raise InputError(
             "position_zeros=True is for records of several joints; of one body that moves freely"
@@ -248,9 +247,9 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
         problem, near_stops = lengthened_starts(problem)
         tried = (*near_stops, *tried)
     near = _by_inverse_dynamics(wanted, free_parameters)
-    if near is not None:
-        tried = (free_parameters.start, *tried)
-        problem = problem.with_free_parameters(free_parameters.starting_at(near))
+    if near:
+        tried = (*near[1:], free_parameters.start, *tried)
+        problem = problem.with_free_parameters(free_parameters.starting_at(near[0]))
     return FitSetup(mechanism, start, problem, build, tried, scales.load)
 
 
@@ -261,23 +260,28 @@ def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
     return above and not any(quantity.scale == "speed" for quantity in known.values())
 
 
-def _by_inverse_dynamics(wanted: ProblemRequest, free_parameters: FreeParameters) -> Array | None:
-    """Return start values (p,) that inverse dynamics finds; None if it cannot or nothing asks.
+def _by_inverse_dynamics(
+    wanted: ProblemRequest, free_parameters: FreeParameters
+) -> tuple[Array, ...]:
+    """Return start values (p,) that inverse dynamics finds; none if it cannot or nothing asks.
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
     if drives_itself(wanted.mechanism, wanted.measurement):
-        return None
+        return ()
     decades = any(i.log and i.path.startswith("friction.") for i in free_parameters.items)
     if not decades or not isinstance(wanted.law, type):
-        return None
+        return ()
     try:
-        derived = _derived(wanted).problem.free_parameters
+        derived = _derived(wanted)
     except InputError:
-        return None
-    found = dict(zip(derived.paths, derived.start.tolist(), strict=True))
-    near = np.array([found.get(item.path, item.start) for item in free_parameters.items])
-    return free_parameters.values(free_parameters.coordinates(near))
+        return ()
+    own, near = derived.problem.free_parameters, []
+    for start in (own.start, *derived.tried):
+        found = dict(zip(own.paths, start.tolist(), strict=True))
+        values = np.array([found.get(item.path, item.start) for item in free_parameters.items])
+        near.append(free_parameters.values(free_parameters.coordinates(values)))
+    return tuple(near)
 
 
 def _load(problem: ForceMap) -> float:

@@ -20,8 +20,6 @@ from stickslip.identification.travels.propagation import span_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["displacements"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 LOAD = "mechanism.load"
@@ -38,30 +36,6 @@ def displacements(
 
     A parameter that is looked for, as a constant force is without being asked for, is known from
     the record; what was stated of it is not used.
-
-    Parameters
-    ----------
-    again : callable
-        Makes the problem that was fitted of the same records with other overrides.
-    best : ResidualJacobian
-        The end of the fit.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The records, with the uncertainties.
-
-    Returns
-    -------
-    tuple of Displaced
-        One for each parameter that all records share, and one for each record and parameter that is
-        of this record alone.
-
-    Raises
-    ------
-    InputError
-        If an uncertainty is of no parameter, or of a load that was measured.
-    ConvergenceError
-        If a record cannot be predicted with a value just beside the stated one.
     """
     uncertainties = uncertainties_of(mechanism, measurement)
     stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)

@@ -17,8 +17,6 @@ from stickslip.identification.estimation.problem import Problem, ResidualJacobia
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.series.applied_force import driven
 
-__all__ = ["halves_of", "interleaved", "positions_of", "refitted"]
-
 Array = NDArray[np.float64]
 
 FEWEST = 30
@@ -30,20 +28,7 @@ FLAT = 1e-3
 
 
 def refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:
-    """Return a fit made again without a stretch of its record, from the estimates of the whole.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit to the whole record.
-    first, last : float
-        Stretch that is left out [s], in times as `positions_of` counts them.
-
-    Returns
-    -------
-    ResidualJacobian or None
-        The end of the search; None if nothing is left to fit to.
-    """
+    """Return a fit made again without a stretch of its record, from the estimates of the whole."""
     return (_refitted_decay if _decays(fit) else _refitted)(fit, first, last)
 
 
@@ -57,16 +42,6 @@ def halves_of(fit: RecordFit) -> Halves | None:
     Several trials are laid end to end, so that their halves are the first and the last trials. The
     standard error of their difference is that of two jackknives, with Welch's degrees of
     freedom.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit to the whole record.
-
-    Returns
-    -------
-    Halves or None
-        None where a half is too short, or alone cannot be fitted.
     """
     end = float(positions_of(fit.problem)[-1, 1])
     try:

@@ -32,17 +32,6 @@ from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
-__all__ = [
-    "RouteChoice",
-    "RouteName",
-    "asked_for",
-    "better_route",
-    "choose_route",
-    "serves_inverse_dynamics",
-    "to_compare",
-    "unexplained_share",
-]
-
 OwnRouteName: TypeAlias = Literal[
     "shooting", "force-map", "inverse-dynamics", "features", "rate-state"
 ]
@@ -83,20 +72,7 @@ class RouteChoice:
     """How the recorded force runs between samples, as given or estimated; None if none drives."""
 
     def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
-        """Return the same with what the record says of the hold, which its settings then have.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What was measured.
-        measurement : Measurement
-            Records in time, or measured friction, which has no hold.
-
-        Returns
-        -------
-        RouteChoice
-            The choice, whose settings have a hold where a recorded force drives.
-        """
+        """Return the same with what the record says of the hold, which its settings then have."""
         if self.hold is not None or self.route == "force-map":
             return self
         found = hold_of(mechanism, measurement, self.settings.hold)
@@ -129,18 +105,6 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
     """Return why the route of other fits to the same record serves better; empty if it does not.
 
     It does where the best of its fits leaves a smaller share of what it explains.
-
-    Parameters
-    ----------
-    fits : sequence of RecordFit
-        Fits by simulated segments, one for each law.
-    others : sequence of RecordFit
-        Fits by inverse dynamics.
-
-    Returns
-    -------
-    str
-        A clause with both unexplained shares, or an empty text.
     """
     if not others:
         return ""
@@ -159,18 +123,6 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     """Whether the alternative of a choice is to be tried, as even the best fit leaves much.
 
     Not after a search was ended early.
-
-    Parameters
-    ----------
-    choice : RouteChoice
-        The route that was chosen, perhaps with an alternative.
-    fits : sequence of RecordFit
-        Fits by that route, one for each law.
-
-    Returns
-    -------
-    bool
-        True if the alternative is to be fitted as well.
     """
     if choice.alternative is None or any(fit.optimum.cancelled for fit in fits):
         return False
@@ -191,23 +143,6 @@ def choose_route(
     unexplained, or a good part of it with a mass or a level that inverse dynamics contradicts. Then
     friction is derived by inverse dynamics, or, where the mechanism does not allow that, segments
     are made shorter.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records in time, or measured friction.
-    vary : str or sequence of str, optional
-        ``"friction.*"`` and parameters of the mechanism that are fitted too; the former if not
-        given.
-    settings : RecordSettings, optional
-        Segments; a length other than the usual one is kept.
-
-    Returns
-    -------
-    RouteChoice
-        The route with its settings, and perhaps an alternative.
 
     Examples
     --------
@@ -352,20 +287,6 @@ def serves_inverse_dynamics(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
 ) -> bool:
     """Whether friction can be derived from motion and force: one coordinate, driven, positions.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, which need time and position.
-    unknown : sequence of str
-        Parameters of the mechanism to fit, by path or last name; only a mass can be.
-
-    Returns
-    -------
-    bool
-        True if inverse dynamics applies.
 
     Examples
     --------

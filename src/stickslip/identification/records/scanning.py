@@ -24,8 +24,6 @@ from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
-__all__ = ["lengthened_starts", "scanned_scales", "surplus_starts"]
-
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
 ROWS: Final = 200
@@ -48,25 +46,6 @@ LONGEST: Final = 1e9
 
 def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str) -> Scales:
     """Return the sizes of friction that simulated runs with Coulomb friction suggest.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, with its drive.
-    measurement : Measurement
-        Records in time; their times are those of the drive.
-    quantity : {"position", "velocity"}
-        What is compared.
-
-    Returns
-    -------
-    Scales
-        Level, load [N], speed [m/s] and stroke [m] to start from.
-
-    Raises
-    ------
-    ConvergenceError
-        If no level lets the runs go on to the end, as where the body lifts off.
 
     Examples
     --------
@@ -128,11 +107,6 @@ def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
 
     Such a level decides at each rest whether the body breaks away or not, so that residuals jump
     with it, and no slope leads from one side to the other.
-
-    Parameters
-    ----------
-    problem : RecordProblem
-        With start values of its unknowns.
     """
     free_parameters = problem.free_parameters
     above = [item.path for item in free_parameters.items if item.above]
@@ -157,11 +131,6 @@ def lengthened_starts(problem: Shooting) -> tuple[Shooting, tuple[NDArray[np.flo
     squares has a valley for each sequence of impacts, and the way down leads into the nearest.
     Before them it has few: levels are tried one by one there, and the best ends are followed while
     ever more of the record is taken in.
-
-    Parameters
-    ----------
-    problem : Shooting
-        With start values of its unknowns, of a mechanism with hard stops.
     """
     free_parameters = problem.free_parameters
     levels = [item.quantity.scale == "level" for item in free_parameters.items]

@@ -24,15 +24,6 @@ from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = [
-    "Balance",
-    "Fitted",
-    "autoregression",
-    "balance_of",
-    "whitened",
-    "with_rows_before",
-]
-
 Array = NDArray[np.float64]
 
 SAMPLES = 4_000
@@ -123,20 +114,6 @@ class Balance:
 def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
     """Return rows (m, ...) less what an autoregression (order,) says of them from rows before.
 
-    Parameters
-    ----------
-    columns : array (n, ...)
-        Signals, all samples.
-    rows : array of int (m,)
-        Samples that are kept; each has as many samples before it as the order.
-    memory : array (order,)
-        Coefficients of the autoregression, the nearest sample first.
-
-    Returns
-    -------
-    array (m, ...)
-        The whitened rows.
-
     Examples
     --------
     >>> whitened(np.array([1.0, 0.5, 0.25, 1.0]), np.array([1, 2, 3]), np.array([0.5]))
@@ -149,27 +126,7 @@ def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
 
 
 def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
-    """Return the balance of forces of a fit.
-
-    Parameters
-    ----------
-    fit : Fitted
-        Its law, mechanism and record.
-    wider : float
-        Factor on what the filter of inverse dynamics passes.
-    order : int
-        Of the autoregression that makes residuals white; 0 leaves them as they are.
-
-    Returns
-    -------
-    Balance
-        Whitened residuals (m,) and Jacobian (m, p).
-
-    Raises
-    ------
-    InputError
-        If the record has no such balance.
-    """
+    """Return the balance of forces of a fit."""
     if fit.measured is not None:
         return _measured(fit, fit.measured, order)
     mechanism, measurement = fit.mechanism, fit.measurement
@@ -313,24 +270,7 @@ def _kept(stretches: Sequence[MotionSegment]) -> Array:
 def with_rows_before(
     picked: NDArray[np.intp], edges: Sequence[int], every: int, order: int
 ) -> NDArray[np.intp]:
-    """Return which picked samples have `order` picked ones right before them in their stretch.
-
-    Parameters
-    ----------
-    picked : array of int (k,)
-        Samples that may be rows.
-    edges : sequence of int
-        Where stretches begin, and the end.
-    every : int
-        Distance of neighbouring rows in samples.
-    order : int
-        Rows that each needs before it.
-
-    Returns
-    -------
-    array of int (m,)
-        Which of the picked samples are rows.
-    """
+    """Return which picked samples have `order` picked ones right before them in their stretch."""
     stretch = np.searchsorted(edges, picked, side="right")
     near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
     run = np.arange(len(picked)) - np.maximum.accumulate(np.where(near, 0, np.arange(len(picked))))
@@ -338,22 +278,7 @@ def with_rows_before(
 
 
 def autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
-    """Return the coefficients (order,) that predict rows from those before them.
-
-    Parameters
-    ----------
-    residual : array (k,)
-        What is predicted, at the picked samples.
-    rows : array of int (m,)
-        Which of them are rows.
-    order : int
-        Number of coefficients.
-
-    Returns
-    -------
-    array (order,)
-        Coefficients, the nearest row first.
-    """
+    """Return the coefficients (order,) that predict rows from those before them."""
     if not order or not len(rows):
         return np.zeros(order)
     past = np.stack([residual[rows - k] for k in range(1, order + 1)], axis=1)

@@ -11,8 +11,6 @@ from stickslip.identification.residuals.effects import Signals, shown_by
 from stickslip.identification.residuals.gains import BLOCKS
 from stickslip.identification.sensor_response import SensorResponse
 
-__all__ = ["RESPONSES", "Profile", "profile_of", "response_of"]
-
 Array = NDArray[np.float64]
 
 RESPONSES = ("delay", "lag")
@@ -41,42 +39,12 @@ class Profile:
 
 
 def response_of(kind: str, value: float) -> SensorResponse:
-    """Return the response of a sensor that leaves the motion later than the force.
-
-    Parameters
-    ----------
-    kind : {"delay", "lag"}
-        What the sensor does.
-    value : float
-        Time [s] by which the motion is later; below 0 if the force is.
-
-    Returns
-    -------
-    SensorResponse
-        The response.
-    """
+    """Return the response of a sensor that leaves the motion later than the force."""
     return SensorResponse(lag=-value) if kind == "lag" else SensorResponse(delay=-value)
 
 
 def profile_of(b: Balance, basis: Array, residual: Array, kind: str) -> Profile | None:
-    """Return the time by which a sensor shows friction late; None if nothing speaks for one.
-
-    Parameters
-    ----------
-    b : Balance
-        Residuals of friction that was measured.
-    basis : array (m, r)
-        Orthonormal columns of what is fitted beside it.
-    residual : array (m,)
-        Whitened residuals without these.
-    kind : {"delay", "lag"}
-        What the sensor does.
-
-    Returns
-    -------
-    Profile or None
-        The time with the least squares.
-    """
+    """Return the time by which a sensor shows friction late; None if nothing speaks for one."""
     times = _times(b.signals)
     signs = (-1.0,) if kind == "lag" else (-1.0, 1.0)
     best: Profile | None = None

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from stickslip.identification.sensor_response import SensorResponse
 
-__all__ = ["Effect", "Signals", "delay_of", "effects", "shown_by"]
-
 Array = NDArray[np.float64]
 
 WAVES = 40
@@ -102,20 +100,6 @@ def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     """Yield the errors that are looked for, those with fewer coefficients first.
 
     Delays of a friction sensor are not among them: they are found by their profile (`delays.py`).
-
-    Parameters
-    ----------
-    s : Signals
-        Motion and force of the record.
-    passed : float
-        Highest frequency that the filter passes [Hz], which limits waves over the position.
-    driven : bool
-        Whether a force drives the record: its errors are looked for too.
-
-    Yields
-    ------
-    Effect
-        Each error with its columns (n,).
     """
     if driven:
         yield delay_of(0.0)

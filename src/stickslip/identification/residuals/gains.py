@@ -7,17 +7,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-__all__ = [
-    "BLOCKS",
-    "FEWEST",
-    "LEVEL",
-    "basis_of",
-    "beside",
-    "chance_of",
-    "gains_of",
-    "half_width_of",
-]
-
 Array = NDArray[np.float64]
 
 BLOCKS = 20
@@ -40,20 +29,7 @@ def basis_of(slopes: Array) -> Array:
 
 
 def beside(columns: Array, slopes: Array) -> Array:
-    """Return columns (m, ...) less what slopes (m, p) can take up.
-
-    Parameters
-    ----------
-    columns : array (m, ...)
-        Columns to project.
-    slopes : array (m, p)
-        Columns of the Jacobian.
-
-    Returns
-    -------
-    array (m, ...)
-        The part of the columns that is orthogonal to the slopes.
-    """
+    """Return columns (m, ...) less what slopes (m, p) can take up."""
     basis = basis_of(slopes)
     return np.asarray(columns - basis @ (basis.T @ columns))
 
@@ -63,20 +39,6 @@ def gains_of(basis: Array, directions: Array, residual: Array) -> tuple[Array, A
 
     And their coefficients without it (blocks, q). What `basis` (m, p) takes off is no gain; all
     columns are orthonormal.
-
-    Parameters
-    ----------
-    basis : array (m, p)
-        Orthonormal basis of the Jacobian.
-    directions : array (m, q)
-        Orthonormal columns, orthogonal to the basis.
-    residual : array (m,)
-        Whitened residuals, in the order of time.
-
-    Returns
-    -------
-    (array (blocks,), array (blocks, q))
-        Decrease of the sum of squares of each block, and the coefficients that predicted it.
     """
     table = np.column_stack([basis, directions])
     p = basis.shape[1]

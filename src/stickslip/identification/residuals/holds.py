@@ -34,8 +34,6 @@ from stickslip.identification.series.applied_force import driven
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["HoldFinding", "hold_of"]
-
 Array = NDArray[np.float64]
 
 WIDER: Final = (3.0, 6.0)
@@ -127,22 +125,6 @@ def hold_of(
     mechanism: Mechanism, measurement: Measurement, given: Hold | None, vary: Sequence[str] = ()
 ) -> HoldFinding | None:
     """Return how the force of a record runs between its samples, from the record if not given.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records in time.
-    given : {"zero", "first"} or None
-        What the user says.
-    vary : sequence of str
-        Full paths of parameters of a mechanism with several joints that are fitted.
-
-    Returns
-    -------
-    HoldFinding or None
-        None where no force is recorded that drives the record, or friction was measured.
 
     Examples
     --------

@@ -23,8 +23,6 @@ from stickslip.identification.residuals.balance import Fitted
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.series.inverse_dynamics import known_forces, mass_of, positions_of
 
-__all__ = ["peaks_of"]
-
 Array = NDArray[np.float64]
 
 SPECTRA = 8
@@ -50,18 +48,6 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
 
     A vibration is in the motion and not in the force, a ripple of the recorded force is not in the
     motion; what is in both is how the rig was driven.
-
-    Parameters
-    ----------
-    fit : Fitted
-        Its law, mechanism and record, of which the longest stretch without a gap is looked at.
-    least : float
-        Root mean square [N] from which a peak matters.
-
-    Yields
-    ------
-    ModelError
-        The highest peak, if it is a vibration or a ripple.
     """
     stretches = balanced(
         fit.mechanism, fit.measurement, hold=fit.hold, samples=math.inf, slipping=True

@@ -55,8 +55,6 @@ from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["model_errors"]
-
 Array = NDArray[np.float64]
 
 BANDS = ((1.0, 0), (3.0, 4))
@@ -121,27 +119,6 @@ def model_errors(
     measured: ForceMap | None = None,
 ) -> tuple[ModelError, ...]:
     """Return the errors of the model that the residuals of a fit show, the largest first.
-
-    Parameters
-    ----------
-    mechanism, law : Mechanism, FrictionLaw
-        With the fitted values.
-    measurement : Measurement
-        Records in time with position or velocity, and the force applied.
-    free_parameters : FreeParameters
-        What was fitted.
-    estimates : sequence of Estimate
-        Its intervals, in the same order.
-    hold : {"zero", "first"}
-        Whether a force keeps its value until the next sample or goes straight to it.
-    measured : ForceMap, optional
-        The problem that was fitted, where friction was measured.
-
-    Returns
-    -------
-    tuple of ModelError
-        None if nothing is shown, or nothing can be: a table, several coordinates, too short a
-        record.
 
     Examples
     --------

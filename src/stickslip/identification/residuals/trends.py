@@ -19,8 +19,6 @@ from stickslip.identification.residuals.gains import (
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["has_trend", "ljung_box", "noise_floor"]
-
 Array = NDArray[np.float64]
 
 CELLS = 12
@@ -36,18 +34,6 @@ def has_trend(residual: Array, by: Array) -> bool:
 
     Their means in cells of the quantity, from all blocks but one, must take squares off that one:
     in so many blocks that chance would do so in one record of 20.
-
-    Parameters
-    ----------
-    residual : array (n,)
-        Residuals in the order of time.
-    by : array (n,)
-        The quantity, such as time [s] or velocity [m/s].
-
-    Returns
-    -------
-    bool
-        True if the trend is significant.
 
     Examples
     --------
@@ -75,18 +61,6 @@ def ljung_box(residual: Array, lags: int = LAGS) -> float:
 
     Source: G. M. Ljung, G. E. P. Box, "On a measure of lack of fit in time series models", 1978.
 
-    Parameters
-    ----------
-    residual : array (n,)
-        Residuals in the order of time.
-    lags : int
-        Number of autocorrelations.
-
-    Returns
-    -------
-    float
-        Probability, from 0 to 1; 1 if there are no more rows than lags.
-
     Examples
     --------
     >>> white = np.random.default_rng(1).normal(size=1000)
@@ -103,21 +77,6 @@ def ljung_box(residual: Array, lags: int = LAGS) -> float:
 
 def noise_floor(mechanism: Mechanism, measurement: Measurement, compared: str) -> float:
     """Return the residuals that the sensor's noise alone would leave (root mean square, SI).
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        With its mass: where friction was derived from a force, the noise of positions is one of
-        accelerations, after the filter.
-    measurement : Measurement
-        Records in time.
-    compared : str
-        What residuals are of: ``"position"``, ``"velocity"`` or ``"friction"``.
-
-    Returns
-    -------
-    float
-        From third differences, which no smooth motion has; not a number where nothing says.
 
     Examples
     --------

@@ -17,8 +17,6 @@ from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.settings import Hold
 from stickslip.quantities import turned
 
-__all__ = ["cure_of", "finding_of"]
-
 HALF = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
 FLEXIBLE = (
@@ -129,24 +127,6 @@ def finding_of(
     hold: Hold = "zero",
 ) -> str:
     """Return what an error is, with its size and interval.
-
-    Parameters
-    ----------
-    effect : Effect
-        The error.
-    value : float
-        Its coefficient [SI].
-    ends : (float, float)
-        Ends of its 95 % interval [SI].
-    measurement : Measurement
-        The record, which says whether units are those of rotation.
-    hold : {"zero", "first"}
-        How the force was taken to run between samples.
-
-    Returns
-    -------
-    str
-        A clause with size, unit and interval.
 
     Examples
     --------

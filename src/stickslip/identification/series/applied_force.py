@@ -7,8 +7,6 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.mechanisms import Mechanism, slip_of
 
-__all__ = ["applied_force", "driven", "drives_itself", "inside"]
-
 Array = NDArray[np.float64]
 
 
@@ -35,18 +33,6 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
 
     Times of such a record are those of the drive: 0 is when the mechanism begins as it says.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, perhaps with a drive.
-    measurement : Measurement
-        Records, perhaps with a force or a reference.
-
-    Returns
-    -------
-    bool
-        True if the drive of the mechanism moves at least one record.
-
     Examples
     --------
     >>> from stickslip import Axis
@@ -68,18 +54,6 @@ def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the states of a mechanism that drives itself which nobody measures.
 
     They begin as the mechanism, or `Measurement.initial`, says.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records of the coordinate that slips.
-
-    Returns
-    -------
-    tuple of str
-        Names of coordinates and rates; empty if the mechanism does not drive itself.
 
     Examples
     --------
@@ -105,23 +79,6 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
     A record with a reference and without a force is one in closed loop. Its controller is part of
     the mechanism: its gains are a spring and a damper towards the reference, so the mechanism needs
     ``stiffness`` and ``damping``, and the force is what they pull with from the reference's side.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; its stiffness [N/m] and damping [N s/m] are gains in closed loop.
-    record : Measurement
-        One record in time.
-
-    Returns
-    -------
-    array (n,) or None
-        Force [N].
-
-    Raises
-    ------
-    InputError
-        If there is a reference, and a mechanism without gains.
 
     Examples
     --------

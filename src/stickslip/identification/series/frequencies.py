@@ -12,8 +12,6 @@ from stickslip.experiments import CURE, MainsLine, is_narrow, lines_of, words_of
 from stickslip.formatting import quantity
 from stickslip.identification.series.slip_detection import cycles_of, peak_of, spectra_of
 
-__all__ = ["Frequency", "frequency_of", "refuse_without_cycles"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 BLOCKS = 15
@@ -51,27 +49,6 @@ def frequency_of(
     force: Array, step: float, *, natural: float, slips: NDArray[np.intp] | None
 ) -> Frequency:
     """Return the frequency of a force: of its slips if there are any, else of its spectrum.
-
-    Parameters
-    ----------
-    force : array (n,)
-        Samples, evenly spaced.
-    step : float
-        Time between them [s].
-    natural : float
-        Natural frequency of the block [Hz].
-    slips : array (k,), optional
-        Samples at which the block slips; None where it does not stick.
-
-    Returns
-    -------
-    Frequency
-        The frequency [Hz] with its bootstrap draws.
-
-    Raises
-    ------
-    InputError
-        If the spectrum contradicts the events, or shows mains hum.
 
     Examples
     --------
@@ -158,20 +135,6 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
     """Refuse a slow force with too few slips to be stick-slip, unless it has smooth cycles.
 
     `top` is the frequency [Hz] of its spectrum.
-
-    Parameters
-    ----------
-    force : array (n,)
-        Evenly sampled force.
-    step : float
-        Sampling interval [s].
-    top : float
-        Frequency of the highest peak of its spectrum [Hz].
-
-    Raises
-    ------
-    InputError
-        If there are too few cycles, or their rate is not that frequency.
 
     Examples
     --------

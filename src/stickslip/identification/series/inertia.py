@@ -14,8 +14,6 @@ from stickslip.identification.series.inverse_dynamics import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path, parameters
 
-__all__ = ["REVERSED", "inertia_of"]
-
 REVERSED = 0.01
 """Inertial share of a negative mass from which the force acts against the motion."""
 WIDE = 30.0
@@ -25,27 +23,7 @@ WIDE = 30.0
 def inertia_of(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
 ) -> FreeParameter | None:
-    """Return the mass of a mechanism where it is looked for, to start from by robust regression.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, with its nominal mass.
-    measurement : Measurement
-        Records in time of position and force.
-    unknown : sequence of str
-        Parameters of the mechanism to fit, by path or last name; at most a mass.
-
-    Returns
-    -------
-    FreeParameter or None
-        The mass [kg] with start value and bounds; None if it is not fitted.
-
-    Raises
-    ------
-    InputError
-        If anything but the mass is looked for, or what is found is no mass.
-    """
+    """Return the mass of a mechanism where it is looked for, to start from by robust regression."""
     check_is_mass(unknown)
     names = [name.rpartition(".")[2] for name in unknown]
     if not names:

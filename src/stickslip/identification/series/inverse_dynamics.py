@@ -22,17 +22,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "InverseDynamics",
-    "check_even",
-    "check_is_mass",
-    "inverse_dynamics",
-    "known_forces",
-    "mass_of",
-    "positions_of",
-    "times_of",
-]
-
 Array = NDArray[np.float64]
 
 HUBER = 1.345
@@ -218,26 +207,14 @@ def inverse_dynamics(
 
 
 def check_is_mass(names: Iterable[str]) -> None:
-    """Refuse parameters of a mechanism other than its mass, which is all that is identified.
-
-    Raises
-    ------
-    InputError
-        With the first of the others.
-    """
+    """Refuse parameters of a mechanism other than its mass, which is all that is identified."""
     for name in names:
         if name.rpartition(".")[2] not in ("inertia", "mass"):
             raise InputError(f"inverse dynamics identifies the mass of a mechanism, not {name!r}.")
 
 
 def times_of(record: Measurement) -> Array:
-    """Return the times (n,) of a record [s].
-
-    Raises
-    ------
-    InputError
-        If it has none, as a measured travel.
-    """
+    """Return the times (n,) of a record [s]."""
     if not isinstance(record.time, np.ndarray):
         raise InputError("inverse dynamics needs the motion in time.")
     return record.time
@@ -302,13 +279,7 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
 
 
 def check_even(time: Array) -> float:
-    """Return the mean step of times (n,) [s].
-
-    Raises
-    ------
-    InputError
-        If some step is so long that filters would not mean what they say.
-    """
+    """Return the mean step of times (n,) [s]."""
     dt = float(np.ptp(time)) / (len(time) - 1)
     longest = float(np.diff(time).max())
     if longest > UNEVEN * dt:
@@ -321,13 +292,7 @@ def check_even(time: Array) -> float:
 
 
 def positions_of(record: Measurement) -> Array:
-    """Return positions (n,) [m] as measured, or from the velocity.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
+    """Return positions (n,) [m] as measured, or from the velocity."""
     if "position" in record.quantities():
         return np.asarray(record.values("position"))
     if "velocity" not in record.quantities():
@@ -367,29 +332,7 @@ def _both_ways(coefficients: tuple[Array, Array], column: Array) -> Array:
 
 
 def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
-    """Return the mass [kg], and the forces (n,) [N] on it but for friction and a constant.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        A mechanism of one coordinate.
-    x : array (n,)
-        Positions [m].
-    v : array (n,)
-        Velocities [m/s].
-    applied : array (n,)
-        Force of its drive [N].
-
-    Returns
-    -------
-    (float, array (n,))
-        Mass and sum of the forces.
-
-    Raises
-    ------
-    InputError
-        If the mechanism has several coordinates.
-    """
+    """Return the mass [kg], and the forces (n,) [N] on it but for friction and a constant."""
     if len(mechanism.coordinates) != 1:
         raise InputError(
             f"inverse dynamics needs a mechanism of one coordinate, and"

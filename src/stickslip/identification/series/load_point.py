@@ -7,8 +7,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Path", "path_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 SAMPLES = 1000
@@ -92,18 +90,6 @@ class Path:
 
 def path_of(time: Array, pull: Array) -> Path:
     """Return the pieces of constant speed that a measured position consists of.
-
-    Parameters
-    ----------
-    time : array (n,)
-        Instants, increasing [s].
-    pull : array (n,)
-        Measured position of the load point [m].
-
-    Returns
-    -------
-    Path
-        Ends of the pieces [s] and the positions there [m].
 
     Examples
     --------

@@ -12,8 +12,6 @@ from stickslip.identification.series.start_values import load_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["as_loaded", "loaded"]
-
 Array = NDArray[np.float64]
 
 PATH = "mechanism.load"
@@ -23,23 +21,6 @@ VARIES = 0.05
 
 def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     """Return a measurement with each measured load as an override of the mechanism's.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, with a load that can be set.
-    measurement : Measurement
-        Records, perhaps with a load [N].
-
-    Returns
-    -------
-    Measurement
-        The measurement, its records without a load of their own.
-
-    Raises
-    ------
-    InputError
-        If a load changes, the mechanism has none to be set, or an override sets it too.
 
     Examples
     --------
@@ -59,19 +40,6 @@ def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism
 
     It is that of simulations to come: coefficients that were found under one load are those of
     another friction under another.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        With the load that it was given.
-    measurement : Measurement
-        Records, with loads or without.
-
-    Returns
-    -------
-    tuple of Mechanism and str
-        With the mean load; if it varies, with its median, and a sentence that says so. Without a
-        load that can be set, the mechanism as it is, and a sentence if its own load is another.
 
     Examples
     --------

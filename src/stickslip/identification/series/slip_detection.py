@@ -7,8 +7,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Slips", "cycles_of", "peak_of", "slips_of", "spectra_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 CERTAIN = 6.0
@@ -37,18 +35,6 @@ class Slips:
 
 def slips_of(force: Array, half_period: int) -> Slips:
     """Return the slips of a force sampled evenly, each lasting about half a natural period.
-
-    Parameters
-    ----------
-    force : array (n,)
-        Evenly sampled force.
-    half_period : int
-        Half of the natural period, in samples.
-
-    Returns
-    -------
-    Slips
-        Place, level and fall of each slip, and slopes between slips.
 
     Examples
     --------
@@ -85,18 +71,6 @@ def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
 
     What changes over two periods or more does not count.
 
-    Parameters
-    ----------
-    force : array (n,)
-        Evenly sampled force.
-    period : float
-        Typical period, in samples.
-
-    Returns
-    -------
-    array of int (k,)
-        Samples at which cycles begin.
-
     Examples
     --------
     >>> wave = np.sin(2.0 * np.pi * np.arange(1000.0) / 40.0) + np.linspace(0.0, 3.0, 1000)
@@ -113,22 +87,7 @@ def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
 
 
 def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, Array]:
-    """Return frequencies by sample (m,) and the spectra of half overlapping blocks (k, m).
-
-    Parameters
-    ----------
-    force : array (n,)
-        Evenly sampled force.
-    blocks : int
-        Number k of blocks.
-    highest : float
-        Highest frequency that is returned, over the sampling frequency.
-
-    Returns
-    -------
-    (array (m,), array (k, m))
-        Frequencies over the sampling frequency, and power spectra.
-    """
+    """Return frequencies by sample (m,) and the spectra of half overlapping blocks (k, m)."""
     from scipy.fft import next_fast_len, rfft
 
     length = 2 * len(force) // (blocks + 1)
@@ -148,18 +107,6 @@ def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, 
 
 def peak_of(frequency: Array, spectrum: Array) -> float:
     """Return the frequency that carries most, counted by octaves: slow wandering does not.
-
-    Parameters
-    ----------
-    frequency : array (m,)
-        Frequencies, evenly spaced from 0.
-    spectrum : array (m,)
-        Power spectrum.
-
-    Returns
-    -------
-    float
-        Frequency of the peak, interpolated, in the unit of `frequency`.
 
     Examples
     --------

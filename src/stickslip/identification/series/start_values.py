@@ -25,8 +25,6 @@ from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
 
-__all__ = ["Scales", "law_unknowns", "mechanism_unknowns", "scales_of"]
-
 NUISANCE = {"offset"}
 """Parameters of a mechanism that are looked for whatever the law: sensors and cables have them."""
 PRESLIDING = 1e-3
@@ -76,22 +74,7 @@ class Scales:
 def scales_of(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
 ) -> Scales:
-    """Return the sizes that robust linear regression of forces finds.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, with its nominal mass.
-    measurement : Measurement
-        Records in time of position and force.
-    unknown : sequence of str
-        Parameters of the mechanism to fit; the mass is estimated if it is one of them.
-
-    Returns
-    -------
-    Scales
-        Level, slope, mass, speed and stroke to start from.
-    """
+    """Return the sizes that robust linear regression of forces finds."""
     free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
 
     def solved(*, directional: bool) -> InverseDynamics:
@@ -149,13 +132,7 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
 
 
 def load_of(mechanism: Mechanism) -> float:
-    """Return the normal force at the contact [N] where that is a constant.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
+    """Return the normal force at the contact [N] where that is a constant."""
     normal = normal_of(mechanism)
     load: float | None = only_contact(mechanism).load
     if normal is not None:  # what its coordinate is pressed down with at rest
@@ -179,29 +156,7 @@ def law_unknowns(
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
 ) -> tuple[FrictionLaw, tuple[FreeParameter, ...], tuple[Mapping[str, float], ...]]:
-    """Return a law to start from, its unknowns, and further starts by path.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        An instance, whose values are the start, or a type.
-    scales : Scales
-        Sizes of friction in the record.
-    free : sequence of str, optional
-        Parameters to fit, by path or last name; the law's `fit_order` if not given.
-    known : mapping of str to float, optional
-        Values of parameters that are held [SI], by name.
-
-    Returns
-    -------
-    (FrictionLaw, tuple of FreeParameter, tuple of mapping)
-        The law, its free parameters with bounds, and further start values [SI] by path.
-
-    Raises
-    ------
-    InputError
-        If a parameter has no range and no value is given.
-    """
+    """Return a law to start from, its unknowns, and further starts by path."""
     kind = law if isinstance(law, type) else type(law)
     known = known or {}
     names = [name for name in kind.fit_order if name not in known]
@@ -325,24 +280,6 @@ def mechanism_unknowns(
     A constant force is left out where it is held, and where the record has one number for it and a
     level: with laws that have a level of their own in each direction, and where slip is in one
     direction only.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured, with nominal values.
-    law : FrictionLaw
-        The law that is fitted.
-    unknown : sequence of str
-        Parameters to fit, by path or last name.
-    scales : Scales
-        Sizes of friction in the record.
-    held : collection of str
-        Full paths of parameters that are not fitted.
-
-    Returns
-    -------
-    tuple of FreeParameter
-        The free parameters with start values and bounds.
     """
     known: Mapping[str, tuple[Quantity, float]] = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
@@ -373,19 +310,6 @@ def mechanism_unknowns(
 
 
 def joined(law: FrictionLaw, items: Sequence[FreeParameter]) -> FreeParameters:
-    """Return the unknowns of a fit together, with what the law does not look for.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Gives the values that are held.
-    items : sequence of FreeParameter
-        Free parameters of law and mechanism.
-
-    Returns
-    -------
-    FreeParameters
-        All free parameters, in that order.
-    """
+    """Return the unknowns of a fit together, with what the law does not look for."""
     rest = {path: value for path, _, value in parameters(law, "friction")}
     return FreeParameters(tuple(items), rest)

@@ -1,105 +1,174 @@
 """First deflections of bristles: what slip before a segment has built up.
 
 They are not free like the other initial states: what they do in the first micrometres, an initial
-velocity does nearly as well, and noise would set both against each other.
+velocity does nearly as well, and noise would set both against each other. They are followed along
+the measured motion instead, from the first sample of the record on. What was before that nobody
+knows: a body at rest has the friction that balances the other forces, one that moves has slipped.
 """
 
-from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import parameters, shadow
-
-__all__ = ["deflection_slopes", "first_deflection"]
+from stickslip.identification.estimation.bristle_integration import Path, balancing, follow
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.perturbed_laws import PerturbedLaws
 
 Array = NDArray[np.float64]
 
 BEFORE = 0.02
-"""Share of a segment whose length times its first velocity is how far the body slipped before."""
+"""Share of a segment whose length times the first velocity is how far the body slipped before the
+first sample of a record."""
 NUDGE = 1e-6
-"""Share by which a parameter is changed to see what that does."""
+"""Share by which the first velocity is changed to see what that does."""
 
 
-def first_deflection(law: FrictionLaw, velocity: float, end: float) -> float:
-    """Return the deflection with which a bristle begins [m]: 0 if there is not one bristle.
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedMotion:
+    """The motion of a record between two gaps, and what it begins with."""
 
-    That of steady slip, or where this is slow, as much as the slip before can have built up. It
-    changes smoothly with the law and with the velocity, so that searches can follow.
+    record: int
+    """Which record it is of."""
+    path: Path
+    """The motion, from the first sample on."""
+    held: float = 0.0
+    """Friction [N] that would balance all other forces on a body at rest at the first sample."""
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    velocity : float
-        First slip velocity of a segment [m/s].
-    end : float
-        Length of the segment [s].
+    @classmethod
+    def unknown(cls, record: int, start: float) -> "RecordedMotion":
+        """Return the motion of which nothing is known but when it begins [s], under 1 N."""
+        one = np.ones(1)
+        path = Path(time=start * one, velocity=0.0 * one, load=one, travel=np.zeros(0))
+        return cls(record=record, path=path)
 
-    Returns
-    -------
-    float
-        Deflection [m].
+    @property
+    def start(self) -> float:
+        """Time of the first sample [s]."""
+        return float(self.path.time[0])
+
+    def begun(self, velocity: float) -> "RecordedMotion":
+        """Return the first sample alone, with another slip velocity [m/s]."""
+        one = self.path
+        first = replace(
+            one,
+            time=one.time[:1],
+            velocity=np.array([velocity]),
+            load=one.load[:1],
+            travel=np.zeros(0),
+            inputs={name: x[:1] for name, x in one.inputs.items()},
+        )
+        return replace(self, path=first)
+
+    def covers(self, record: int, time: float) -> bool:
+        """Return whether a time of a record is within the motion."""
+        return self.record == record and self.path.time[0] <= time <= self.path.time[-1]
+
+    def led_in(self, time: float) -> Path:
+        """Return the path after some time [s] of slip at the first velocity."""
+        one = self.path
+        columns = one.time, one.velocity, one.load, *one.inputs.values()
+        times, velocity, load, *inputs = (np.append(column[0], column) for column in columns)
+        times[0] -= time
+        return Path(
+            time=times,
+            velocity=velocity,
+            load=load,
+            travel=np.append(velocity[0] * time, one.travel),
+            inputs=dict(zip(one.inputs, inputs, strict=True)),
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FirstDeflections:
+    """Deflections with which the segments of a record begin, for a law at some values.
 
     Examples
     --------
     >>> from stickslip import Dahl
     >>> law = Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e4)
-    >>> round(1e6 * first_deflection(law, 0.1, 1.0), 1), first_deflection(law, 0.0, 1.0)
-    (200.0, 0.0)
+    >>> first = FirstDeflections(
+    ...     law=law,
+    ...     free_parameters=FreeParameters(()),
+    ...     values=np.zeros(0),
+    ...     motion=RecordedMotion.unknown(0, 0.0).begun(0.1),
+    ...     starts=np.zeros(1),
+    ...     length=1.0,
+    ... )
+    >>> first.states.round(7)  # of steady slip, in m
+    array([[0.0002]])
     """
-    if len(law.states) != 1 or velocity == 0.0:
-        return 0.0
-    return float(_deflections(law, np.array([velocity]), end)[0])
 
+    law: FrictionLaw
+    """Holds the parameters that are not looked for."""
+    free_parameters: FreeParameters
+    """What is looked for."""
+    values: Array
+    """Its values (p,) [SI]."""
+    motion: RecordedMotion
+    """The motion of the record."""
+    starts: Array
+    """Times (k,) [s] at which segments begin."""
+    length: float
+    """Length of segments [s], of which a share was slip before the first sample."""
 
-def deflection_slopes(
-    law: FrictionLaw, velocity: float, end: float, paths: Sequence[str]
-) -> tuple[Array, float]:
-    """Return how a first deflection changes with parameters (n,) and with the velocity [s].
+    @cached_property
+    def path(self) -> Path:
+        """The motion that bristles are followed along."""
+        return self.motion.led_in(BEFORE * self.length)
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        A law with one bristle.
-    velocity : float
-        First slip velocity of a segment [m/s].
-    end : float
-        Length of the segment [s].
-    paths : sequence of str
-        Full paths; those that are not of the law change nothing.
+    @property
+    def velocity_slopes(self) -> Array:
+        """Slopes [s] of the states (k, b) by the first velocity."""
+        velocity = float(self.motion.path.velocity[0])
+        if velocity == 0.0:
+            return np.full_like(self.states, BEFORE * self.length)
+        moved = replace(self, motion=self.motion.begun((1.0 + NUDGE) * velocity))
+        return np.asarray((moved.states - self.states) / (NUDGE * velocity))
 
-    Returns
-    -------
-    (array (n,), float)
-        Derivatives by the parameters [m per unit of each], and by the velocity [s].
-    """
-    if velocity == 0.0:
-        return np.zeros(len(paths)), BEFORE * end
-    values = {path: value for path, _, value in parameters(law, "friction")}
-    own = [path for path in paths if path in values]
-    steps = {path: NUDGE * (abs(values[path]) or 1.0) for path in own}
-    first, last = np.arange(len(own) + 2) == 0, np.arange(len(own) + 2) == len(own) + 1
-    changed = {
-        path: values[path] + steps[path] * (np.arange(len(own) + 2) == i)
-        for i, path in enumerate(own, 1)
-    }
-    near = shadow(law, "friction", lambda path: changed.get(path, values[path]))
-    z = _deflections(near, velocity * (1.0 + NUDGE * last), end)
-    by_own = dict(zip(own, z[1:-1] - z[first], strict=True))
-    slopes = np.array([by_own[path] / steps[path] if path in by_own else 0.0 for path in paths])
-    return slopes, float((z[-1] - z[0]) / (NUDGE * velocity))
+    @cached_property
+    def states(self) -> Array:
+        """Deflections [m] at the starts (k, b)."""
+        return self._at_starts(self._followed)[..., 0]
 
+    @cached_property
+    def slopes(self) -> Array:
+        """Their slopes by the unknowns (k, b, p)."""
+        own = self._copies(slopes=True)
+        found = self._at_starts(self._along(own, self._followed[..., 0]))
+        table = np.zeros((*found.shape[:2], own.free_parameters))
+        moved = found[..., 1 : 1 + len(own.moved)]
+        table[..., list(own.columns)] = (moved - found[..., :1]) / own.moved
+        return np.nan_to_num(table)
 
-def _deflections(law: FrictionLaw, velocity: Array, end: float) -> Array:
-    """Return first deflections at velocities other than 0, of a law with one value or as many."""
-    one = 1e-6  # force is linear in the deflection: any will do
-    at_rest, moved = (
-        law.force(velocity, 1.0, (z,)) for z in (0.0 * velocity, one + 0.0 * velocity)
-    )
-    steady = one * (law.steady(velocity, 1.0) - at_rest) / (moved - at_rest)
-    # at the speed where damping outdoes stiffness both are 0: no deflection is told
-    steady = np.where(np.isfinite(steady), steady, 0.0)
-    size = np.maximum(np.abs(steady), 1e-300)
-    return np.asarray(-steady * np.expm1(-BEFORE * np.abs(velocity) * end / size))
+    @cached_property
+    def _followed(self) -> Array:
+        """Deflections along the motion (b, n, 1)."""
+        return self._along(self._copies(slopes=False))[..., :1]
+
+    def _copies(self, *, slopes: bool) -> PerturbedLaws:
+        return PerturbedLaws.of(
+            self.law, self.free_parameters, self.values, constant="", slopes=slopes
+        )
+
+    def _along(self, own: PerturbedLaws, guess: Array | None = None) -> Array:
+        """Return deflections along the motion (b, n, copies); 0 where they cannot be found."""
+        first = np.zeros((own.bristles, own.count))
+        with np.errstate(all="ignore"):  # a law that fails far out is refused by its runs
+            if self.path.velocity[0] == 0.0:  # at rest bristles balance the other forces
+                first[:] = balancing(own.law, self.path, self.motion.held, own.bristles)
+            return np.nan_to_num(follow(own.law, self.path, first, guess))
+
+    def _at_starts(self, states: Array) -> Array:
+        """Return deflections at the starts (k, b, copies), straight between samples."""
+        time = self.path.time
+        at = np.clip(np.searchsorted(time, self.starts, side="right"), 1, len(time) - 1)
+        share = (self.starts - time[at - 1]) / (time[at] - time[at - 1])
+        share = np.clip(share, 0.0, 1.0)[:, None]
+        found = states[:, at - 1] * (1.0 - share) + states[:, at] * share
+        return np.asarray(found.transpose(1, 0, 2))

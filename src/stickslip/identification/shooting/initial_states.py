@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-__all__ = ["CLEARLY", "SETTLING", "Known", "LocalState", "followed", "settled", "worse"]
-
 Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-7
@@ -140,22 +138,6 @@ def settled(
     """Return a segment from the initial state that fits it best; None if no run succeeds.
 
     `rest` is the guess with rates of 0, but those that are known.
-
-    Parameters
-    ----------
-    guess : array (m,)
-        Initial coordinates and rates to start from.
-    rest : array (m,)
-        The same at rest.
-    shoot : callable
-        Simulates the segment from an initial state (m,) and linearises it; None if that fails.
-    at_rest : bool
-        Whether the state at rest is tried even if another one succeeds.
-
-    Returns
-    -------
-    LocalState or None
-        The linearised segment.
     """
     first = shoot(guess)
     best = None if first is None else _descended(first, shoot)
@@ -173,24 +155,6 @@ def followed(
     """Return a segment where the unknowns have changed by (p,): from a state carried on.
 
     Where that fits worse than the old state was promised to, the old state is tried as well.
-
-    Parameters
-    ----------
-    before : LocalState
-        The segment at earlier values of the free parameters.
-    change : array (p,)
-        Change of the free parameters since then [SI].
-    rest : array (m,)
-        Initial coordinates and rates at rest.
-    shoot : callable
-        Simulates the segment from an initial state (m,) and linearises it; None if that fails.
-    at_rest : bool
-        Whether the state at rest is tried even if another one succeeds.
-
-    Returns
-    -------
-    LocalState or None
-        The linearised segment; None if no run succeeds.
     """
     moved = shoot(before.near(change))
     best = None if moved is None else replace(moved, damping=before.damping).stepped(well=True)

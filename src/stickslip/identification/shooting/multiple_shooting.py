@@ -21,7 +21,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
-from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
+from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identification.shooting.initial_states import (
     CLEARLY,
     LocalState,
@@ -33,8 +33,6 @@ from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
-
-__all__ = ["Segment", "Shooting", "ZeroEstimate", "curvature_of"]
 
 Array = NDArray[np.float64]
 
@@ -109,6 +107,8 @@ class Shooting(RecordProblem):
     """Stretches of the records that are simulated."""
     quantity_: str = "position"
     """What is compared: ``"position"`` or ``"velocity"``."""
+    motions: tuple[RecordedMotion, ...] = ()
+    """The measured motion of each record between gaps, as far as bristles are followed along it."""
 
     @property
     @override
@@ -200,10 +200,11 @@ class Shooting(RecordProblem):
             law, mechanisms = self._changed(values)
         except ParameterError:
             return _failed(values, [self.segments[k] for k in chosen], chosen)
+        begun = self._begun(law, values, chosen)
 
         def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
-            shoot = partial(self._shot, segment, mechanism, law)
+            shoot = partial(self._shot, segment, mechanism, law, begun[k])
             at_rest = _may_rest(segment, self.quantity)
             if before is None:
                 return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
@@ -230,15 +231,45 @@ class Shooting(RecordProblem):
             for s in self.segments
         }
 
+    def _begun(
+        self, law: FrictionLaw, values: Array, chosen: Sequence[int]
+    ) -> Mapping[int, "_Begun"]:
+        """Return how the bristles of segments begin, by number."""
+        if not law.states:
+            return dict.fromkeys(chosen, _Begun())
+        of: dict[RecordedMotion, list[int]] = {}
+        for k in chosen:
+            one = self.segments[k]
+            known = (own for own in self.motions if own.covers(one.record, one.start))
+            own = next(known, None) or RecordedMotion.unknown(one.record, one.start)
+            of.setdefault(own, []).append(k)
+        found: dict[int, _Begun] = {}
+        for motion, numbers in of.items():
+            first = FirstDeflections(
+                law=law,
+                free_parameters=self.free_parameters,
+                values=values,
+                motion=motion,
+                starts=np.array([self.segments[k].start for k in numbers]),
+                length=float(self.segments[numbers[0]].times[-1]),
+            )
+            found |= {k: _Begun(first, place) for place, k in enumerate(numbers)}
+        return found
+
     def _shot(
-        self, segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
+        self,
+        segment: Segment,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        begun: "_Begun",
+        state: Array,
     ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
-        run = _bare(segment, mechanism, law, state)
+        run = _bare(segment, mechanism, law, begun, state)
         if run is None:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
-        sense = partial(_sensed, run, segment, mechanism, law, state, column)
+        sense = partial(_sensed, run, segment, mechanism, law, begun, state, column)
         left = segment.measured - run.at(segment.times)[:, column]
         local = sense([f"initial.{name}" for name in run.states[: len(state)]])
         if not np.max(np.abs(local)) < STEEPEST:  # NaN included
@@ -261,11 +292,12 @@ class Shooting(RecordProblem):
     @override
     def carried(self, seen: ResidualJacobian) -> Array:
         law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, range(len(self.segments)))
         found = []
         for k, one in enumerate(self.segments):
             state = np.where(one.known, one.guess, seen.memory[k].state)
             mechanism = mechanisms[id(one.mechanism)]
-            run = _bare(one, mechanism, law, state)
+            run = _bare(one, mechanism, law, begun[k], state)
             column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
             predicted = np.inf if run is None else run.at(one.times)[:, column]
             left = one.measured - predicted
@@ -273,36 +305,23 @@ class Shooting(RecordProblem):
         return np.concatenate(found)
 
     def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
-        """Return where positions count from, by the last segment of each record that tells it.
-
-        Parameters
-        ----------
-        seen : ResidualJacobian
-            The answer whose local states are taken.
-        scale : float
-            Factor on standard errors of independent residuals, for those that are not.
-
-        Returns
-        -------
-        dict of int to ZeroEstimate
-            By record.
-        """
+        """Return where positions count from, by the last segment of each record that tells it."""
         law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, range(len(self.segments)))
         found = {}
         for k, one in enumerate(self.segments):
             if not one.zero or k not in seen.memory:
                 continue
             mechanism, state = mechanisms[id(one.mechanism)], seen.memory[k].state
-            run = _bare(one, mechanism, law, state)
+            run = _bare(one, mechanism, law, begun[k], state)
             if run is None:
                 continue
             column = run.states.index(_state_of(mechanism, self.quantity))
             left = one.measured - run.at(one.times)[:, column]
             paths = [f"initial.{name}" for name in run.states[: len(state)]]
             counted = replace(one, zero=False)
-            slopes = _sensed(
-                run, counted, mechanism, law, state, column, [*paths, *self.free_parameters.paths]
-            )
+            paths += self.free_parameters.paths
+            slopes = _sensed(run, counted, mechanism, law, begun[k], state, column, paths)
             own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
             freedom = max(len(left) - slopes.shape[1] - 1, 1)
             if own @ own > NO_ZERO * len(left):
@@ -313,11 +332,12 @@ class Shooting(RecordProblem):
     @override
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, list(seen.memory))
         found = []
         for k, one in enumerate(self.segments):
             if k in seen.memory:
                 mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
-                start = _start(mechanism, law, seen.memory[k].state, end)
+                start = _start(mechanism, begun[k], seen.memory[k].state)
                 found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
         return tuple(run for run in found if run.status.complete)
 
@@ -334,6 +354,42 @@ class Shooting(RecordProblem):
             segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
             memory=dict(zip(chosen, done, strict=True)),
         )
+
+
+@final
+@dataclass(frozen=True)
+class _Begun:
+    """How the bristles of one segment begin."""
+
+    continued: FirstDeflections | None = None
+    """Those of all segments of the record, along its motion; None of a law without."""
+    place: int = 0
+    """Which of these segments it is."""
+
+    def at(self, velocity: float) -> tuple[FirstDeflections | None, int, bool]:
+        """Return deflections, which of them, and whether the initial velocity [m/s] makes them."""
+        one = self.continued
+        if one is None or one.starts[self.place] > one.motion.start:
+            return one, self.place, False
+        own = replace(
+            one, motion=one.motion.begun(velocity), starts=one.starts[self.place : self.place + 1]
+        )
+        return own, 0, True
+
+    def deflections(self, velocity: float) -> list[float]:
+        """Return deflections [m], or whatever unit the states of the law have."""
+        first, place, _ = self.at(velocity)
+        return [] if first is None else first.states[place].tolist()
+
+    def slopes(self, velocity: float, path: str, paths: Sequence[str]) -> Array:
+        """Return their slopes (b, paths) by the law's parameters, and by the path of a velocity."""
+        first, place, own = self.at(velocity)
+        assert first is not None
+        known = dict(zip(first.free_parameters.paths, first.slopes[place].T, strict=True))
+        if own:
+            known[path] = first.velocity_slopes[place]
+        none = np.zeros(first.states.shape[1])
+        return np.column_stack([known.get(one, none) for one in paths])
 
 
 def curvature_of(segment: Segment) -> float:
@@ -353,12 +409,14 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     return bool(abs(found[0]) <= UNSEEN * error)
 
 
-def _bare(segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array) -> BareRun | None:
+def _bare(
+    segment: Segment, mechanism: Mechanism, law: FrictionLaw, begun: _Begun, state: Array
+) -> BareRun | None:
     """Return a segment simulated from a state; None if the run fails."""
     if not np.all(np.isfinite(state)):
         return None
     end = float(segment.times[-1])
-    run = SOLVER.bare(mechanism, law, y0=_start(mechanism, law, state, end), t_end=end)
+    run = SOLVER.bare(mechanism, law, y0=_start(mechanism, begun, state), t_end=end)
     return run if run.status.complete else None
 
 
@@ -367,27 +425,24 @@ def _sensed(
     segment: Segment,
     mechanism: Mechanism,
     law: FrictionLaw,
+    begun: _Begun,
     state: Array,
     column: int,
     paths: Sequence[str],
 ) -> Array:
     """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
-    bristle = [f"initial.{name}" for name in run.states[len(state) :]]
-    bristle = bristle if len(bristle) == 1 else []
-    known = [*paths, *bristle]
+    bristles = [f"initial.{name}" for name in run.states[len(state) :]]
+    known = [*paths, *bristles]
     table = run.differentiate(segment.times, known)[:, column, :]
     for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
-        table[:, k] = _differenced(run, segment, mechanism, law, state, column, known[k])
+        table[:, k] = _differenced(run, segment, mechanism, law, begun, state, column, known[k])
     if segment.zero:
         table = table - table.mean(axis=0)
-    if not bristle:
+    if not bristles:
         return table
     slip = _slip_velocity(mechanism)
-    by_law, by_velocity = deflection_slopes(
-        law, float(state[slip]), float(segment.times[-1]), paths
-    )
-    moved = by_law + by_velocity * (np.array(paths) == f"initial.{run.states[slip]}")
-    return np.asarray(table[:, :-1] + table[:, -1:] * moved)
+    moved = begun.slopes(float(state[slip]), f"initial.{run.states[slip]}", paths)
+    return np.asarray(table[:, : len(paths)] + table[:, len(paths) :] @ moved)
 
 
 def _differenced(
@@ -395,12 +450,13 @@ def _differenced(
     segment: Segment,
     mechanism: Mechanism,
     law: FrictionLaw,
+    begun: _Begun,
     state: Array,
     column: int,
     path: str,
 ) -> Array:
     """Return the slopes (n,) along one path by a difference of runs; NaN if none can be made."""
-    start = np.array(_start(mechanism, law, state, float(segment.times[-1])))
+    start = np.array(_start(mechanism, begun, state))
     root, _, name = path.partition(".")
     if root == "initial":
         own = run.states.index(name)
@@ -432,15 +488,14 @@ def _differenced(
     return (high - low) / (more - less)
 
 
-def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
+def _start(mechanism: Mechanism, begun: _Begun, state: Array) -> list[float]:
     """Return the first states of a segment: coordinates, rates and bristles."""
-    bristles = len(law.states)
-    first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
-    begun = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
+    first = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
+    velocity = float(state[_slip_velocity(mechanism)])
     for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it
         nearer = min if stop.side == "upper" else max
-        begun[stop.coordinate] = nearer(begun[stop.coordinate], float(stop.position))
-    return [*begun.values(), *state[len(begun) :].tolist(), *[first] * bristles]
+        first[stop.coordinate] = nearer(first[stop.coordinate], float(stop.position))
+    return [*first.values(), *state[len(first) :].tolist(), *begun.deflections(velocity)]
 
 
 def _slip_velocity(mechanism: Mechanism) -> int:

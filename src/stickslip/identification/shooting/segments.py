@@ -23,8 +23,6 @@ from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
 
-__all__ = ["measured_quantity", "segments_of", "with_drive"]
-
 Array = NDArray[np.float64]
 
 
@@ -35,13 +33,7 @@ GUESSED = 20
 
 
 def measured_quantity(measurement: Measurement) -> str:
-    """Return what simulated runs are compared with: the position, or else the velocity.
-
-    Raises
-    ------
-    InputError
-        If there is neither, or no time.
-    """
+    """Return what simulated runs are compared with: the position, or else the velocity."""
     for record in measurement.records():
         if record.time is None:
             raise InputError(
@@ -64,25 +56,7 @@ def _other_way(measurement: Measurement) -> str:
 
 
 def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
-    """Return a mechanism driven by what was measured.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        A mechanism with a field ``drive``.
-    drive : Drive or None
-        Drive with the measured force; None for no force.
-
-    Returns
-    -------
-    Mechanism
-        A copy with that drive.
-
-    Raises
-    ------
-    InputError
-        If it has no place for a drive.
-    """
+    """Return a mechanism driven by what was measured."""
     if "drive" not in mechanism.__dataclass_fields__:
         raise InputError(
             f"{type(mechanism).__name__} has no drive that a measured force can replace; use Axis"
@@ -101,39 +75,7 @@ def segments_of(
     quantity: str | None = None,
     zeros: bool = True,
 ) -> tuple[Segment, ...]:
-    """Return segments of about the same length that cover all records.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; records may override its parameters.
-    measurement : Measurement
-        Records in time.
-    length : float
-        Length of a segment [s]; the last one of a record may be down to half as long, and a
-        shorter remainder is left out.
-    resolution : int
-        Rows of a segment at most; what drives it is condensed to as many pieces.
-    hold : {"zero", "first"}
-        Whether a force keeps its value until the next sample, as that of a controller, or goes
-        straight to it, as one that a sensor measured. A reference is always joined.
-    quantity : str, optional
-        What is compared, which all records have; the position, or else the velocity, if not given.
-    zeros : bool
-        Whether positions of a body that moves freely count from a place that is not known.
-
-    Returns
-    -------
-    tuple of Segment
-        The segments, in the order of records and of time.
-
-    Raises
-    ------
-    InputError
-        If no stretch without a gap has enough samples.
-    ParameterError
-        If the length is not above 0 s.
-    """
+    """Return segments of about the same length that cover all records."""
     if not 0.0 < length < np.inf:
         raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
     quantity = measured_quantity(measurement) if quantity is None else quantity

@@ -15,10 +15,10 @@ from stickslip.identification.travels.model import (
     under_cycles,
 )
 from stickslip.identification.travels.result import TravelFit
-from stickslip.identification.travels.several_travels import fit_several
-from stickslip.identification.travels.single_travel import fit_one
+from stickslip.identification.travels.several_travels import fit_readings
 from stickslip.identification.travels.start_values import (
     Start,
+    nuisances_of,
     starting_law,
     with_known,
 )
@@ -26,8 +26,6 @@ from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
 from stickslip.solver import prepare
-
-__all__ = ["check_rest", "check_rig", "compile_for", "fit_travels", "fit_trials", "payable"]
 
 TOLD = ("level", "slope")
 """Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
@@ -45,34 +43,6 @@ def fit_travels(
 ) -> TravelFit:
     """Fit a law to travels by runs to rest; arguments and errors as in `stickslip.fit`.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; trials may override its parameters.
-    law : FrictionLaw or type
-        An instance, whose values hold for what is not fitted, or a type.
-    measurement : Measurement
-        One travel or several trials.
-    vary : str or sequence of str, optional
-        Parameters to fit; of the law as many as different trials can tell if not given, and those
-        of the mechanism that are named, whose search begins at the values they have.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], of law and mechanism.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    progress : callable, optional
-        Called with the number of runs so far.
-
-    Returns
-    -------
-    TravelFit
-        The fitted law, estimates with intervals, predicted travels.
-
-    Raises
-    ------
-    InputError
-        If there are too few settings for what is to be fitted, or the measurement does not serve.
-
     Examples
     --------
     >>> from stickslip import SpringBlock, Viscous
@@ -87,7 +57,10 @@ def fit_travels(
     trials = trials_of(chosen.mechanism, measurement, t_end)
     check_rig(trials, chosen.unknown)
     free = _travel_paths(start, trials, chosen.free, chosen.known, chosen.unknown)
-    found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
+    nuisances = []
+    if isinstance(given, type) and not chosen.unknown and len({t.setting for t in trials}) > 1:
+        nuisances = nuisances_of(given, free, chosen.known)
+    found = fit_trials(start, trials, free=free, nuisances=nuisances, t_end=t_end, watch=progress)
     check_rest(found, t_end)
     return found
 
@@ -106,21 +79,7 @@ def _travel_paths(
 
 
 def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
-    """Refuse parameters of the mechanism that travels cannot tell, or that a trial has set.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The readings.
-    rig : sequence of str
-        Full paths of the parameters of the mechanism that are to be fitted.
-
-    Raises
-    ------
-    InputError
-        If there are fewer settings than these parameters and a level of friction, or a value of a
-        parameter is missing, uncertain, or that of a single trial.
-    """
+    """Refuse parameters of the mechanism that travels cannot tell, or that a trial has set."""
     if not rig:
         return
     settings = len({trial.setting for trial in trials})
@@ -167,6 +126,7 @@ def fit_trials(
     *,
     free: Sequence[str] | None = None,
     starts: Sequence[Start] | None = None,
+    nuisances: Sequence[str] = (),
     t_end: float = 10.0,
     watch: Callable[[int], object] | None = None,
 ) -> TravelFit:
@@ -174,31 +134,6 @@ def fit_trials(
 
     Where there are several, searches begin at `starts`, or at points found by a scan of the
     parameters if none are given.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Start values, and the values of what is not fitted.
-    trials : sequence of Trial
-        The readings.
-    free : sequence of str, optional
-        Parameters of the law to fit, by path or last name; those of `payable` if not given.
-    starts : sequence of sequence of float, optional
-        Values of the free parameters [SI] at which searches begin.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the number of runs so far.
-
-    Returns
-    -------
-    TravelFit
-        The fitted law, estimates with intervals, predicted travels.
-
-    Raises
-    ------
-    InputError
-        If there is no free parameter, or there are more than trials.
     """
     names = (
         payable(law, trials)
@@ -212,28 +147,11 @@ def fit_trials(
             f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"
             f" of {', '.join(names)}, or measure more trials."
         )
-    model = TravelModel(law, names, t_end, watch)
-    if len(trials) == 1:
-        return fit_one(model, trials[0])
-    compile_for(trials, [law])
-    return fit_several(model, trials, starts)
+    return fit_readings(TravelModel(law, names, t_end, watch), trials, starts, nuisances)
 
 
 def check_rest(fit: TravelFit, t_end: float) -> None:
-    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``.
-
-    Parameters
-    ----------
-    fit : TravelFit
-        Fit whose law and trials are run.
-    t_end : float
-        Time after which a body counts as stopped [s].
-
-    Raises
-    ------
-    ConvergenceError
-        If a body whose travel to rest was measured still moves at ``t_end``.
-    """
+    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
     errors, _ = standard_errors(fit.trials)
     TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), errors)
 
@@ -247,22 +165,6 @@ def payable(
     """Return the paths of the parameters that the trials can pay for, one left over if possible.
 
     A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, whose `fit_order` gives the order.
-    trials : sequence of Trial
-        The readings, of which different settings count.
-    fixed : collection of str
-        Names of parameters that are held.
-    rig : collection of str
-        Paths of parameters of the mechanism that are fitted beside it.
-
-    Returns
-    -------
-    list of str
-        At least one path, if the law has a parameter that is not held.
     """
     different = len({trial.setting for trial in trials})
     known = fields_of(type(law))
@@ -294,13 +196,6 @@ def compile_for(trials: Sequence[Trial], laws: Iterable[FrictionLaw]) -> None:
 
     These are the laws with bristles, if there are several trials, and all laws if the trials are
     of many cycles.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        Trials, whose mechanisms are compiled with the laws.
-    laws : iterable of FrictionLaw
-        Laws to fit.
     """
     cycles = under_cycles(trials)
     slow = [law for law in laws if cycles or law.states]

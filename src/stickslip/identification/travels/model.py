@@ -11,25 +11,15 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.errors import ConvergenceError, InputError, ParameterError, SimulationError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
 from stickslip.quantities import parameters, vary
-from stickslip.simulation import simulate
-
-__all__ = [
-    "TravelModel",
-    "Trial",
-    "driven_on",
-    "is_rig",
-    "standard_errors",
-    "trials_of",
-    "uncertainties_of",
-    "under_cycles",
-]
+from stickslip.simulation import ensemble, simulate
+from stickslip.solver import Samples
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -141,26 +131,6 @@ def driven_on(mechanism: Mechanism) -> bool:
 def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:
     """Return the trials of a measurement of travels, mean velocities or travels per cycle.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Trials, or one.
-    t_end : float
-        Last time of runs [s], over which mean velocities are taken.
-
-    Returns
-    -------
-    tuple of Trial
-        All as travels [m]; each value of an array, which is repeats of one run, is one.
-
-    Raises
-    ------
-    InputError
-        If a record has no travel, an uncertainty is of no parameter, or travels per cycle have no
-        cycle.
-
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -207,23 +177,6 @@ def uncertainties_of(
 
     Those of the record alone come first, then those that all records share: what any record sets
     was set anew for each of them, and what none sets is one number for all.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; records may override its parameters.
-    measurement : Measurement
-        Records with `Measurement.parameter_uncertainties`, those of the mechanism.
-
-    Returns
-    -------
-    list of (dict, dict)
-        For each record, its own and the shared uncertainties [SI], by path.
-
-    Raises
-    ------
-    InputError
-        If an uncertainty is of no parameter.
 
     Examples
     --------
@@ -275,16 +228,6 @@ def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
     stated uncertainty beside others with one have the largest stated one. Where none is stated the
     errors are lower bounds, for the true ones to be estimated from the residuals: nobody reads
     better than the last digit that is written down.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The readings.
-
-    Returns
-    -------
-    array (n,), bool
-        Standard errors [m], and whether they are more than lower bounds.
 
     Examples
     --------
@@ -353,38 +296,12 @@ class TravelModel:
         return vary(self.law, "friction", {p: v for p, v in changes.items() if not is_rig(p)})
 
     def set_up(self, trial: Trial, values: Sequence[float]) -> Trial:
-        """Return a trial whose mechanism has other values of the free parameters.
-
-        Parameters
-        ----------
-        trial : Trial
-            Setting, initial state and end of the run.
-        values : sequence of float (p,)
-            Values of the free parameters [SI].
-
-        Returns
-        -------
-        Trial
-            The trial itself if no parameter of the mechanism is free.
-        """
+        """Return a trial whose mechanism has other values of the free parameters."""
         own = {p: v for p, v in zip(self.free, values, strict=True) if is_rig(p)}
         return trial.with_mechanism(vary(trial.mechanism, "mechanism", own)) if own else trial
 
     def travel(self, trial: Trial, values: Sequence[float]) -> float:
-        """Return the travel [m] of one trial.
-
-        Parameters
-        ----------
-        trial : Trial
-            Setting, initial state and end of the run.
-        values : sequence of float (p,)
-            Values of the free parameters [SI].
-
-        Returns
-        -------
-        float
-            Travel of the coordinate that slips [m].
-        """
+        """Return the travel [m] of one trial."""
         self.runs += 1
         if self.watch is not None:
             self.watch(self.runs)
@@ -395,25 +312,44 @@ class TravelModel:
         return float(ends[1] - ends[0])
 
     def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
-        """Return the travel of each trial [m] (n,); trials of one setting are one run.
-
-        Parameters
-        ----------
-        trials : sequence of Trial
-            The n settings.
-        values : sequence of float (p,)
-            Values of the free parameters [SI].
-
-        Returns
-        -------
-        array (n,)
-            Travels [m].
-        """
+        """Return the travel of each trial [m] (n,); trials of one setting are one run."""
         found: dict[Hashable, float] = {}
         for trial in trials:
             if trial.run not in found:
                 found[trial.run] = self.travel(trial, values)
         return np.array([found[trial.run] for trial in trials])
+
+    def table(self, trials: Sequence[Trial], rows: Array) -> Array:
+        """Return the travels of each trial for many values at once, by ensembles."""
+        if any(map(is_rig, self.free)) or not self.free:
+            return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
+        columns = dict(zip(self.free, rows.T, strict=True))
+        found: dict[Hashable, Array] = {}
+        for trial in trials:
+            if trial.run in found:
+                continue
+            slip, end = slip_of(trial.mechanism), trial.until(self.t_end)
+            runs = ensemble(
+                trial.mechanism,
+                self.law,
+                columns,
+                t_end=end,
+                outputs={slip: Samples(slip, (0.0, end))},
+                y0=trial.start(self.law),
+            )
+            made = np.array([status.complete for status in runs.status])
+            ends = np.where(made[:, None], runs[slip], math.nan)
+            found[trial.run] = ends[:, 1] - ends[:, 0]
+            self.runs += len(rows)
+            if self.watch is not None:
+                self.watch(self.runs)
+        return np.stack([found[trial.run] for trial in trials], axis=1)
+
+    def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        try:
+            return self.travels(trials, values)
+        except (SimulationError, ParameterError):
+            return np.full(len(trials), math.nan)
 
     def check_rest(
         self, trials: Sequence[Trial], values: Sequence[float], errors: Sequence[float] | Array
@@ -424,20 +360,6 @@ class TravelModel:
         the uncertainty of the reading; that way is looked for by a run of twice the duration.
         Mean velocities and travels per cycle are those of the run, at rest or not, and so are
         travels under a drive that goes on.
-
-        Parameters
-        ----------
-        trials : sequence of Trial
-            The readings (n,).
-        values : sequence of float
-            Values of the free parameters.
-        errors : sequence of float or array (n,)
-            Standard errors of the travels [m].
-
-        Raises
-        ------
-        ConvergenceError
-            If a body still moves.
         """
         least: dict[Hashable, tuple[Trial, float]] = {}
         for trial, error in zip(trials, errors, strict=True):

@@ -13,8 +13,6 @@ from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["Propagated", "agreeing_scale", "covariance_of", "propagated", "span_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 STEP = 1e-3
@@ -50,20 +48,7 @@ class Propagated:
         return np.sqrt(errors**2 + sum(part**2 for part in self.own.values()))
 
     def sources(self, errors: Array, gain: Array) -> list[dict[str, float]]:
-        """Return the standard errors of parameters by where they come from.
-
-        Parameters
-        ----------
-        errors : array (n,)
-            Standard errors of the readings [m].
-        gain : array (p, n)
-            Derivatives of the parameters by the travels; infinite where these do not tell one.
-
-        Returns
-        -------
-        list of dict of str to float
-            For each of p parameters, its standard error [SI] from the readings and from each path.
-        """
+        """Return the standard errors of parameters by where they come from."""
         open_ = np.any(~np.isfinite(gain), axis=1, keepdims=True)
         gain = np.where(open_, 0.0, gain)
         parts = {READINGS: np.linalg.norm(gain * errors, axis=1)}
@@ -83,18 +68,6 @@ def covariance_of(scatter: Array, shared: Mapping[str, Array]) -> Array:
     That is the covariance which a nuisance parameter with a Gaussian prior leaves once it is
     integrated out, so that estimates are those of least squares with a row for each.
 
-    Parameters
-    ----------
-    scatter : array (n,)
-        Standard errors of each trial alone [m].
-    shared : mapping of str to array
-        Standard errors (n,) [m] of what all trials share, with signs, by path.
-
-    Returns
-    -------
-    array (n, n)
-        Covariance [m^2].
-
     Examples
     --------
     >>> covariance_of(np.array([1.0, 1.0]), {"mechanism.mass": np.array([1.0, 2.0])}).tolist()
@@ -110,22 +83,6 @@ def agreeing_scale(
     """Return the variance of readings with which residuals agree, over that stated; at least 1.
 
     It scales the readings alone: what trials share or set does not follow from residuals.
-
-    Parameters
-    ----------
-    left : array (n,)
-        Residuals [m].
-    errors : array (n,)
-        Standard errors of the readings [m].
-    freedom : int
-        Degrees of freedom of the residuals, above 0, which chi-square then has.
-    covariance : callable
-        Covariance of the travels (n, n) [m^2] by that scale.
-
-    Returns
-    -------
-    float
-        Ratio of the variances.
 
     Examples
     --------
@@ -147,20 +104,6 @@ def propagated(model: TravelModel, trials: Sequence[Trial], values: Sequence[flo
 
     The slopes are those of the law at `values`, not of what was measured: a covariance that follows
     the readings' own noise biases estimates (Peelle's puzzle).
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law.
-    trials : sequence of Trial
-        The readings, with the uncertainties of their mechanisms.
-    values : sequence of float
-        Values of the law's free parameters.
-
-    Returns
-    -------
-    Propagated
-        Standard errors of the travels [m], by path of the parameter.
     """
     slopes: dict[tuple[Hashable, str], float] = {}
 
@@ -196,20 +139,6 @@ def _slope(
 
 def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float]:
     """Return the two values of a parameter, inside its range, between which slopes are taken.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Gives the value and the range of the parameter.
-    path : str
-        Full path of the parameter.
-    doubt : float
-        Its standard uncertainty [SI], which sets the step where the value is 0.
-
-    Returns
-    -------
-    (float, float)
-        Lower and upper value [SI].
 
     Examples
     --------

@@ -22,8 +22,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
-__all__ = ["TravelFit", "variance_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 POOR = 2.0
@@ -34,20 +32,6 @@ SIGNIFICANT = 0.99
 
 def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float, float]:
     """Return the variance of standardised residuals and its degrees of freedom.
-
-    Parameters
-    ----------
-    chi_square : float
-        Sum of squares of the standardised residuals.
-    freedom : int
-        Degrees of freedom of the residuals.
-    stated : bool
-        Whether the readings have stated uncertainties.
-
-    Returns
-    -------
-    (float, float)
-        Variance, at least 1, and its degrees of freedom; infinite where it is known.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Several travels: weighted least squares, with intervals from the readings' standard errors."""
+"""Weighted least squares on travels, with all values that explain them and their intervals."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -8,14 +8,18 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, ParameterError, SimulationError
-from stickslip.formatting import joined
-from stickslip.identification.results import Estimate
+from stickslip import formatting
+from stickslip.errors import ConvergenceError
+from stickslip.formatting import joined, number
+from stickslip.friction import FrictionLaw
+from stickslip.identification.results import Estimate, spanning
+from stickslip.identification.travels.descent import descended, slopes_of
 from stickslip.identification.travels.model import (
     TravelModel,
     Trial,
     is_rig,
     standard_errors,
+    under_cycles,
 )
 from stickslip.identification.travels.propagation import (
     Propagated,
@@ -23,37 +27,55 @@ from stickslip.identification.travels.propagation import (
     covariance_of,
     propagated,
 )
-from stickslip.identification.travels.result import TravelFit, variance_of
-from stickslip.identification.travels.single_travel import room_for
-from stickslip.identification.travels.start_values import Start, starting_points
+from stickslip.identification.travels.result import SIGNIFICANT, TravelFit, variance_of
+from stickslip.identification.travels.start_values import (
+    Start,
+    plausible,
+    room_for,
+    starting_points,
+)
 from stickslip.quantities import Quantity, parameters
-
-__all__ = ["expected_fit", "fit_several"]
 
 Array: TypeAlias = NDArray[np.float64]
 
 STEP = 1e-4
-"""Step of finite differences over the scale of a parameter: runs with bristles are exact to 1e-8,
-and the error of a one-sided difference is then about as small as it can be."""
+"""Half the span of central differences over the size of a parameter; see `descent`."""
 POLISHED = 3
-"""Starting points that least squares goes on from, at most."""
+"""Starting points that descents go on from, at most, where each run is slow or a mechanism is
+unknown."""
 POOR = 4.0
 """Mean square of standardised residuals beyond which, where a mechanism is unknown, searches begin
 from all further starting points."""
-STEPS, REFINED = 15, 4
-"""Steps of least squares, at most: of a search, and from a single start that is already near."""
+STEPS, REFINED, BRIEF = 15, 4, 6
+"""Steps of a descent, at most: of a search, from a start that is already near, and beside a draw of
+nuisances."""
 WEIGHINGS = 2
 """Fits by weights that follow from the fit before, where the mechanism is uncertain."""
 NEAR = 100.0
-"""Cost of a starting point over that of the best one beyond which no search begins there."""
+"""Cost of a starting point over that of the best one beyond which no slow search begins there."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
+MET = 1e-3
+"""Standardised residual up to which a value gives a single travel."""
+APART = 1e-3
+"""Distance over their size from which values of two descents are told apart."""
 STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 """Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
 it should, which its third derivatives change."""
+WALK = (0.3, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)
+"""Lengths of an interval, that slopes at the best values give, at which its end is looked for."""
 BESIDE = 6.0
 """Standard errors from the best values at which searches begin again: mean speeds and travels rise
 and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
+INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
+"""What the interval of an estimate is called, by the kind of uncertainty of a single reading."""
+SPAN, LEVELS, MANY = (0.3, 2.0), 48, 24
+"""Levels over those of a simpler law at which one with nuisances is scanned where it does not
+explain the travels, how many they are, and from how many of them descents begin."""
+UNSTATED = 0.02
+"""Share of the travels up to which residuals count as small where no uncertainty was stated."""
+FREED = 4
+"""Drawn points from which descents free what was drawn, at most."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 TOGETHER = 0.95
@@ -64,89 +86,145 @@ FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
 
 
-def fit_several(
-    model: TravelModel, trials: Sequence[Trial], starts: Sequence[Start] | None = None
+def fit_readings(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    starts: Sequence[Start] | None = None,
+    nuisances: Sequence[str] = (),
 ) -> TravelFit:
     """Fit the free parameters to all trials, and return the best point of all searches.
+
+    One search serves one travel and several: descents from all points of a scan of the whole range
+    that lead downhill. Values where others of them end and that explain the travels as well are
+    told with the best ones, and intervals hold all of them.
 
     Intervals are those of Student's t distribution. With stated uncertainties that the residuals
     bear out, the standard errors are known, which is the limit of infinitely many degrees of
     freedom. Where no uncertainty is stated, or the residuals exceed it significantly, the variance
     is estimated from the residuals, and t has as many degrees of freedom as there are readings more
-    than parameters; see `TravelFit.variance`.
+    than parameters; see `TravelFit.variance`. The interval of a single travel is what its stated
+    range, or 95 % of its errors, leaves of the parameter.
 
     Uncertainties of the mechanism make the covariance of the travels, at a first fit without those
     that trials share: what was set for each trial adds to its variance, what trials share moves
     them together. Where residuals give the errors of the readings, weights follow the ratio of
     both.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, and which of its parameters are free.
-    trials : sequence of Trial
-        The readings; repeats of one setting are simulated once.
-    starts : sequence of sequence of float, optional
-        Where searches begin; a scan of the parameters if not given.
-
-    Returns
-    -------
-    TravelFit
-        The fitted law, estimates with intervals, predicted travels.
-
-    Raises
-    ------
-    ConvergenceError
-        If no values are found with which every trial can be run.
     """
     problem = _Problem(model, trials)
-    points = starting_points(model, trials) if starts is None else list(starts)
-    tried = sorted(
-        (problem.cost(problem.free_parameters(point)), index, problem.free_parameters(point))
-        for index, point in enumerate(points)
-    )
-    steps = (STEPS if len(points) > 1 else REFINED) * (2 if problem.rig else 1)
-    near = [start for first, _, start in tried if first <= NEAR * tried[0][0]]
-    ends = [tried[0][2]]
-    for count, start in enumerate(near):
-        poor = problem.rig and min(map(problem.cost, ends)) > POOR * len(trials)
-        if count >= POLISHED and not poor:
-            break
-        ends.append(problem.polished(start, steps))
-    best = min(ends, key=problem.cost)
+    count = len(model.free)
+    given = starting_points(model, trials) if starts is None else starts
+    ends = problem.unknowns([list(point)[:count] for point in given])
+    if starts is None or not nuisances:
+        ends = problem.ends(ends)
+    if nuisances:
+        wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
+        own = [path for path in wide.model.free if path in nuisances]
+        level = (problem.matrix @ ends[0]).tolist()
+        drawn = plausible(model, trials, level, own)
+        more = [list(point) for point in given if len(point) == count + len(own)]
+        more = more[: 1 if model.law.states else None]
+        slow = bool(model.law.states) or under_cycles(trials)
+        from_ = ends[: 1 if slow else 2]
+        points = wide.drawn([(problem.matrix @ end).tolist() for end in from_], drawn, more)
+        own_only = np.arange(len(wide.model.free)) < count
+        steps = REFINED if slow else BRIEF
+        found = _sorted(*wide.descend(points, steps, own_only))
+        if not slow:
+            found += wide.descend(np.array(found[:FREED]), STEPS)[0].tolist()
+            found = sorted(map(np.array, found), key=wide.cost)
+            if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
+                points = wide.scanned(points[-len(drawn) :])
+                found += _sorted(*wide.descend(points, BRIEF, own_only))
+                found.sort(key=wide.cost)
+                found += wide.descend(np.array(found[:FREED]), STEPS)[0].tolist()
+                found = sorted(map(np.array, found), key=wide.cost)
+        best_of = (wide.matrix @ found[0]).tolist()
+        model = replace(model, law=wide.model.with_values(best_of))
+        problem = _Problem(model, trials)
+        ends = [problem.free_parameters(best_of[:count])]
+        room = problem.room(problem.cost(ends[0]))
+        least = wide.cost(found[0])
+        reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= least + room]
+    else:
+        reached = []
+    best = ends[0]
     if problem.rig:
         ends += [problem.polished(start, STEPS) for start in problem.beside(best)]
         best = min(ends, key=problem.cost)
-    cost = problem.cost(best)
-    if cost >= FAILED**2:
+    if problem.cost(best) >= FAILED**2:
+        if len(trials) == 1:
+            raise _no_value(model, trials[0])
         raise ConvergenceError(
             f"the search found no values of {', '.join(model.free)} with which every trial can"
             " be simulated."
         )
+    if len(trials) == 1 and problem.cost(best) > MET**2:
+        raise _no_value(model, trials[0])
     for _ in range(WEIGHINGS):
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    return problem.fit(best, ends)
+    return problem.fit(best, ends, walked=True, reached=reached)
+
+
+def _sorted(found: Array, costs: Array) -> list[Array]:
+    """Return unknowns in the order of their costs."""
+    return [*found[np.argsort(costs, kind="stable")]]
+
+
+def _sorted(found: Array, costs: Array) -> list[Array]:
+    """Return unknowns in the order of their costs."""
+    return [*found[np.argsort(costs, kind="stable")]]
+
+
+def _sorted(found: Array, costs: Array) -> list[Array]:
+    """Return unknowns in the order of their costs."""
+    return [*found[np.argsort(costs, kind="stable")]]
+
+
+def _sorted(found: Array, costs: Array) -> list[Array]:
+    """Return unknowns in the order of their costs."""
+    return [*found[np.argsort(costs, kind="stable")]]
+
+
+def law_from(model: TravelModel, trials: Sequence[Trial], start: Start) -> FrictionLaw:
+    """Return the law that a descent from a start leads to, for what needs no intervals."""
+    problem = _Problem(model, trials)
+    best = problem.free_parameters(start)
+    for _ in range(1 + WEIGHINGS):
+        best = min(best, problem.polished(best, REFINED), key=problem.cost)
+        if problem.cost(best) >= FAILED**2:
+            raise ConvergenceError(f"the trials cannot be simulated with {model.law.title}.")
+        if not problem.weighed(best):
+            break
+    return model.with_values((problem.matrix @ best).tolist())
+
+
+def _no_value(model: TravelModel, trial: Trial) -> ConvergenceError:
+    """Return that no value of the one free parameter gives a single travel, and what it gives."""
+    (path,) = model.free
+    known = {name: (field, value) for name, field, value in parameters(model.law, "friction")}
+    field, start = known[path]
+    low, high = room_for(model.law, path.rpartition(".")[2])
+    room = (
+        f"above {number(low)}"
+        if math.isinf(high)
+        else (f"between {number(low)} and {number(high)}")
+    )
+    said = (
+        f"no value of {path} ({field.symbol}) {room} gives a travel of {number(trial.travel)}"
+        f" m; with {number(start)} the travel is"
+        f" {formatting.quantity(model.travel(trial, [start]), 'm', 4)}."
+    )
+    try:
+        model.check_rest([trial], [start], standard_errors([trial])[0])
+    except ConvergenceError as error:
+        said += f" With that value {error}"
+    return ConvergenceError(said)
 
 
 def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
-    """Return the fit to travels that values of the free parameters give: its intervals to expect.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, and which of its parameters are free.
-    trials : sequence of Trial
-        Settings with standard errors and uncertainties; what was measured there is not looked at.
-    values : sequence of float
-        Values of the free parameters.
-
-    Returns
-    -------
-    TravelFit
-        The fit, with the predicted travels in place of measured ones.
-    """
+    """Return the fit to travels that given values lead to: its intervals to expect."""
     measured = model.travels(trials, values)
     pairs = zip(trials, measured.tolist(), strict=True)
     problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])
@@ -241,26 +319,130 @@ class _Problem:
         """Return the covariance of the travels (n, n) as residuals are weighed, up to a factor."""
         return covariance_of(self.weights.scatter(self.readings), self.weights.shared)
 
+    def unknowns(self, points: Sequence[Start]) -> Array:
+        """Return the unknowns (k, p) for values of the parameters, just inside their bounds."""
+        return np.array([self.free_parameters(point) for point in points])
+
+    def table(self, points: Array) -> Array:
+        """Return the travels [m] (k, n) of k unknowns (k, p); NaN where a run cannot be made."""
+        keys = [tuple(point) for point in points.tolist()]
+        new = list(dict.fromkeys(key for key in keys if key not in self._seen))
+        if new:
+            rows = self.model.table(self.trials, np.array(new) @ self.matrix.T)
+            self._seen |= dict(zip(new, rows, strict=True))
+        return np.array([self._seen[key] for key in keys])
+
+    def residuals_of(self, points: Array) -> Array:
+        """Return measured less predicted travels of k unknowns, whitened (k, n)."""
+        left = self.measured - self.table(points)
+        made = np.all(np.isfinite(left), axis=1, keepdims=True)
+        return np.where(made, np.where(made, left, 0.0) @ self.whitening.T, FAILED)
+
     def predicted(self, free_parameters: Array) -> Array:
         """Return the travels [m] (n,); NaN where a run cannot be made."""
-        key = tuple(free_parameters.tolist())
-        if key not in self._seen:
-            values = (self.matrix @ free_parameters).tolist()
-            try:
-                self._seen[key] = self.model.travels(self.trials, values)
-            except (SimulationError, ParameterError):
-                self._seen[key] = np.full(len(self.trials), math.nan)
-        return self._seen[key]
+        return np.asarray(self.table(free_parameters[None])[0])
 
     def residuals(self, free_parameters: Array) -> Array:
         """Return measured less predicted travels, whitened (n,)."""
-        left = self.measured - self.predicted(free_parameters)
-        if not np.all(np.isfinite(left)):
-            return np.full(len(self.trials), FAILED)
-        return np.asarray(self.whitening @ left)
+        return np.asarray(self.residuals_of(free_parameters[None])[0])
 
     def cost(self, free_parameters: Array) -> float:
         return float(np.sum(self.residuals(free_parameters) ** 2))
+
+    def descend(
+        self,
+        points: Array,
+        steps: int,
+        moving: NDArray[np.bool_] | None = None,
+        *,
+        exact: bool = False,
+    ) -> tuple[Array, Array]:
+        """Return where descents end, and their costs; all unknowns move if not told."""
+        return descended(
+            self.residuals_of,
+            points,
+            low=self.least,
+            high=self.high,
+            sizes=0.1 * self.scale,
+            moving=np.ones(len(self.scale), dtype=bool) if moving is None else moving,
+            steps=steps,
+            exact=exact,
+        )
+
+    def ends(self, points: Array) -> list[Array]:
+        """Return where descents from points end, without those that met, the best first."""
+        slow = self.rig or bool(self.model.law.states)
+        steps = (STEPS if len(points) > 1 else REFINED) * (2 if self.rig else 1)
+        if slow:
+            costs = np.sum(self.residuals_of(points) ** 2, axis=1)
+            order = np.argsort(costs, kind="stable")
+            points, costs = points[order], costs[order]
+            points = points[costs <= NEAR * costs[0]]
+            found, costs = self.descend(points[:POLISHED], steps)
+            if self.rig and costs.min() > POOR * len(self.trials) and len(points) > POLISHED:
+                more, others = self.descend(points[POLISHED:], steps)
+                found, costs = np.concatenate([found, more]), np.concatenate([costs, others])
+        else:
+            found, costs = self.descend(points, steps)
+        order = np.argsort(costs, kind="stable")
+        found, costs = found[order], costs[order]
+        if not slow:
+            worth = costs <= costs[0] + 4.0 * self.room(float(costs[0]))
+            found, costs = self.descend(found[worth], REFINED, exact=True)
+            order = np.argsort(costs, kind="stable")
+            found, costs = found[order], costs[order]
+        apart: list[Array] = []
+        for one in found:
+            size = np.maximum(np.abs(one), 0.1 * self.scale)
+            if all(np.max(np.abs(one - other) / size) > APART for other in apart):
+                apart.append(one)
+        return apart
+
+    def poor(self, free_parameters: Array) -> bool:
+        """Whether unknowns leave more than the errors of the readings."""
+        from scipy.stats import chi2
+
+        if not self.stated:
+            left = self.measured - self.predicted(free_parameters)
+            return not np.linalg.norm(left) <= UNSTATED * np.linalg.norm(self.measured)
+        return self.cost(free_parameters) > float(chi2.ppf(SIGNIFICANT, len(self.trials)))
+
+    def scanned(self, points: Array) -> Array:
+        """Return the best of many values of the first unknown beside the others of each point."""
+        levels = np.geomspace(*SPAN, LEVELS)
+        rows = np.repeat(points, len(levels), axis=0)
+        rows[:, 0] *= np.tile(levels, len(points))
+        rows = np.clip(rows, self.least, self.high)
+        costs = np.sum(self.residuals_of(rows) ** 2, axis=1)
+        return rows[np.argsort(costs, kind="stable")[:MANY]]
+
+    def room(self, cost: float) -> float:
+        """Return how much more than the least cost values may leave that explain as well."""
+        from scipy import stats
+
+        trials, freedom = self.trials, len(self.trials) - len(self.model.free)
+        if len(trials) == 1:
+            kind = trials[0].kind
+            if kind == "standard" or self.spread.own or self.spread.shared:
+                return AS_WELL
+            return 3.0 if kind == "rounding" else 1.0
+        factor, freedom_of = variance_of(cost, freedom, stated=self.stated)
+        if freedom_of == 0.0:
+            return AS_WELL
+        return factor * float(stats.t.ppf(0.975, freedom_of)) ** 2
+
+    def drawn(self, ends: Sequence[Start], drawn: Array, more: Sequence[Start]) -> Array:
+        """Return unknowns for each end of a search without nuisances beside each draw of them."""
+        rows = [self.free_parameters(point) for point in more]
+        count = len(self.scale) - drawn.shape[1]
+        for end in ends:
+            start = np.zeros(len(self.scale))
+            # what a nuisance lies above is part of its value, and not of its unknown
+            start[:count] = np.linalg.solve(self.matrix[:count, :count], np.asarray(end))
+            for draw in drawn:
+                start[count:] = draw
+                rows.append(np.clip(start, self.least, self.high))
+        return np.array(rows)
 
     def slopes_at(self, free_parameters: Array) -> Array:
         """Return derivatives of the residuals (n, p), by central differences for a mechanism.
@@ -283,36 +465,22 @@ class _Problem:
 
     def jacobian(self, free_parameters: Array) -> Array:
         """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
-        base = self.residuals(free_parameters)
-        columns = []
-        for i, scale in enumerate(np.maximum(np.abs(free_parameters), 0.1 * self.scale)):
-            moved = free_parameters.copy()
-            side = 1.0 if free_parameters[i] + STEP * scale <= self.high[i] else -1.0
-            moved[i] += side * STEP * scale
-            columns.append((self.residuals(moved) - base) / (moved[i] - free_parameters[i]))
-        return np.stack(columns, axis=1)
+        return np.asarray(
+            slopes_of(
+                self.residuals_of,
+                free_parameters[None],
+                self.residuals(free_parameters)[None],
+                low=self.low,
+                high=self.high,
+                sizes=0.1 * self.scale,
+                moving=np.ones(len(self.scale), dtype=bool),
+            )[0]
+        )
 
     def polished(self, start: Array, steps: int) -> Array:
-        """Return where least squares ends that begins at `start`, on a bound if that is as good."""
-        from scipy.optimize import least_squares
-
-        # steps shrink with the distance from a bound: a start on one would hardly move
-        off = np.minimum(1e-2 * self.scale, 0.25 * (self.high - self.low))
-        inside = np.clip(start, self.low + off, self.high - off)
-        found = least_squares(
-            self.residuals,
-            inside,
-            jac=self.jacobian,
-            bounds=(self.low, self.high),
-            x_scale=np.maximum(np.abs(inside), 0.1 * self.scale),
-            xtol=1e-8,
-            ftol=1e-4,  # of chi-square, which decides where it is of the order of 10
-            gtol=1e-10,
-            max_nfev=steps,
-        )
-        ends: Array = np.asarray(found.x)
-        bound = np.where(ends - self.low < 1e-3 * self.scale, self.least, ends)
-        return bound if self.cost(bound) <= (1.0 + 1e-3) * self.cost(ends) + 1e-6 else ends
+        """Return where a descent ends that begins at `start`."""
+        found, _ = self.descend(start[None], steps)
+        return np.asarray(found[0])
 
     def beside(self, best: Array) -> Iterator[Array]:
         """Yield unknowns on both sides of the best ones, along what each value is told with."""
@@ -328,8 +496,16 @@ class _Problem:
                 for side in (-1.0, 1.0):
                     yield self.free_parameters((values + side * step).tolist())
 
-    def fit(self, best: Array, ends: Sequence[Array] = ()) -> TravelFit:
-        """Return what the best unknowns are, with intervals; `ends` are those of all searches."""
+    def fit(
+        self,
+        best: Array,
+        ends: Sequence[Array] = (),
+        *,
+        walked: bool = False,
+        reached: Sequence[Start] = (),
+    ) -> TravelFit:
+        """Return what the best unknowns are, with intervals."""
+        single = len(self.trials) == 1
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
         gain, condition = self._gain(best)
@@ -347,26 +523,135 @@ class _Problem:
         ]
         if self.rig:
             found = self._told_apart(found, values, gain, variance[0])
-        rivals = self._rivals(found, best, ends, variance)
+        rivals = self._rivals(found, best, ends)
+        if not self.rig:
+            found = [
+                self._holding(i, one, best, rivals, reached, walked=walked)
+                for i, one in enumerate(found)
+            ]
+        else:
+            found = [self._reaching(one, [r[i] for r in rivals]) for i, one in enumerate(found)]
+        others = tuple(rival[0] for rival in rivals) if len(values) == 1 and not self.rig else ()
         return TravelFit(
             law=self.model.with_values(values),
             mechanism=self.model.set_up(self.trials[0], values).mechanism,
-            estimates=tuple(
-                self._reaching(one, [rival[i] for rival in rivals]) for i, one in enumerate(found)
-            ),
+            estimates=tuple(found),
             measured=tuple(self.measured.tolist()),
             predicted=tuple(self.predicted(best).tolist()),
-            standard_errors=tuple(scatter.tolist()),
-            reading_errors=tuple(self.readings.tolist()),
-            slopes=self._slopes(best),
+            others=others,
+            standard_errors=() if single else tuple(scatter.tolist()),
+            reading_errors=() if single else tuple(self.readings.tolist()),
+            slopes=() if single else self._slopes(best),
             shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
             stated=self.stated,
             condition=condition,
             correlation=correlation,
-            rivals=rivals,
+            rivals=() if others else rivals,
             trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
             runs=self.model.runs,
         )
+
+    def _holding(
+        self,
+        i: int,
+        one: Estimate,
+        best: Array,
+        rivals: Sequence[Sequence[float]],
+        reached: Sequence[Start],
+        *,
+        walked: bool,
+    ) -> Estimate:
+        """Return an estimate whose interval holds all values that explain the travels as well."""
+        if one.reason and (len(self.trials) > 1 or not self.stated):
+            return one
+        if walked:
+            one = self._between(i, one, best)
+        parts = [(one.low, one.high)]
+        if walked:
+            for rival in rivals:
+                there = self.free_parameters(rival)
+                other = self._between(i, self._local(i, one, there), there)
+                parts.append((other.low, other.high))
+        half = 0.5 * (parts[0][1] - parts[0][0]) if one.bounded else 0.0
+        parts += [(value[i] - half, value[i] + half) for value in reached]
+        return spanning(one, parts, self._lowest(one))
+
+    def _local(self, i: int, one: Estimate, there: Array) -> Estimate:
+        """Return an estimate at other unknowns, with the interval that slopes there give."""
+        gain, _ = self._gain(there)
+        known = np.where(np.isfinite(gain[i]), gain[i], 0.0)
+        spread = math.sqrt(self.room(self.cost(there)) * float(known @ self._covariance() @ known))
+        value = float((self.matrix @ there)[i])
+        low = max(value - spread, self._lowest(one))
+        return replace(one, value=value, low=low, high=value + spread, reason="")
+
+    def _lowest(self, one: Estimate) -> float:
+        return max(one.quantity.low, one.quantity.above or 0.0, 0.0)
+
+    def _between(self, i: int, one: Estimate, best: Array) -> Estimate:
+        """Return an estimate whose interval ends where the travels are explained no more.
+
+        The other values follow. Slopes at the best values say nothing of what is farther away, nor
+        that a parameter has a bound.
+        """
+        slow = bool(self.model.law.states) and len(self.trials) > 1
+        if slow or np.count_nonzero(self.matrix[i]) > 1:
+            return one
+        base = self.cost(best)
+        target = base + self.room(base)
+        gain, _ = self._gain(best)
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        if not table[i, i] > 0.0:
+            return one
+        half = math.sqrt(self.room(base) * table[i, i])
+        along = table[:, i] / table[i, i] * half
+        ends = [self._end(i, best, side * along, target) for side in (-1.0, 1.0)]
+        low, high = ends
+        reason = one.reason if len(self.trials) > 1 else ""
+        if not (math.isfinite(low) and math.isfinite(high)):
+            reason = INSENSITIVE
+            if len(self.trials) == 1:
+                reason = "no value gives the travel at one end of the range of the reading"
+        return replace(one, low=low, high=high, reason=reason)
+
+    def _end(self, i: int, best: Array, along: Array, target: float) -> float:
+        """Return the value of a parameter in a direction with which the cost meets the target."""
+        unknown_step = np.linalg.solve(self.matrix, along)
+        points = np.clip(best + np.outer(WALK, unknown_step), self.least, self.high)
+        inside = np.flatnonzero(np.abs(points[:, i] - best[i]) > 0.0)
+        if not len(inside):
+            return float(best[i])
+        moving = np.arange(len(best)) != i
+        if moving.any():
+            points, costs = self.descend(points, REFINED, moving)
+        else:
+            costs = np.sum(self.residuals_of(points) ** 2, axis=1)
+        beyond = np.flatnonzero(costs > target)
+        if not len(beyond):
+            bounded = points[-1, i] <= self.least[i] or points[-1, i] >= self.high[i]
+            return float(points[-1, i]) if bounded else math.copysign(math.inf, along[i])
+        at = int(beyond[0])
+        near = best if at == 0 else points[at - 1]
+        if not moving.any():
+            return self._crossing(near, points[at], target)
+        inner = self.cost(best)
+        low = math.sqrt(max((inner if at == 0 else float(costs[at - 1])) - inner, 0.0))
+        high = math.sqrt(float(costs[at]) - inner)
+        share = (math.sqrt(max(target - inner, 0.0)) - low) / max(high - low, 1e-300)
+        return float(near[i] + min(max(share, 0.0), 1.0) * (points[at, i] - near[i]))
+
+    def _crossing(self, inside: Array, outside: Array, target: float) -> float:
+        """Return the single unknown between two at which the cost meets the target."""
+        from scipy.optimize import brentq
+
+        def excess(value: float) -> float:
+            return self.cost(np.array([value])) - target
+
+        low, high = float(inside[0]), float(outside[0])
+        if excess(low) >= 0.0:
+            return low
+        return float(brentq(excess, low, high, rtol=1e-10, xtol=1e-300))
 
     def _told_apart(
         self, found: Sequence[Estimate], values: Sequence[float], gain: Array, variance: float
@@ -417,19 +702,19 @@ class _Problem:
         return math.inf
 
     def _rivals(
-        self,
-        found: Sequence[Estimate],
-        best: Array,
-        ends: Sequence[Array],
-        variance: tuple[float, float],
+        self, found: Sequence[Estimate], best: Array, ends: Sequence[Array]
     ) -> tuple[tuple[float, ...], ...]:
         """Return other values where a search ended that fit as well, outside of the intervals."""
-        room = self.cost(best) + AS_WELL * variance[0]
-        rivals = []
-        for end in ends if self.rig else ():
+        least = self.cost(best)
+        room = least + (MET**2 if len(self.trials) == 1 else self.room(least))
+        rivals: list[tuple[float, ...]] = []
+        for end in ends:
             values = tuple((self.matrix @ end).tolist())
-            outside = (not e.low <= v <= e.high for e, v in zip(found, values, strict=True))
-            if any(outside) and self.cost(end) <= room:
+            outside = any(
+                not e.low <= v <= e.high if e.bounded else abs(v - e.value) > APART * abs(e.value)
+                for e, v in zip(found, values, strict=True)
+            )
+            if outside and self.cost(end) <= room:
                 rivals.append(values)
         return tuple(rivals)
 
@@ -465,6 +750,10 @@ class _Problem:
         gain = -(rows.T * inverse / sizes[:, None]) @ left.T @ self.whitening
         return np.where(cut[:, None], np.inf, gain), condition
 
+    def _kind(self) -> str:
+        """Return of which kind the uncertainty of a single reading is, the rig's included."""
+        return "standard" if self.spread.own or self.spread.shared else self.trials[0].kind
+
     def _estimate(
         self,
         path: str,
@@ -475,7 +764,7 @@ class _Problem:
         *,
         stated: bool,
     ) -> Estimate:
-        """Return an estimate with its interval by Student's t; see `fit_several`."""
+        """Return an estimate with its interval by Student's t; see `fit_readings`."""
         from scipy import stats
 
         factor, freedom = variance
@@ -490,6 +779,8 @@ class _Problem:
         reason = ""
         if freedom == 0:
             spread, reason = math.inf, "too few readings to estimate their uncertainty"
+            if len(self.trials) == 1:
+                reason = "no uncertainty of the reading was stated"
         elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
             spread, reason = math.inf, INSENSITIVE
         else:
@@ -503,7 +794,7 @@ class _Problem:
             value=value,
             low=max(value - spread, least) if math.isfinite(spread) else -math.inf,
             high=value + spread,
-            interval="95 %",
+            interval="95 %" if len(self.trials) > 1 else INTERVALS[self._kind()],
             reason=reason,
             sources=sources if stated and not reason else {},
         )

@@ -3,30 +3,19 @@
 import dataclasses
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
-from stickslip.identification.travels.model import TravelModel, Trial, is_rig
-from stickslip.identification.travels.single_travel import room_for
+from stickslip.identification.travels.model import TravelModel, Trial, is_rig, under_cycles
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of, parameters, vary
-from stickslip.simulation import ensemble, simulate
-
-__all__ = [
-    "Start",
-    "doubling_slope",
-    "required_of",
-    "starting_law",
-    "starting_points",
-    "with_known",
-]
+from stickslip.simulation import simulate
 
 Start: TypeAlias = Sequence[float]
 """Values of the free parameters where a search begins."""
@@ -54,6 +43,8 @@ rubber."""
 SLOPES = (1e-2, 1e5)
 """The same for a law whose first parameter is no level but a slope with speed, which grows with the
 size of a rig."""
+GRAVITY = 9.81
+"""Gravity [m/s^2], for the size of damping."""
 COUNTS = {LEVELS: 24, SLOPES: 15}
 """How many values of the first parameter are scanned."""
 SHARES = (0.9, 0.6, 0.3)
@@ -61,39 +52,35 @@ SHARES = (0.9, 0.6, 0.3)
 takes the rest."""
 DECADES = (1e-2, 10**-1.5, 1e-1, 10**-0.5, 1.0, 10**0.5, 10.0, 1e2)
 """Further parameters over their start values: least squares does not see them from afar."""
-DENSE = (240, 16)
-"""Levels and values of a second parameter, where travels are not monotonic in the level."""
-SURPLUS = 0.02
-"""What a level at rest that is scanned densely has over that of sliding, over this, in decades."""
+REACH = 4096.0
+"""How far from its start value a first parameter is scanned while the best is at an end of what was
+scanned, as a factor. Beyond it laws only get stiff."""
+DENSE, BESIDE = 240, 8
+"""Levels, and combinations of further parameters, where travels are not monotonic in the level."""
+DRAWS, FEW_DRAWS, SLOW_DRAWS = 16, 8, 2
+"""Combinations of nuisances that are drawn: fewer where runs are of many cycles, or with bristles,
+which take longer."""
+PLAUSIBLE = {"speed": (-2.5, 0.0), "stiffness": (3.0, 6.0), "damping": (-1.0, 0.5)}
+"""Decades of nuisances: speeds over the largest one of a run, stiffness over the level [1/m], which
+is a deflection of 1 um to 1 mm, and damping over the root of stiffness and gravity [s/m]."""
 MOST = 60
 """Combinations of further parameters that are tried, at most; drawn if there are more."""
 DRAWN, AROUND = 256, 3.0
 """Points that are drawn where parameters of the mechanism are unknown, and the factor from the
 values that were given up to which they lie."""
-KEPT = 6
-"""Starting points that a scan returns."""
+KEPT, MANY = 6, 48
+"""Starting points that a scan returns, and a dense one."""
 
 
 def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
-    """Return values of the free parameters near which several travels are explained best.
+    """Return values of the free parameters near which travels are explained best.
 
-    The first parameter, a level, is scanned over three decades with the others at their least.
-    Where each travel falls as the level rises there is one best level, and the others are scanned
-    over decades beside shares of it. A body that swings to and fro before it rests has travels that
-    rise and fall with the level, and least squares would stay on the branch where it begins: there
-    levels are scanned densely.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, whose values are the centre of the scan, and its free parameters.
-    trials : sequence of Trial
-        Several travels.
-
-    Returns
-    -------
-    list of sequence of float (p,)
-        Points, the best first.
+    The first parameter, a level, is scanned over three decades, and on while the best is at an end,
+    with the others at their least. Where each travel falls as the level rises there is one best
+    level, and the others are scanned over decades beside shares of it. A body that swings to and
+    fro before it rests has travels that rise and fall with the level, and least squares would stay
+    on the branch where it begins: there levels are scanned densely, and points of all branches are
+    returned.
     """
     if any(map(is_rig, model.free)):
         return _with_rig(model, trials)
@@ -103,25 +90,53 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
     quantities = {path: fields_of(type(model.law))[name] for path, name in names.items()}
     span = SLOPES if quantities[first].scale == "slope" else LEVELS
-    ends = span[0] * centre[first], span[1] * centre[first]
-    low, high = room_for(model.law, names[first], model.free)
-    levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
     idle = [_least(model, path, centre[path]) for path in others]
-    rows = [[level, *idle] for level in levels.tolist()]
-    table = np.array([_travels(model, trials, row) for row in rows])
+    levels, table = _scanned(model, trials, centre[first], span, idle)
     costs = _costs(table, trials)
-    best = rows[int(np.argmin(costs))]
+    best = [float(levels[np.argmin(costs)]), *idle]
     centre |= {
         p: doubling_slope(model, trials, best) for p in others if quantities[p].scale == "slope"
     }
-    scanned = len(others) <= 1 and span is LEVELS and not model.law.states
-    if scanned and _branched(table):
-        return _best(*_dense(model, trials, (max(ends[0], low), min(ends[1], high)), centre))
+    beside = _beside(model, best[0], centre) if others else []
+    if span is LEVELS and not model.law.states and _branched(table):
+        return _dense(model, trials, levels, [idle, *(rest for _, rest in beside)])
+    rows = [[level, *idle] for level in levels.tolist()]
     if not others:
         return _best(rows, costs)
-    rows += [[share * best[0], *rest] for share, rest in _beside(model, best[0], centre)]
-    more = [_travels(model, trials, row) for row in rows[len(costs) :]]
-    return _best(rows, np.concatenate([costs, _costs(np.array(more), trials)]))
+    more = [[share * best[0], *rest] for share, rest in beside]
+    return _best(
+        [*rows, *more], np.concatenate([costs, _costs(_table(model, trials, more), trials)])
+    )
+
+
+def _scanned(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    centre: float,
+    span: tuple[float, float],
+    idle: Sequence[float],
+) -> tuple[Array, Array]:
+    """Return values of the first parameter, and the travels with each; on where the best ends."""
+    low, high = room_for(model.law, model.free[0].rpartition(".")[2], model.free)
+    ratio = (span[1] / span[0]) ** (1.0 / (COUNTS[span] - 1))
+    ends = [span[0] * centre, span[1] * centre]
+    levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
+    table = _table(model, trials, [[level, *idle] for level in levels.tolist()])
+    for side in (0, -1):
+        while True:
+            at = int(np.argmin(_costs(table, trials)))
+            edge = float(levels[side])
+            if at != (0 if side == 0 else len(levels) - 1) or not low < edge < high:
+                break
+            if not 1.0 / REACH <= edge / centre <= max(REACH, span[1]):
+                break
+            power = np.arange(-6, 0) if side == 0 else np.arange(1, 7)
+            more = np.unique(np.clip(edge * ratio**power, max(low, 1e-12 * centre), high))
+            found = _table(model, trials, [[level, *idle] for level in more.tolist()])
+            order = (more, levels) if side == 0 else (levels, more)
+            levels = np.concatenate(order)
+            table = np.concatenate((found, table) if side == 0 else (table, found))
+    return levels, table
 
 
 def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
@@ -151,7 +166,7 @@ def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
         drawn[:, 0] = np.exp(ends[0] + (ends[1] - ends[0]) * shares[:, 0])
     rows += drawn.tolist()
     few = _spread(trials, 4 * len(centre))
-    return _best(rows, _costs(np.array([_travels(model, few, row) for row in rows]), few))
+    return _best(rows, _costs(_table(model, few, rows), few))
 
 
 def _spread(trials: Sequence[Trial], most: int) -> list[Trial]:
@@ -169,22 +184,15 @@ def _least(model: TravelModel, path: str, centre: float) -> float:
 
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
-    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run.
+    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
+    force, speed = _force_and_speed(model, trials, values)
+    return force / speed
 
-    Parameters
-    ----------
-    model : TravelModel
-        The law, whose first free parameter is a level.
-    trials : sequence of Trial
-        Travels, of which the longest one is run.
-    values : sequence of float (p,)
-        Values of the free parameters [SI].
 
-    Returns
-    -------
-    float
-        Viscous coefficient [N s/m].
-    """
+def _force_and_speed(
+    model: TravelModel, trials: Sequence[Trial], values: Start
+) -> tuple[float, float]:
+    """Return the friction [N] of the first parameter as a level, and the largest speed [m/s]."""
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)
     end = trial.until(model.t_end)
@@ -192,7 +200,78 @@ def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -
     slip = slip_of(trial.mechanism)
     rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
     force = values[0] * float(np.median(run["normal_force"]))
-    return force / max(float(np.max(np.abs(run[rate]))), 1e-6)
+    return force, max(float(np.max(np.abs(run[rate]))), 1e-6)
+
+
+def nuisances_of(
+    law: type[FrictionLaw], free: Collection[str], known: Collection[str] = ()
+) -> list[str]:
+    """Return full paths of parameters of a law that nobody measured, gave or fits.
+
+    These are those that the law cannot do without, and those that add a part of its own beside
+    them, such as a viscous one, whose default is that it is not there. Exponents, which shape a
+    part, are as the law has them.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> nuisances_of(Stribeck, ["friction.kinetic_coefficient"])
+    ['friction.static_coefficient', 'friction.stribeck_velocity', 'friction.viscous_coefficient']
+    """
+    defaults = law.__dataclass_fields__
+    found = []
+    for name, quantity in fields_of(law).items():
+        path, default = f"friction.{name}", defaults[name].default
+        if path in free or name in known or quantity.structural or quantity.scale == "none":
+            continue
+        if default is dataclasses.MISSING or default == 0.0:
+            found.append(path)
+    return found
+
+
+def plausible(
+    model: TravelModel, trials: Sequence[Trial], values: Start, nuisances: Sequence[str]
+) -> Array:
+    """Return combinations of plausible values of nuisances (d, q), the first with least of each.
+
+    What must not fall below another parameter is told by what it lies above it, up to as much
+    again.
+    A part that grows with speed is at most as large as the level, at the largest speed of a run.
+    """
+    from scipy.stats import qmc
+
+    force, speed = _force_and_speed(model, trials, values)
+    known = fields_of(type(model.law))
+    law = model.with_values(values)
+    count = SLOW_DRAWS if law.states else FEW_DRAWS if under_cycles(trials) else DRAWS
+    shares = qmc.Sobol(len(nuisances), rng=np.random.default_rng(0)).random(count)
+    shares[0] = 0.0
+    drawn = np.zeros_like(shares)
+    level = float(values[0])
+    for i, path in enumerate(nuisances):
+        quantity = known[path.rpartition(".")[2]]
+        share = shares[:, i]
+        if quantity.at_least is not None:
+            drawn[:, i] = share * float(getattr(law, quantity.at_least))
+        elif quantity.scale in PLAUSIBLE:
+            # bristles that are stiff and a speed that is low do least
+            low, high = PLAUSIBLE[quantity.scale]
+            stiff = quantity.scale == "stiffness"
+            size = {"speed": speed, "stiffness": level}.get(quantity.scale, 1.0 / GRAVITY**0.5)
+            drawn[:, i] = size * 10 ** (high - share * (high - low) if stiff else
+                                        low + share * (high - low))  # fmt: skip
+        elif quantity.scale.startswith("slope"):
+            drawn[:, i] = share * force / speed
+        elif quantity.scale == "drag":
+            drawn[:, i] = share * force / speed**2
+        else:
+            drawn[:, i] = (1.0 + share) * float(getattr(law, path.rpartition(".")[2]) or 0.0)
+    for i, path in enumerate(nuisances):  # damping goes with the root of the stiffness beside it
+        if known[path.rpartition(".")[2]].scale == "damping":
+            stiff = [j for j, p in enumerate(nuisances)
+                     if known[p.rpartition(".")[2]].scale == "stiffness"]  # fmt: skip
+            drawn[:, i] *= np.sqrt(drawn[:, stiff[0]]) if stiff else 1.0
+    return drawn
 
 
 def _beside(
@@ -224,11 +303,10 @@ def _beside(
     return [found[i] for i in sorted(chosen)]
 
 
-def _travels(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> Array:
-    try:
-        return model.travels(trials, values)
-    except (SimulationError, InputError):
-        return np.full(len(trials), math.inf)
+def _table(model: TravelModel, trials: Sequence[Trial], rows: Sequence[Start]) -> Array:
+    """Return travels (k, n); infinite where a run cannot be made."""
+    found = model.table(trials, np.array(rows, dtype=float))
+    return np.where(np.isfinite(found), found, math.inf)
 
 
 def _costs(table: Array, trials: Sequence[Trial]) -> Array:
@@ -247,42 +325,52 @@ def _branched(table: Array) -> bool:
 
 
 def _dense(
-    model: TravelModel,
-    trials: Sequence[Trial],
-    ends: tuple[float, float],
-    centre: Mapping[str, float],
-) -> tuple[list[Start], Array]:
-    """Return a dense grid of one or two parameters and its costs, by ensembles."""
-    others = model.free[1:]
-    axes = [np.geomspace(*ends, DENSE[0])]
-    above = [path for path in others if _stands_above(model, path)]
-    for path in others:
-        spread = np.geomspace(DECADES[0], DECADES[-1], DENSE[1] - 1)
-        if path in above:
-            axes.append(np.array([1.0, *(1.0 + SURPLUS * spread)]))
-        else:
-            axes.append(np.array([_least(model, path, centre[path]), *(spread * centre[path])]))
-    columns = dict(zip(model.free, (a.ravel() for a in np.meshgrid(*axes)), strict=True))
-    for path in above:
-        columns[path] = columns[path] * columns[model.free[0]]
-    table = []
-    for trial in trials:
-        start = trial.start(model.law)
-        slip = slip_of(trial.mechanism)
-        end = trial.until(model.t_end)
-        runs = ensemble(trial.mechanism, model.law, columns, t_end=end, outputs=[slip], y0=start)
-        table.append(np.where(np.isfinite(runs[slip]), runs[slip], np.inf) - start.get(slip, 0.0))
-    rows = np.stack([columns[path] for path in model.free], axis=1)
-    return rows.tolist(), _costs(np.stack(table, axis=1), trials)
-
-
-def _stands_above(model: TravelModel, path: str) -> bool:
-    """Whether a parameter must not fall below another one."""
-    return fields_of(type(model.law))[path.rpartition(".")[2]].at_least is not None
+    model: TravelModel, trials: Sequence[Trial], levels: Array, beside: Sequence[Sequence[float]]
+) -> list[Start]:
+    """Return points of all branches: on each, the levels where travels are explained best."""
+    fine = np.geomspace(levels[0], levels[-1], DENSE)
+    if len(beside) > BESIDE:
+        chosen = np.linspace(0, len(beside) - 1, BESIDE).astype(int)
+        beside = [beside[i] for i in chosen]
+    found: list[tuple[float, Start]] = []
+    names = [path.rpartition(".")[2] for path in model.free]
+    known = fields_of(type(model.law))
+    above = [
+        i for i, name in enumerate(names[1:]) if known[name].at_least == names[0]
+    ]  # values beside the best level, which move with it
+    rows = []
+    for rest in beside:
+        for level in fine.tolist():
+            row = [level, *rest]
+            for i in above:
+                row[i + 1] = max(row[i + 1], level)
+            rows.append(row)
+    costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), DENSE)
+    padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
+    valleys = (costs <= padded[:, :-2]) & (costs <= padded[:, 2:]) & np.isfinite(costs)
+    for i, j in zip(*np.nonzero(valleys), strict=True):
+        found.append((float(costs[i, j]), rows[int(i) * DENSE + int(j)]))
+    found.sort(key=lambda one: one[0])
+    return [row for _, row in found[:MANY]]
 
 
 def _best(rows: Sequence[Start], costs: Array) -> list[Start]:
     return [rows[i] for i in np.argsort(costs, kind="stable")[:KEPT]]
+
+
+def room_for(law: FrictionLaw, name: str, free: Collection[str] = ()) -> tuple[float, float]:
+    """Return the values a parameter may take while all that are not free stay as they are."""
+    quantities = fields_of(type(law))
+    quantity = quantities[name]
+    low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high
+    if quantity.at_least is not None:
+        low = max(low, getattr(law, quantity.at_least))
+    for other, bound in quantities.items():
+        if f"friction.{other}" in free:
+            continue
+        if bound.at_least == name and getattr(law, other) is not None:
+            high = min(high, getattr(law, other))
+    return low, high
 
 
 def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
@@ -300,23 +388,6 @@ def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
 
 def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     """Return a law of that type with ordinary values for each parameter it needs.
-
-    Parameters
-    ----------
-    law : type
-        A friction law.
-    load : float
-        Normal force [N]; start values that are not per unit load scale with it.
-
-    Returns
-    -------
-    FrictionLaw
-        The law with start values.
-
-    Raises
-    ------
-    InputError
-        If a parameter that the law needs has no range.
 
     Examples
     --------
@@ -339,18 +410,6 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
 
 def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
     """Return a law with the values that are known, by name.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law whose values are replaced.
-    known : mapping of str to float or None
-        Values [SI] by name of the field; None or empty for none.
-
-    Returns
-    -------
-    FrictionLaw
-        A copy of the law.
 
     Examples
     --------

@@ -39,8 +39,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TrialComparison", "compare_trials", "compared", "comparison_of", "fitted_alone"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 LAW = "friction."
@@ -288,13 +286,7 @@ def compared(joint: RecordFit) -> TrialComparison | None:
 
 
 def comparison_of(joint: RecordFit) -> TrialComparison:
-    """Compare the trials of a fit: each is fitted alone from the joint optimum.
-
-    Raises
-    ------
-    InputError
-        If there is one trial only, or nothing of the law was fitted.
-    """
+    """Compare the trials of a fit: each is fitted alone from the joint optimum."""
     _refuse(joint.measurement)
     own = [i for i, path in enumerate(joint.free_parameters.paths) if path.startswith(LAW)]
     if not own:

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from stickslip.quantities import Quantity
 
-__all__ = ["ConditionLine", "line_over"]
-
 Array = NDArray[np.float64]
 
 SURE = 0.05
@@ -57,22 +55,6 @@ def line_over(
 
     Where values scatter about the line by more than their errors tell, the scatter counts, with
     the degrees of freedom that it has.
-
-    Parameters
-    ----------
-    condition, values, errors, freedom : array (k,)
-        Condition, estimate, its standard error and the degrees of freedom of this, by trial.
-
-    Returns
-    -------
-    line : array (2,)
-        Value at condition 0, and slope.
-    error : float
-        Standard error of the slope.
-    freedom : float
-        Its degrees of freedom.
-    scatter : float
-        Probability of so large a scatter; NaN where there are not more trials than parameters.
 
     Examples
     --------

@@ -7,8 +7,6 @@ from typing import final
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Estimate
 
-__all__ = ["TrialEstimates"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from stickslip.identification.estimation.jackknife import BLOCKS, Displaced, block_sums
 from stickslip.identification.estimation.problem import ResidualJacobian
 
-__all__ = ["Homogeneity", "homogeneity", "rows_of"]
-
 Array = NDArray[np.float64]
 
 CUT = 1e-10
@@ -45,18 +43,6 @@ class Homogeneity:
 
 def rows_of(jacobian: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian:
     """Return some rows of linearised residuals.
-
-    Parameters
-    ----------
-    jacobian : ResidualJacobian
-        Residuals and Jacobian with n rows.
-    rows : array of bool (n,)
-        Which rows are kept.
-
-    Returns
-    -------
-    ResidualJacobian
-        The kept rows at the same values.
 
     Examples
     --------
@@ -84,22 +70,6 @@ def homogeneity(
     displaced: Sequence[Sequence[Displaced]] = (),
 ) -> Homogeneity:
     """Test whether trials share the values of some unknowns.
-
-    Parameters
-    ----------
-    trials : sequence of ResidualJacobian
-        The residuals of each trial at the joint optimum, rows in the order of time.
-    scale : array (p, p)
-        Derivatives of the values by what the optimiser sees; rows that are free of bounds.
-    separate : sequence of int
-        Which of these each trial may have values of its own for; all trials share the others.
-    displaced : sequence of sequence of Displaced
-        What the uncertainties of the mechanism make of each trial, in one order; none if not given.
-
-    Returns
-    -------
-    Homogeneity
-        F statistic, its degrees of freedom and the p-value.
 
     Examples
     --------

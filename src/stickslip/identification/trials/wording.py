@@ -13,8 +13,6 @@ from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity
 
-__all__ = ["SURE", "sentences_of"]
-
 SURE = 0.05
 """Significance of the test."""
 MOST = 3
@@ -31,24 +29,7 @@ def sentences_of(
     lines: Sequence[ConditionLine],
     failed: Mapping[str, str],
 ) -> Iterator[str]:
-    """Yield what a comparison says; the outcome of the test first.
-
-    Parameters
-    ----------
-    trials : sequence of TrialEstimates
-        Estimates of each trial alone.
-    test : Homogeneity
-        Test whether trials share one law.
-    lines : sequence of ConditionLine
-        Each parameter as a line over each condition.
-    failed : mapping of str to str
-        Reason by name, for trials that could not be fitted.
-
-    Yields
-    ------
-    str
-        One sentence.
-    """
+    """Yield what a comparison says; the outcome of the test first."""
     clear = _clear(lines)
     yield _outcome(trials, test, clear)
     if test.p < SURE:

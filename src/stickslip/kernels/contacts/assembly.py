@@ -54,6 +54,8 @@ from stickslip.kernels.state_layout import (
     HELD_NORMALS,
     HELD_SLIPS,
     HOLDS,
+    INPUT_COUNTS,
+    INPUTS,
     IS_TURNED,
     KINDS,
     LAW_BRISTLES,
@@ -93,27 +95,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "WITHIN",
-    "accelerate",
-    "ask_law",
-    "assemble",
-    "balance",
-    "bends",
-    "blur",
-    "equal_part",
-    "note_surplus",
-    "prepare",
-    "put_loads",
-    "put_mass",
-    "put_motion",
-    "reconsider",
-    "refactor",
-    "refresh",
-    "set_row",
-    "side_of",
-]
-
 WITHIN = 2e-15
 """Share of its level, nine units in the last place of 1, by which needed friction may exceed it, in
 decisions as in guards: where both are equal, rounding would let it break away and stop without end.
@@ -121,20 +102,7 @@ decisions as in guards: where both are equal, rounding would let it break away a
 
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
-    """Write what is the same in a whole run: directions of slip, a constant mass matrix.
-
-    Reads: Y, HELD_NORMALS, FLAGS.
-    Writes: FRICTIONLESS, WALLS, SLIP_FACTORS, MASS, LOAD, LAW_VALUES, REACTION_ROWS, TURN, LOOPS.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Write what is the same in a whole run: directions of slip, a constant mass matrix."""
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
     if whole[IS_TURNED]:
         evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
@@ -153,22 +121,7 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
 
 
 def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the mass matrix, of held coordinates below it.
-
-    Reads: `at`, FLAGS.
-    Writes: MASS, LAW_VALUES.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Write the mass matrix, of held coordinates below it."""
     n = whole[N_COORDINATES]
     mass = whole[MASS]
     values = whole[LAW_VALUES]
@@ -182,26 +135,7 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
-    """Return the direction, 1 or -1, in which a contact slips or is about to.
-
-    Reads: `at`, SLIP_FACTORS, LOOPS, MODES.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    int
-        Sign of the contact's slip velocity, that of its mode where there is one.
-    """
+    """Return the direction, 1 or -1, in which a contact slips or is about to."""
     coordinate = whole[whole[SLIPS] + contact]
     factor = w[whole[SLIP_FACTORS] + contact]
     mode = whole[whole[MODES] + coordinate]
@@ -215,24 +149,6 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
 
     They are: constant and factor of the load of friction, and of the level; the slopes of the
     first two along the speed; whether friction is affine in the speed; rates of bristles.
-
-    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS.
-    Writes: LAW_ROWS, LAW_VALUES.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    side : int
-        Direction of slip, 1 or -1.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
     """
     row = set_row(contact, side, w, whole, at)
     kind = whole[whole[KINDS] + contact]
@@ -240,29 +156,7 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
 
 
 def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
-    """Write what the functions of a contact's law read; return the place in `w` where it stands.
-
-    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES.
-    Writes: LAW_ROWS.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    side : int
-        Direction of slip, 1 or -1.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    int
-        Place of slip speed, parameters, bristles and load.
-    """
+    """Write what the functions of a contact's law read; return the place in `w` where it stands."""
     coordinate = whole[whole[SLIPS] + contact]
     row = whole[whole[LAW_ROWS] + contact]
     if whole[whole[MODES] + coordinate] == HELD_FAST:
@@ -271,8 +165,12 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
         speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
         w[row] = side * speed
     bristle = whole[whole[BRISTLES] + contact]
+    place = row + whole[whole[LAW_BRISTLES] + contact]
+    inputs = whole[whole[INPUT_COUNTS] + contact]
+    for k in range(inputs):
+        first = whole[LOAD] + whole[N_CONTACTS] + whole[whole[INPUTS] + contact]
+        w[place - inputs + k] = w[first + k]
     if bristle >= 0:
-        place = row + whole[whole[LAW_BRISTLES] + contact]
         for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
         w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]
@@ -280,22 +178,7 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
 
 
 def bends(contact: int, whole: Wholes) -> bool:
-    """Return whether bristles carry the friction of a contact; a rule for rest takes it from them.
-
-    Reads: MODES.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether they do.
-    """
+    """Return whether bristles carry a contact's friction; a rule for rest takes it away."""
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
     slips = mode in (FORWARD, BACKWARD, FREE)
     return whole[whole[BRISTLES] + contact] >= 0 and (slips or not whole[whole[HOLDS] + contact])
@@ -305,10 +188,6 @@ def ask_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and levels of all contacts as constants and factors of their loads.
 
     Unless all is asked afresh, contacts keep what they had if their mode is as it was.
-
-    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN, ASKED.
-    Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, ASKED.
     """
     for c in range(whole[N_CONTACTS]):
         mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
@@ -322,10 +201,6 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
 
     One that is pushed to its static level, in a decision, has that as its friction. Rates of
     bristles are written too, with the load at hand; those of open contacts rest.
-
-    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES.
     """
     constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
     values = whole[LAW_VALUES]
@@ -372,19 +247,7 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
 
 
 def accelerate(w: Vector, whole: Wholes) -> None:
-    """Write accelerations, needed friction and friction of slipping contacts for given loads.
-
-    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LOOPS,
-    FOLLOWED, MODES, FOLLOWERS.
-    Writes: ACCELERATION, NEEDED, FRICTION, BORNE.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Write accelerations, needed friction and friction of slipping contacts for given loads."""
     n = whole[N_COORDINATES]
     found, needed = whole[ACCELERATION], whole[NEEDED]
     force, friction = whole[FORCE], whole[FRICTION]
@@ -416,9 +279,6 @@ def bear(w: Vector, whole: Wholes) -> None:
     """Write the forces that held contacts of loops have to bear, along all coordinates.
 
     NEEDED has the forces but those of inertia.
-
-    Reads: MASS, ACCELERATION, NEEDED.
-    Writes: BORNE.
     """
     n = whole[N_COORDINATES]
     for i in range(n):
@@ -429,24 +289,7 @@ def bear(w: Vector, whole: Wholes) -> None:
 
 
 def blur(i: int, w: Vector, whole: Wholes) -> float:
-    """Return how much of the needed friction of a held coordinate may be rounding.
-
-    Reads: FORCE, MASS, ACCELERATION, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the coordinate.
-    w : array (SIZE,)
-        Vector of the run; everything is worked out at a state.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        A force; 0 where no inertia couples coordinates.
-    """
+    """Return how much of the needed friction of a held coordinate may be rounding."""
     return WITHIN * size_of_forces(i, w, whole)
 
 
@@ -455,10 +298,6 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
 
     At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
     loads, accelerations and needed friction.
-
-    Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, LOOPS, BORNE,
-    MODES.
-    Writes: NEEDED, LEVELS, FRICTION, SHARES.
     """
     levels = whole[LEVELS]
     for i in range(2 * whole[N_PAIRS]):
@@ -489,10 +328,7 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
 
 
 def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
-    """Return the force that a held coordinate needs beside those that act on it.
-
-    Reads: HELD_SLIPS, FORCE, MASS, ACCELERATION, FRICTION.
-    """
+    """Return the force that a held coordinate needs beside those that act on it."""
     n = whole[N_COORDINATES]
     total = -w[whole[FORCE] + n + row]
     for i in range(n):
@@ -507,24 +343,6 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
 
     This is affine in the loads, as shares in proportion to the levels are not. It makes no
     difference to the reactions where contacts of one coordinate slip at the same height.
-
-    Reads: SLIP_FACTORS, OPEN.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    force : float
-        Force along the coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Friction of the contact.
     """
     i, partners = whole[whole[SLIPS] + contact], 0
     for d in range(whole[N_CONTACTS]):
@@ -534,11 +352,7 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
 
 
 def split(w: Vector, whole: Wholes) -> None:
-    """Write the needed friction of held coordinates by contact, in equal parts.
-
-    Reads: SLIP_FACTORS, NEEDED, MODES, OPEN.
-    Writes: FRICTION.
-    """
+    """Write the needed friction of held coordinates by contact, in equal parts."""
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
@@ -553,10 +367,6 @@ def react(w: Vector, whole: Wholes) -> None:
     All is affine in them, friction included: the rows that they must balance are evaluated without
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
-
-    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
-    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS, BORNE.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -568,21 +378,7 @@ def react(w: Vector, whole: Wholes) -> None:
 
 
 def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
-    """Set the reactions to 0, but one of them to 1.
-
-    Writes: `to`.
-
-    Parameters
-    ----------
-    unit : int
-        Which of them, from 0; -1 for none.
-    to : int
-        Place in `w` of the loads, or of their slopes, of all contacts.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Set the reactions to 0, but one of them to 1."""
     k = 0
     for c in range(whole[N_CONTACTS]):
         if whole[whole[REACTS] + c]:
@@ -591,24 +387,7 @@ def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
 
 
 def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes) -> None:
-    """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one.
-
-    Reads: REACTION_ROWS.
-    Writes: REACTION_ROWS.
-
-    Parameters
-    ----------
-    trial : int
-        0, then 1 for each reaction in turn.
-    row : int
-        Index of the held coordinate.
-    surplus : float
-        Force that it needs beside those that act on it.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one."""
     count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
     rows = whole[REACTION_ROWS]
     bare = rows + count * wide + row
@@ -619,25 +398,7 @@ def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes)
 
 
 def balance(to: int, w: Vector, whole: Wholes) -> float:
-    """Write the reactions that leave no surplus; return the determinant of their equations.
-
-    Reads: HELD_NORMALS, REACTION_ROWS.
-    Writes: `to`, REACTION_ROWS.
-
-    Parameters
-    ----------
-    to : int
-        Place in `w` of the loads, or of their slopes, of all contacts.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The determinant.
-    """
+    """Write the reactions that leave no surplus; return the determinant of their equations."""
     count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
     rows = whole[REACTION_ROWS]
     for row in range(count):
@@ -653,11 +414,7 @@ def balance(to: int, w: Vector, whole: Wholes) -> float:
 
 
 def add_normals(w: Vector, whole: Wholes) -> None:
-    """Add to each row of the reactions what a unit of each load does to it by itself.
-
-    Reads: HELD_NORMALS, REACTION_ROWS.
-    Writes: REACTION_ROWS.
-    """
+    """Add to each row of the reactions what a unit of each load does to it by itself."""
     count, held = whole[N_REACTIONS], whole[N_HELD]
     k = 0
     for c in range(whole[N_CONTACTS]):
@@ -701,18 +458,7 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 
 
 def refactor(w: Vector, whole: Wholes) -> None:
-    """Factorise a constant mass matrix for the modes at hand; find what follows from others.
-
-    Reads: MASS, LOOPS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: CHOLESKY, FOLLOWED, PROJECTED, MODES, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Factorise a constant mass matrix for the modes at hand; find what follows from others."""
     if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
         find_followers(w, whole)
     if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
@@ -720,51 +466,13 @@ def refactor(w: Vector, whole: Wholes) -> None:
 
 
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Factorise anew what is constant as long as no mode changes, and write all there is.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, ASKED, FOLLOWERS.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Factorise anew what is constant as long as no mode changes, and write all there is."""
     refactor(w, whole)
     assemble(t, w, whole, at)
 
 
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write everything at a state: accelerations, needed friction, levels, friction and loads.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Write everything at a state: accelerations, needed friction, levels, friction and loads."""
     evaluate(FORCES, 0, whole[FLAGS], t, w, at, whole[FORCE])
     if not whole[CONSTANT_MASS]:
         put_mass(t, w, whole, at)
@@ -775,15 +483,7 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write friction and what follows from it, where forces, mass matrix and loads are at hand.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT,
-    FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES,
-    REACTION_ROWS, BORNE, SHARES, ASKED.
-    """
+    """Write friction and what follows from it, where forces, mass matrix and loads are at hand."""
     reacts = whole[N_REACTIONS] > 0
     ask_laws(fresh or reacts, t, w, whole, at)
     if reacts:
@@ -795,22 +495,7 @@ def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None
 
 
 def reconsider(w: Vector, whole: Wholes) -> None:
-    """Write everything anew at a state and a time at which only modes have changed since.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, ASKED, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Write everything anew at a state and a time at which only modes have changed since."""
     refactor(w, whole)
     if not whole[CONSTANT_MASS]:
         factorise(w, whole)
@@ -818,20 +503,7 @@ def reconsider(w: Vector, whole: Wholes) -> None:
 
 
 def put_motion(w: Vector, whole: Wholes, at: int) -> None:
-    """Write a state, and behind it the accelerations and the friction that belong to it.
-
-    Reads: `at`, ACCELERATION, FRICTION.
-    Writes: MOTION_POINT.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run; everything is worked out at the state.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Write a state, and behind it the accelerations and the friction that belong to it."""
     n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[MOTION_POINT]
     for i in range(states):
         w[point + i] = w[at + i]

@@ -65,8 +65,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["decide"]
-
 MOST_MOVES = 40
 """Moves of a descent, and as many for each direction and cut: the function that is descended falls
 with each, so that no set of modes comes again but by rounding. Random loops of up to ten contacts
@@ -88,10 +86,7 @@ TOLERATED = 1e-12
 
 
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
-    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
-
-    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, LOOPS, MODES.
-    """
+    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards."""
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
         needed = w[whole[NEEDED] + i]
@@ -106,11 +101,7 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
 
 
 def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
-    """Write the friction with which each coordinate would begin to slip, in both directions.
-
-    Reads: Y, WALLS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: LAW_ROWS, LAW_VALUES, BOUNDS, MODES.
-    """
+    """Write the friction with which each coordinate would begin to slip, in both directions."""
     bounds, values = whole[BOUNDS], whole[LAW_VALUES]
     for i in range(2 * whole[N_DIRECTIONS]):
         w[bounds + i] = 0.0
@@ -132,10 +123,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
 
 
 def scale_of(w: Vector, whole: Wholes) -> float:
-    """Return the largest acceleration at hand, or that a candidate's friction can make.
-
-    Reads: MASS, ACCELERATION, LEVELS, LOOPS, CANDIDATES.
-    """
+    """Return the largest acceleration at hand, or that a candidate's friction can make."""
     n, scale = whole[N_COORDINATES], 0.0
     for i in range(n):
         scale = max(scale, abs(w[whole[ACCELERATION] + i]))
@@ -156,15 +144,6 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
 
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
-    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
-    PIVOTINGS, MODES, ASKED, FOLLOWERS.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     if whole[N_DIRECTIONS] > n:
@@ -205,15 +184,6 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     Accelerations go towards those of the modes at hand, as far as nothing turns that is pushed: it
     is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
     has its least at the answer falls with each move, so that none comes again.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
-    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
-    PIVOTINGS, MODES, ASKED, FOLLOWERS.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
@@ -250,10 +220,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
 
 
 def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
-    """Return the held coordinate or the cut whose level is exceeded most, or -1.
-
-    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, LOOPS, MODES.
-    """
+    """Return the held coordinate or the cut whose level is exceeded most, or -1."""
     worst, most = -1, 0.0
     levels = whole[BOUNDS] if kinetic else whole[LEVELS]
     for i in range(whole[N_PAIRS]):
@@ -271,11 +238,7 @@ def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
 
 @rare
 def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
-    """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed.
-
-    Reads: NEEDED, LOOPS, MODES.
-    Writes: MODES.
-    """
+    """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed."""
     side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
     if i < whole[N_DIRECTIONS]:
         whole[whole[MODES] + i] = pushed if side > 0.0 else -pushed
@@ -291,15 +254,6 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
-    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
-    PIVOTINGS, MODES, CANDIDATES, ASKED, FOLLOWERS.
     """
     n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
     solved, fresh, more = True, True, 1
@@ -332,11 +286,7 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 
 @rare
 def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
-    """Hold what is pushed and does not move, where contacts close loops; return whether any is.
-
-    Reads: ACCELERATION, LOOPS, MODES, CANDIDATES.
-    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
-    """
+    """Hold what is pushed and does not move, where contacts close loops; return whether any is."""
     found = False
     for i in range(whole[N_DIRECTIONS]):
         pushed = whole[whole[CANDIDATES] + i] == WAITING and whole[whole[MODES] + i] != HELD_FAST
@@ -349,15 +299,7 @@ def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
 
 
 def one_by_one(w: Vector, whole: Wholes) -> None:
-    """Let the worst violator of the static levels slip with kinetic friction, then the next.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, ASKED, FOLLOWERS.
-    """
+    """Let the worst violator of the static levels slip with kinetic friction, then the next."""
     modes, candidates = whole[MODES], whole[CANDIDATES]
     worst = 0
     while worst >= 0:
@@ -377,11 +319,7 @@ def one_by_one(w: Vector, whole: Wholes) -> None:
 
 
 def begin_decision(whole: Wholes) -> int:
-    """Set the candidates back: forced ones slip, others are held. Return how many wait.
-
-    Reads: CANDIDATES, FORCED.
-    Writes: MODES, CANDIDATES.
-    """
+    """Set the candidates back: forced ones slip, others are held. Return how many wait."""
     waiting = 0
     for i in range(whole[N_DIRECTIONS]):
         if whole[whole[CANDIDATES] + i] != 0:
@@ -393,16 +331,7 @@ def begin_decision(whole: Wholes) -> int:
 
 
 def is_ambiguous(w: Vector, whole: Wholes) -> bool:
-    """Whether letting the worst violator slip first gives another answer than the one at hand.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, CANDIDATES, ASKED, KEPT,
-    FOLLOWERS.
-    """
+    """Whether letting the worst violator slip first gives another answer than the one at hand."""
     n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
     for i in range(n):
         whole[kept + i] = whole[modes + i]
@@ -423,27 +352,6 @@ def decide(w: Vector, whole: Wholes) -> bool:
     has been reached, and 0 otherwise. As the time is rounded, that may be after it: forces and
     loads are those that little later. Accelerations and all else are left as those of the answer at
     the time itself.
-
-    Reads: TIME, LENGTH, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS,
-    MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, ASKED, FOLLOWERS.
-    Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, ASKED, KEPT, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        False where loads that are reactions of strong friction leave no answer.
     """
     now = w[TIME]
     waiting = begin_decision(whole)

@@ -15,23 +15,11 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
 )
 
-__all__ = ["factorise", "solve_free"]
-
 
 def factorise(w: Vector, whole: Wholes) -> None:
     """Factorise the mass matrix of the free coordinates; those of held ones are rows of 1.
 
     A principal part of a positive definite matrix is one itself: there is always an answer.
-
-    Reads: MASS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: CHOLESKY, PROJECTED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n = whole[N_COORDINATES]
     modes = whole[MODES]
@@ -54,20 +42,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
 
 def solve_free(w: Vector, whole: Wholes, right: int) -> None:
-    """Solve for the free coordinates in place; 0 at held ones.
-
-    Reads: `right`, MASS, CHOLESKY, FOLLOWED, MODES, FOLLOWERS.
-    Writes: `right`.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    right : int
-        Place in `w` of the right-hand side (N_COORDINATES,).
-    """
+    """Solve for the free coordinates in place; 0 at held ones."""
     n = whole[N_COORDINATES]
     modes = whole[MODES]
     if whole[DIAGONAL]:

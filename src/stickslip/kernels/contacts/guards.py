@@ -3,9 +3,9 @@
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
 the level ahead less the needed friction, and the level back plus it. So have closing slips, and the
 cuts of loops, which stand for their directions while these are held. Then each contact has its
-law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
-the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
-the distances from hard stops.
+law's switches, as far as it slips or has contact inputs, and its load; then come the mechanism's
+own switches, what ends the run, which is the determinant of the reactions' equations and the
+mechanism's own limits, and the distances from hard stops.
 """
 
 import math
@@ -17,11 +17,12 @@ from stickslip.kernels.contacts.assembly import (
     assemble,
     blur,
     put_motion,
+    set_row,
     side_of,
 )
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.directions import slip_rate_along
-from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import UNWATCHED
 from stickslip.kernels.mode_transitions import UNMOVED
@@ -32,9 +33,9 @@ from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     FIRST_LIMIT,
     FLAGS,
+    INPUT_COUNTS,
     KINDS,
     LAW_FLAGS,
-    LAW_ROWS,
     LAW_SWITCHES,
     LAW_VALUES,
     LEVELS,
@@ -52,20 +53,10 @@ from stickslip.kernels.state_layout import (
     PIVOT,
     REACHED,
     REACTS,
-    SLIP_FACTORS,
     SLIPS,
     TIME,
     Y,
 )
-
-__all__ = [
-    "LEAST_PIVOT",
-    "contact_guards",
-    "contacts_are_linear",
-    "first_contact_guard",
-    "first_own_switch",
-    "law_flags",
-]
 
 LEAST_PIVOT = 1e-6
 """Determinant of the reactions at which a run ends, 1 being that without friction."""
@@ -82,28 +73,7 @@ def first_own_switch(whole: Wholes) -> int:
 
 
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write all guards at a state.
-
-    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (N_GUARDS,).
-    """
+    """Write all guards at a state."""
     n, modes = whole[N_PAIRS], whole[MODES]
     assemble(t, w, whole, at)
     for i in range(n):
@@ -134,11 +104,7 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
 
 
 def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write what ends a run as it falls below 0, at a state of which everything is worked out.
-
-    Reads: `at`, PIVOT, ACCELERATION, FRICTION, FLAGS.
-    Writes: `to`, MOTION_POINT.
-    """
+    """Write what ends a run as it falls below 0, at a state of which everything is worked out."""
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if pivots > 0:
         w[to] = w[PIVOT] - LEAST_PIVOT
@@ -148,23 +114,7 @@ def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
-    """Whether all equations are affine in states and time in the modes at hand.
-
-    Reads: TIME, Y, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: LAW_ROWS, LAW_VALUES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether the exact series holds.
-    """
+    """Whether all equations are affine in states and time in the modes at hand."""
     if not whole[AFFINE]:
         return False
     linear = True
@@ -180,11 +130,7 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
 
 
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the guards of one contact: its law's switches, its load.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, LAW_ROWS, LAW_VALUES.
-    """
+    """Write the guards of one contact: its law's switches, its load."""
     switches = whole[LAW_SWITCHES]
     for j in range(switches + 1):
         w[to + j] = UNWATCHED
@@ -192,7 +138,7 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
         load = w[whole[LOAD] + contact]
         w[to + switches] = -load if whole[whole[OPEN] + contact] else load
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-    if switches > 0 and mode in (FORWARD, BACKWARD):
+    if switches > 0 and watches(contact, mode, whole):
         flags = whole[whole[LAW_FLAGS] + contact]
         law_margins(contact, flags, t, w, whole, at, UNWATCHED)
         for j in range(switches):
@@ -200,12 +146,18 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
             w[to + j] = margin if flags & (1 << j) else -margin
 
 
-def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
-    """Whether a contact's law has switches, which the series of exact modes does not watch.
+def watches(contact: int, mode: int, whole: Wholes) -> bool:
+    """Whether the switches of a contact's law may turn in a mode of its coordinate.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS.
-    Writes: LAW_ROWS, LAW_VALUES.
+    At rest those turn that depend on contact inputs, such as the sign of a torque.
     """
+    if mode == HELD_FAST:
+        return whole[whole[INPUT_COUNTS] + contact] > 0
+    return mode in (FORWARD, BACKWARD)
+
+
+def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
+    """Whether a contact's law has switches, which the series of exact modes does not watch."""
     if whole[LAW_SWITCHES] == 0:
         return False
     law_margins(contact, whole[whole[LAW_FLAGS] + contact], t, w, whole, at, math.nan)
@@ -215,16 +167,9 @@ def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> b
 def law_margins(
     contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int, absent: float
 ) -> None:
-    """Write the margins of the switches of a contact's law, positive where they hold.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES.
-    Writes: LAW_ROWS, LAW_VALUES.
-    """
-    coordinate = whole[whole[SLIPS] + contact]
+    """Write the margins of the switches of a contact's law, positive where they hold."""
     side = side_of(contact, w, whole, at)
-    row = whole[whole[LAW_ROWS] + contact]
-    speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
-    w[row] = side * speed
+    row = set_row(contact, side, w, whole, at)
     kind = whole[whole[KINDS] + contact]
     values = whole[LAW_VALUES]
     for j in range(whole[LAW_SWITCHES]):
@@ -233,33 +178,21 @@ def law_margins(
 
 
 def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Set the flags of all laws whose contacts slip, nested switches included.
+    """Set the flags of all laws, nested switches included.
 
     The flags of what slipped before turn only where a margin has jumped beyond rounding: at a
-    threshold, the next step shows to which side it is left.
-
-    Reads: `at`, REACHED, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS, BEFORE.
-    Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
+    threshold, the next step shows to which side it is left. Those of what is held are as at rest,
+    for decisions ask with which friction it would begin to slip.
     """
     switches = whole[LAW_SWITCHES]
     for c in range(whole[N_CONTACTS] if switches > 0 else 0):
         i = whole[whole[SLIPS] + c]
         mode = whole[whole[MODES] + i]
-        if mode not in (FORWARD, BACKWARD):
+        if mode == FREE:
             continue
         share = UNMOVED
-        if mode != whole[whole[BEFORE] + i]:
+        kept = mode == whole[whole[BEFORE] + i]
+        if not kept or (mode == HELD_FAST and not watches(c, mode, whole)):
             whole[whole[LAW_FLAGS] + c] = 0
             share = 0.0
         reached = whole[REACHED] + first_contact_guard(whole) + c * (switches + 1)

@@ -46,8 +46,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["STRIKES", "strike_stops"]
-
 STRIKES = 2
 """A coordinate that reaches its stop."""
 RESTS = 1
@@ -60,24 +58,6 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
     """Change all rates by the impacts of an instant.
 
     STRUCK tells then which coordinates have reached a stop: 2.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, MODE, FLAGS, STEPS, BOOKS,
-    MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED,
-    BORNE, SHARES, MODES, ASKED, KEPT, STRUCK, FOLLOWERS.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard of the stop that is reached first.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
     first = whole[FIRST_WALL]
@@ -111,13 +91,6 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
     """Return the restitution of an impact, 0 where it is so slow that the coordinate stays.
 
     Everything is worked out for the modes at hand, before and after.
-
-    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, ACCELERATION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, ASKED, FOLLOWERS.
     """
     y, modes = whole[Y], whole[MODES]
     i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
@@ -145,9 +118,6 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
     A stop that would have to pull gives no impulse; one at which a coordinate rests gives one where
     that would else move into it. Factors and accelerations are those of the impacts afterwards: a
     decision has to follow.
-
-    Reads: TIME, Y, WALLS, MASS, CHOLESKY, BOUNDS, FOLLOWED, FLAGS, MODES, STRUCK, FOLLOWERS.
-    Writes: MASS, CHOLESKY, ACCELERATION, LAW_VALUES, BOUNDS, PROJECTED, MODES, KEPT, STRUCK.
     """
     n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
     if not whole[CONSTANT_MASS]:
@@ -175,11 +145,7 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
 
 
 def follow(w: Vector, whole: Wholes) -> None:
-    """Write the changes of the rates that no stop gives: momentum along them stays.
-
-    Reads: MASS, CHOLESKY, BOUNDS, FOLLOWED, STRUCK, FOLLOWERS.
-    Writes: CHOLESKY, ACCELERATION, BOUNDS, PROJECTED, MODES.
-    """
+    """Write the changes of the rates that no stop gives: momentum along them stays."""
     n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
     for i in range(n):
         whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
@@ -197,10 +163,7 @@ def follow(w: Vector, whole: Wholes) -> None:
 
 
 def impulse(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the impulse along a coordinate that the changes of the rates take.
-
-    Reads: MASS, BOUNDS.
-    """
+    """Return the impulse along a coordinate that the changes of the rates take."""
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
         total += w[whole[MASS] + i * n + j] * w[whole[BOUNDS] + j]
@@ -208,11 +171,7 @@ def impulse(i: int, w: Vector, whole: Wholes) -> float:
 
 
 def book_impacts(w: Vector, whole: Wholes) -> None:
-    """Book what the stops take; books open after what happens as a run begins.
-
-    Reads: SUPPLIED, GROSS, LOST, Y, MASS, BOUNDS, STEPS, BOOKS, STRUCK.
-    Writes: SUPPLIED, GROSS, LOST.
-    """
+    """Book what the stops take; books open after what happens as a run begins."""
     n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
     if not whole[BOOKS] or whole[STEPS] == 0:
         return

@@ -33,19 +33,6 @@ from stickslip.kernels.state_layout import (
     SHARES,
 )
 
-__all__ = [
-    "close_loops",
-    "crossing",
-    "cut_levels",
-    "find_followers",
-    "fold",
-    "is_bound",
-    "mass_along",
-    "project_mass",
-    "scale_cuts",
-    "share_in_loops",
-]
-
 NOTHING = 1e-12
 """Share of a row below which what elimination leaves of it is rounding."""
 MOST_LOADINGS = 8
@@ -59,26 +46,7 @@ BEYOND = 1e-9
 
 
 def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
-    """Return the rate of a direction in the motion of a cut.
-
-    Reads: LOOPS.
-
-    Parameters
-    ----------
-    cut : int
-        Index of the cut among pairs.
-    direction : int
-        Index of the direction.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        The rate, 0 where the direction holds.
-    """
+    """Return the rate of a direction in the motion of a cut."""
     n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
     if direction < n:
         return w[whole[LOOPS] + (cut - n) * n + direction]
@@ -92,16 +60,6 @@ def scale_cuts(w: Vector, whole: Wholes) -> None:
 
     Minors of rows have any size. Where rows are dependent at the values at hand, their minors are
     0, and the loop breaks open along other cuts.
-
-    Reads: LOOPS.
-    Writes: LOOPS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
     first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
@@ -120,11 +78,7 @@ def scale_cuts(w: Vector, whole: Wholes) -> None:
 
 
 def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
-    """Leave of a row over the coordinates what held ones and the first `d` closing slips do not.
-
-    Reads: `to`, FOLLOWED, MODES, FOLLOWERS.
-    Writes: `to`.
-    """
+    """Leave of a row over the coordinates what held ones and the first `d` closing slips do not."""
     n = whole[N_COORDINATES]
     size = 0.0
     for j in range(n):
@@ -148,16 +102,6 @@ def find_followers(w: Vector, whole: Wholes) -> None:
     """Choose the coordinates that follow from others, for the modes at hand; set those of cuts.
 
     A cut is watched as a held coordinate is as long as a held direction has a part in it.
-
-    Reads: LOOPS, MODES.
-    Writes: FOLLOWED, MODES, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, directions, modes = whole[N_COORDINATES], whole[N_DIRECTIONS], whole[MODES]
     for d in range(directions - n):
@@ -189,11 +133,7 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 
 
 def watch_cuts(w: Vector, whole: Wholes) -> None:
-    """Set the modes of all cuts, for those of the directions.
-
-    Reads: LOOPS.
-    Writes: MODES.
-    """
+    """Set the modes of all cuts, for those of the directions."""
     directions, modes = whole[N_DIRECTIONS], whole[MODES]
     for cut in range(directions, whole[N_PAIRS]):
         whole[modes + cut] = FREE
@@ -204,25 +144,7 @@ def watch_cuts(w: Vector, whole: Wholes) -> None:
 
 @rare
 def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
-    """Return whether nothing can move along a direction, for others are held.
-
-    Reads: LOOPS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: SHARES.
-
-    Parameters
-    ----------
-    i : int
-        Index of the direction.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Return whether nothing can move along a direction, for others are held."""
     n, row = whole[N_COORDINATES], whole[SHARES]
     for j in range(n):
         w[row + j] = factor_of(i, j, w, whole)
@@ -235,20 +157,7 @@ def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
 
 @rare
 def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
-    """Hold all that others hold already, or of these what is to be decided.
-
-    Reads: LOOPS, MODES, CANDIDATES.
-    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
-
-    Parameters
-    ----------
-    waiting : bool
-        Whether only what waits for a decision is held.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Hold all that others hold already, or of these what is to be decided."""
     find_followers(w, whole)
     for i in range(whole[N_DIRECTIONS]):
         mode = whole[whole[MODES] + i]
@@ -264,21 +173,6 @@ def project_mass(w: Vector, whole: Wholes) -> int:
     """Write the mass matrix of the coordinates from which others follow; return its place.
 
     Rows of followers are those of 1.
-
-    Reads: MASS, FOLLOWED, FOLLOWERS.
-    Writes: PROJECTED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Place in `w` (N_COORDINATES N_COORDINATES,).
     """
     n, to = whole[N_COORDINATES], whole[PROJECTED]
     for i in range(n * n):
@@ -303,20 +197,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 
 @rare
 def fold(right: int, w: Vector, whole: Wholes) -> None:
-    """Add forces on followers to those on what they follow from.
-
-    Reads: `right`, FOLLOWED, FOLLOWERS.
-    Writes: `right`.
-
-    Parameters
-    ----------
-    right : int
-        Place in `w` of a force for each coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Add forces on followers to those on what they follow from."""
     n = whole[N_COORDINATES]
     for d in range(whole[N_DIRECTIONS] - n):
         p, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
@@ -328,24 +209,7 @@ def fold(right: int, w: Vector, whole: Wholes) -> None:
 
 
 def mass_along(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the inertia of a motion along a coordinate, or that of a cut.
-
-    Reads: MASS, LOOPS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the coordinate or cut.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Twice the kinetic energy at the rate 1.
-    """
+    """Return the inertia of a motion along a coordinate, or that of a cut."""
     n = whole[N_COORDINATES]
     if i < n:
         return w[whole[MASS] + i * n + i]
@@ -354,10 +218,7 @@ def mass_along(i: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the inertia of the motion of a cut.
-
-    Reads: MASS, LOOPS.
-    """
+    """Return the inertia of the motion of a cut."""
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
         total += factor_of(i, j, w, whole) * combined(i, whole[MASS] + j * n, w, whole)
@@ -366,20 +227,7 @@ def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
-    """Write the levels of all cuts, from those of the held directions that have a part in each.
-
-    Reads: LOOPS, MODES.
-    Writes: `levels`.
-
-    Parameters
-    ----------
-    levels : int
-        Place in `w` of the levels, forward and backward, of all directions and cuts.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Write the levels of all cuts, from those of the held directions that have a part in each."""
     for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
         w[levels + 2 * cut] = 0.0
         w[levels + 2 * cut + 1] = 0.0
@@ -398,16 +246,6 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     Forces grow in proportion up to those at hand, and deflections with them. A direction whose
     level is reached has that, unless its deflection falls again; directions of a level of 0 have
     nothing.
-
-    Reads: LEVELS, LOOPS, BORNE, MODES.
-    Writes: NEEDED, SHARES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, directions, needed = whole[N_COORDINATES], whole[N_DIRECTIONS], whole[NEEDED]
     for cut in range(directions, whole[N_PAIRS]):
@@ -428,11 +266,7 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
 
 
 def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
-    """Let directions at their levels go whose deflections fall; return whether there are any.
-
-    Reads: `rates`, `clamped`.
-    Writes: `clamped`.
-    """
+    """Let directions at their levels go whose deflections fall; return whether there are any."""
     released = False
     for i in range(whole[N_DIRECTIONS]):
         if w[clamped + i] * w[rates + i] < 0.0:
@@ -442,11 +276,7 @@ def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
 
 
 def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> float:
-    """Load until a level is reached, or all of the rest is on; return the share that was added.
-
-    Reads: `rates`, `clamped`, NEEDED, LEVELS, MODES.
-    Writes: `clamped`, NEEDED.
-    """
+    """Load until a level is reached, or all of the rest is on; return the share that was added."""
     needed, step, which = whole[NEEDED], rest, -1
     for i in range(whole[N_DIRECTIONS]):
         rate = stiffness(i, w, whole) * w[rates + i]
@@ -468,21 +298,14 @@ def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> 
 
 
 def stiffness(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the stiffness with which a held direction of a loop shares: the mean of its levels.
-
-    Reads: LEVELS, MODES.
-    """
+    """Return the stiffness with which a held direction of a loop shares: the mean of its levels."""
     if not whole[whole[LOOPED] + i] or whole[whole[MODES] + i] != HELD_FAST:
         return 0.0
     return 0.5 * (w[whole[LEVELS] + 2 * i] + w[whole[LEVELS] + 2 * i + 1])
 
 
 def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
-    """Write how deflections grow with the forces, unless those that are not at levels are too few.
-
-    Reads: `clamped`, LEVELS, LOOPS, BORNE, MODES.
-    Writes: `rates`, SHARES.
-    """
+    """Write how deflections grow with the forces, unless too few are below their levels."""
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     growth, size = rows + n * wide, 0.0
     put_stiffness(clamped, w, whole)
@@ -501,11 +324,7 @@ def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
 
 
 def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
-    """Write the equations of the deflections: stiffnesses of what is not at its level, forces.
-
-    Reads: `clamped`, LEVELS, LOOPS, BORNE, MODES.
-    Writes: SHARES.
-    """
+    """Write the equations of the deflections: stiffnesses of what is not at its level, forces."""
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     for j in range(n):
         for k in range(n):
@@ -521,11 +340,7 @@ def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
 
 
 def eliminate(used: int, w: Vector, whole: Wholes) -> None:
-    """Solve the equations of the deflections as far as there are stiffnesses; mark the rows used.
-
-    Reads: `used`, SHARES.
-    Writes: `used`, SHARES.
-    """
+    """Solve the equations of deflections as far as there are stiffnesses; mark rows used."""
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     largest = 0.0
     for j in range(n):

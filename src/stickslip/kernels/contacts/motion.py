@@ -55,17 +55,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "book_contacts",
-    "contact_columns",
-    "contact_power",
-    "contact_rates",
-    "contacts_rest",
-    "first_contact_sizes",
-    "mode_of",
-    "note_motion",
-]
-
 MODEST = 1e-3
 """Least speed that counts, over that which the largest kinetic energy would give a coordinate."""
 BEGINNING_SHARE = 1e-6
@@ -77,28 +66,7 @@ SHORT_SERIES = 6
 
 
 def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the time derivatives of the states.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BRISTLE_RATES, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (N_STATES,).
-    """
+    """Write the time derivatives of the states."""
     n = whole[N_COORDINATES]
     assemble(t, w, whole, at)
     for i in range(n):
@@ -109,28 +77,7 @@ def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write friction, then load, then mode of each contact, then efforts of guided coordinates.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (3 N_CONTACTS + N_CHANNELS,).
-    """
+    """Write friction, then load, then mode of each contact, then efforts of guided coordinates."""
     contacts = whole[N_CONTACTS]
     assemble(t, w, whole, at)
     for c in range(contacts):
@@ -146,30 +93,7 @@ def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> Non
 def mode_of(
     contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes, at: int
 ) -> int:
-    """Return the mode of a contact, which may slip against its coordinate.
-
-    Reads: `at`, WALLS, SLIP_FACTORS.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    coordinate_mode : int
-        Mode of the coordinate along which it slips.
-    is_open : int
-        Whether it is open, 1 or 0.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    int
-        1 or -1 slip, 0 stick, 2 or -2 pressed against a stop, `UNLOADED`.
-    """
+    """Return the mode of a contact, which may slip against its coordinate."""
     if is_open or coordinate_mode == FREE:
         return UNLOADED
     mode = coordinate_mode
@@ -179,28 +103,7 @@ def mode_of(
 
 
 def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the power supplied and that taken by friction.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, MOTION_POINT,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (2,) [W].
-    """
+    """Write the power supplied and that taken by friction."""
     assemble(t, w, whole, at)
     supply(t, w, whole, at, to)
     w[to + 1] = 0.0
@@ -209,11 +112,7 @@ def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the power supplied; that of guides asks for accelerations, which are worked out.
-
-    Reads: `at`, ACCELERATION, FRICTION, MOTION_POINT, FLAGS.
-    Writes: `to`, MOTION_POINT.
-    """
+    """Write the power supplied; that of guides asks for accelerations, which are worked out."""
     if whole[N_CHANNELS] > 0:
         put_motion(w, whole, at)
         at = whole[MOTION_POINT]
@@ -221,24 +120,13 @@ def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
-    """Return the slip velocity of a contact.
-
-    Reads: `at`, SLIP_FACTORS, LOOPS.
-    """
+    """Return the slip velocity of a contact."""
     i = whole[whole[SLIPS] + contact]
     return w[whole[SLIP_FACTORS] + contact] * slip_rate_along(i, at, w, whole)
 
 
 def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
-    """Return the largest acceleration that forces and friction at a time give the present state.
-
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES, ASKED.
-    """
+    """Return the largest acceleration that forces and friction at a time give the present state."""
     n = whole[N_COORDINATES]
     assemble(t, w, whole, whole[Y])
     largest = 0.0
@@ -254,22 +142,6 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
 
     Where there are none yet, the forces at the end of the run count, as the drives go on now. Where
     something moves, forces may be those that stop it at once: what it moves with counts then.
-
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: LIVELIEST, PIVOT, SCALE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t_end : float
-        End of the run [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, states, y, scale = whole[N_COORDINATES], whole[N_STATES], whole[Y], whole[SCALE]
     largest = largest_pull(w[TIME], w, whole)
@@ -298,16 +170,6 @@ def note_motion(w: Vector, whole: Wholes) -> None:
     """Give every rate a size: a small part of what the largest kinetic energy would give it.
 
     A coordinate that starts from rest has no size of its own yet.
-
-    Reads: LIVELIEST, Y, SCALE, MASS.
-    Writes: LIVELIEST, SCALE.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     n, mass, rates = whole[N_COORDINATES], whole[MASS], whole[Y] + whole[N_COORDINATES]
     energy = 0.0
@@ -329,22 +191,6 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 
     In an exact mode a contact's friction is a constant and its damping: the work of the former is
     that constant times the slip.
-
-    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, DENSE, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, ACCELERATION, FRICTION, LOAD, FRICTION_CONSTANT,
-    FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, NEEDED_SERIES, REACTION_ROWS, WORKS,
-    MOTION_POINT, LOOPS, FOLLOWED, BORNE, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: SUPPLIED, TAKEN, GROSS, PIVOT, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, WORKS,
-    MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
     """
     exact = whole[STEPPER] == EXACT
     if exact:
@@ -375,12 +221,7 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
-    """Add the work of a contact that slips in an exact mode.
-
-    Reads: TAKEN, FRACTION, LENGTH, GROSS, DENSE, SLIP_FACTORS, FRICTION, DAMPING, NEEDED_SERIES,
-    WORKS, LOOPS.
-    Writes: TAKEN, GROSS, WORKS.
-    """
+    """Add the work of a contact that slips in an exact mode."""
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     n, states, dense = whole[N_COORDINATES], whole[N_STATES], whole[DENSE] + 1
     share, h = w[FRACTION], w[LENGTH]
@@ -415,25 +256,6 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
 
     The needed friction is affine in the drives: it is largest at a corner of what they may do from
     now on, which stands in BOX.
-
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, Y,
-    LEVELS, BOX, LOOPS, FLAGS, MODES.
-    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, GIVEN,
-    VALUES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether the mechanism stays to the end of the run.
     """
     n, drives, values = whole[N_COORDINATES], whole[N_DRIVES], whole[VALUES]
     if not whole[REST_IS_FINAL] or whole[HAS_BRISTLES]:  # bristles push and relax

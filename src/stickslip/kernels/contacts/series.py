@@ -64,8 +64,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["TOGETHER", "contact_series", "contact_series_step", "first_contact_crossing"]
-
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
@@ -79,37 +77,13 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output, and the series of needed friction, from the state at `at`.
 
     It begins at TIME.
-
-    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
-    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS,
-    PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
     """
     assemble(w[TIME], w, whole, at)
     fill_series(h, w, whole, at)
 
 
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Fill the series where accelerations and needed friction at the state are at hand.
-
-    Reads: `at`, TIME, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED, FLAGS, MODES,
-    FOLLOWERS.
-    Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, BORNE.
-    """
+    """Fill the series where accelerations and needed friction at the state are at hand."""
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
     evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
@@ -150,11 +124,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
-    """Write one term of the accelerations to DRIFT and one of the needed friction.
-
-    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: DRIFT, NEEDED_SERIES, BORNE.
-    """
+    """Write one term of the accelerations to DRIFT and one of the needed friction."""
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
     slopes = whole[SLOPE_VALUES]
@@ -186,11 +156,7 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 
 
 def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
-    """Take the damping of slipping contacts away from a term of the forces.
-
-    Reads: `rates`, `to`, DAMPING, LOOPS.
-    Writes: `to`.
-    """
+    """Take the damping of slipping contacts away from a term of the forces."""
     n = whole[N_COORDINATES]
     for c in range(whole[N_CONTACTS]):
         damping = w[whole[DAMPING] + c]
@@ -204,11 +170,7 @@ def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
 
 @rare
 def leave_to_loops(to: int, w: Vector, whole: Wholes) -> None:
-    """Write a term of the forces along all cuts; DRIFT has that of the accelerations.
-
-    Reads: `to`, DRIFT, MASS, LOOPS.
-    Writes: `to`, BORNE.
-    """
+    """Write a term of the forces along all cuts; DRIFT has that of the accelerations."""
     n, borne = whole[N_COORDINATES], whole[BORNE]
     for i in range(n):
         total = w[to + i]
@@ -223,24 +185,6 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
-
-    Reads: TIME, Y, SCALE, PULLS, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED,
-    FLAGS, MODES, FOLLOWERS.
-    Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, BORNE.
-
-    Parameters
-    ----------
-    h : float
-        Length of the step [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    float
-        Size of the last terms over what is allowed: the step is good up to 1.
     """
     w[LENGTH] = h
     fill_series(h, w, whole, whole[Y])
@@ -253,10 +197,6 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
     of the inverse mass matrix. The time is rounded, too.
-
-    Reads: TIME, LENGTH, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
-    NEEDED_SERIES, SLOPE_VALUES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: VALUES.
     """
     n = whole[N_COORDINATES]
     if whole[whole[LOOPED] + i]:
@@ -284,12 +224,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 
 @rare
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
-    """Whether forces on a slip of a loop that begins balance but for their rounding.
-
-    Reads: TIME, LENGTH, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
-    NEEDED_SERIES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
-    Writes: VALUES.
-    """
+    """Whether forces on a slip of a loop that begins balance but for their rounding."""
     n, row = whole[N_COORDINATES], whole[VALUES]
     for j in range(n):
         w[row + j] = factor_of(i, j, w, whole)
@@ -308,8 +243,6 @@ def change_in_a_tick(i: int, w: Vector, whole: Wholes) -> float:
     """Return how much the acceleration of a slip changes within the rounding of the time.
 
     It is the second term of the series of its speed that tells.
-
-    Reads: TIME, LENGTH, DENSE, NEEDED_SERIES.
     """
     h, n = w[LENGTH], whole[N_COORDINATES]
     if i < n:
@@ -334,9 +267,6 @@ def search(
     The terms stand `width` apart from the place `row` on; `bound` is the sum of their sizes. The
     interval that is searched ends `slack` behind the earliest fall known, in FRACTION: coefficients
     are scaled by its powers.
-
-    Reads: FRACTION, POLYNOMIAL.
-    Writes: POLYNOMIAL, ROOM.
     """
     reach = min(1.0, w[FRACTION] + slack)
     if value > reach * bound:
@@ -363,23 +293,6 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     Guards that cannot fall, for the sum of their terms is less than their value, are passed over;
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
-
-    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, LOOPS, FOLLOWED, MODES,
-    FOLLOWERS.
-    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    int
-        Index of the guard, or `NO_GUARD`.
     """
     n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
@@ -404,11 +317,7 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
 
 
 def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
-    """Return the guard that falls first, those of hard stops included.
-
-    Reads: FRACTION, Y, DENSE, REACHED, WALLS, MODES.
-    Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED.
-    """
+    """Return the guard that falls first, those of hard stops included."""
     states, terms = whole[N_STATES], int(w[whole[DENSE]])
     first, values = whole[FIRST_WALL], whole[VALUES]
     stop_guards(w, whole, whole[Y], values, math.inf)
@@ -434,8 +343,6 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
     """Return a guard at the start of the step; infinity for one that nothing watches.
 
     What is held within rounding of its level has the allowance of decisions: they held it.
-
-    Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, LOOPS, MODES.
     """
     n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
@@ -454,10 +361,7 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
 
 
 def is_slip(guard: int, whole: Wholes) -> bool:
-    """Whether a guard is that of the speed of something that slips.
-
-    Reads: MODES.
-    """
+    """Whether a guard is that of the speed of something that slips."""
     return whole[whole[MODES] + guard // 2] in (FORWARD, BACKWARD) and guard % 2 == 0
 
 
@@ -467,10 +371,7 @@ def side_sign(guard: int) -> float:
 
 
 def nearest_guard(w: Vector, whole: Wholes) -> int:
-    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`.
-
-    Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, LOOPS, MODES.
-    """
+    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`."""
     n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     best, least = NO_GUARD, 1.0
     for guard in range(2 * pairs):
@@ -488,13 +389,7 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 
 
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
-    """Note where a guard falls, if it does before the best one; return which of them is first.
-
-    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, LOOPS,
-    FOLLOWED, MODES, FOLLOWERS.
-    Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
-    """
+    """Note where a guard falls, if it does before the best one; return which of them is first."""
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
     pairs = whole[N_PAIRS]
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
@@ -518,10 +413,7 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
-    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart.
-
-    Writes: `to`.
-    """
+    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart."""
     for i in range(n):
         w[to + i] = 0.0
     for k in range(count):
@@ -530,11 +422,7 @@ def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> N
 
 
 def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
-    """Keep the fall of a guard; return the guard that falls first.
-
-    Reads: FRACTION.
-    Writes: FRACTION, ROOTS.
-    """
+    """Keep the fall of a guard; return the guard that falls first."""
     if x == FALLS_AT_ONCE:
         w[whole[ROOTS] + guard] = 0.0
         w[FRACTION] = 0.0

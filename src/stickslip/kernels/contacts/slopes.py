@@ -20,7 +20,7 @@ from stickslip.kernels.contacts.assembly import (
     side_of,
 )
 from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch, watches
 from stickslip.kernels.contacts.loops import cut_levels
 from stickslip.kernels.contacts.stops import stopped_side
 from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
@@ -48,6 +48,8 @@ from stickslip.kernels.state_layout import (
     FRICTION_SLOPES,
     HELD_SLIPS,
     HOLDS,
+    INPUT_COUNTS,
+    INPUTS,
     KEPT,
     KINDS,
     LAW_BRISTLES,
@@ -70,6 +72,7 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
     N_GUARDS,
     N_HELD,
+    N_INPUTS,
     N_PAIRS,
     N_REACTIONS,
     N_STATES,
@@ -91,20 +94,9 @@ from stickslip.kernels.state_layout import (
     WALLS,
 )
 
-__all__ = ["guard_slopes_along", "impact_slopes_along", "rate_slopes_along"]
-
 
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write what the slopes along all variables are made of.
-
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
-    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PROJECTED, BORNE, SHARES,
-    ASKED.
-    """
+    """Write what the slopes along all variables are made of."""
     assemble(t, w, whole, at)
     put_motion(w, whole, at)
     evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[PART_SLOPES])
@@ -114,11 +106,7 @@ def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the slopes of a contact's law in both directions, then those of its margins.
-
-    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS.
-    Writes: LAW_ROWS, LAW_SLOPES.
-    """
+    """Write the slopes of a contact's law in both directions, then those of its margins."""
     kind, flags = whole[whole[KINDS] + contact], whole[whole[LAW_FLAGS] + contact]
     room = whole[LAW_SLOPE_ROOM]
     place = whole[LAW_SLOPES] + 3 * contact * room
@@ -144,8 +132,6 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
 
     `which` is 0 and 1 for constant and factor of friction, 2 and 3 for those of the level, and from
     4 on the rates of its bristles; `back` is 1 for the direction against which it slips.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, LOOPS, MODES.
     """
     wide = variables_of(contact, whole)
     row = whole[LAW_SLOPES] + (3 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
@@ -154,25 +140,23 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
 
 
 def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the margin of a switch of a contact's law along a variable.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOOPS, MODES.
-    """
+    """Return the slope of the margin of a switch of a contact's law along a variable."""
     room = whole[LAW_SLOPES] + (3 * contact + 2) * whole[LAW_SLOPE_ROOM]
     return own_slope(contact, room + which * variables_of(contact, whole), k, w, whole)
 
 
 def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return a slope along a variable from those along speed, parameters and bristles of a law.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, LOOPS, MODES.
-    """
+    """Return a slope along a variable from those along what stands in the row of a law."""
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
     total = 0.0
     if bristle >= 0:
         first = 2 * n + bristle
         if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
             total += w[at + whole[whole[LAW_BRISTLES] + contact] + k - first]
+    inputs, own_inputs = whole[whole[INPUT_COUNTS] + contact], whole[whole[INPUTS] + contact]
+    for i in range(inputs):
+        slope = w[whole[PART_COLUMN] + inputs_of_column(whole) + own_inputs + i]
+        total += w[at + whole[whole[LAW_BRISTLES] + contact] - inputs + i] * slope
     place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
     if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
         total += w[at + place]
@@ -182,10 +166,7 @@ def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
 
 
 def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of a contact's slip speed along a variable.
-
-    Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, LOOPS, MODES.
-    """
+    """Return the slope of a contact's slip speed along a variable."""
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
     rate = slip_rate_along(i, whole[MOTION_POINT], w, whole)
     slope = factor_slope(contact, w, whole) * rate
@@ -195,32 +176,19 @@ def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
 
 
 def factor_slope(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of a contact's slip factor along the variable at hand.
-
-    Reads: PART_COLUMN.
-    """
+    """Return the slope of a contact's slip factor along the variable at hand."""
     first = whole[N_COORDINATES] + whole[N_HELD] + whole[N_CONTACTS]
     return w[whole[PART_COLUMN] + first + contact]
 
 
 def is_rigid(contact: int, whole: Wholes) -> bool:
-    """Whether a contact is held by its law: its friction is what is needed.
-
-    Reads: MODES.
-    """
+    """Whether a contact is held by its law: its friction is what is needed."""
     held = whole[whole[MODES] + whole[whole[SLIPS] + contact]] == HELD_FAST
     return held and whole[whole[HOLDS] + contact] == 1
 
 
 def along(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes along a variable of accelerations, forces, levels and rates of bristles.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, MOTION_POINT,
-    PART_SLOPES, LAW_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
-    Writes: REACTION_ROWS, PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES,
-    FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
-    """
+    """Write the slopes along a variable of accelerations, forces, levels and rates of bristles."""
     column = whole[PART_COLUMN]
     n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
     part_column(k, w, whole)
@@ -242,13 +210,9 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
 
 
 def part_column(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of all parts along a variable.
-
-    Reads: PART_SLOPES.
-    Writes: PART_COLUMN.
-    """
+    """Write the slopes of all parts along a variable."""
     column = whole[PART_COLUMN]
-    for i in range(stops_of_column(whole) + whole[N_WALLS] * whole[WALL_COLUMNS]):
+    for i in range(inputs_of_column(whole) + whole[N_INPUTS]):
         w[column + i] = 0.0
     for j in range(whole[whole[PART_STARTS] + k], whole[whole[PART_STARTS] + k + 1]):
         w[column + whole[whole[PART_ROWS] + j]] = w[whole[PART_SLOPES] + j]
@@ -260,13 +224,13 @@ def stops_of_column(whole: Wholes) -> int:
     return whole[N_COORDINATES] + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]
 
 
-def respond(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of friction, accelerations and needed friction for given ones of loads.
+def inputs_of_column(whole: Wholes) -> int:
+    """Return the first row of the parts that is a contact input; hard stops end there."""
+    return stops_of_column(whole) + whole[N_WALLS] * whole[WALL_COLUMNS]
 
-    Reads: LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
-    Writes: ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES.
-    """
+
+def respond(k: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes of friction, accelerations and needed friction for given ones of loads."""
     n, column, mass = whole[N_COORDINATES], whole[PART_COLUMN], whole[MASS]
     found, needed = whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
     for i in range(n):
@@ -294,11 +258,7 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
 
 
 def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the friction of a contact that slips, or that has bristles.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, LOAD, FRICTION_FACTOR, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
-    LOAD_SLOPES, LOOPS, MODES.
-    """
+    """Return the slope of the friction of a contact that slips, or that has bristles."""
     i = whole[whole[SLIPS] + contact]
     slips = whole[whole[MODES] + i] in (FORWARD, BACKWARD)
     if not slips and whole[whole[BRISTLES] + contact] < 0:
@@ -310,12 +270,7 @@ def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
 
 
 def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
-    """Add the slopes of a contact's levels to those of its coordinate.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MOTION_POINT, LAW_SLOPES,
-    PART_COLUMN, LOAD_SLOPES, LEVEL_SLOPES, LOOPS, MODES.
-    Writes: LEVEL_SLOPES.
-    """
+    """Add the slopes of a contact's levels to those of its coordinate."""
     if not whole[whole[HOLDS] + contact]:
         return
     factor, load = w[whole[SLIP_FACTORS] + contact], w[whole[LOAD] + contact]
@@ -334,10 +289,7 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
 
 
 def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the part that a held contact has of the needed friction.
-
-    Reads: SLIP_FACTORS, NEEDED, PART_COLUMN, NEEDED_SLOPES, OPEN.
-    """
+    """Return the slope of the part that a held contact has of the needed friction."""
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     part = w[whole[NEEDED] + i] / factor
     change = w[whole[NEEDED_SLOPES] + i] - part * factor_slope(contact, w, whole)
@@ -345,30 +297,20 @@ def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
 
 
 def shared_part(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the part that a held contact has of the needed friction, or what slides there.
-
-    Reads: SLIP_FACTORS, NEEDED, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES, OPEN.
-    """
+    """Return the part that a held contact has of the needed friction, or what slides there."""
     if is_rigid(contact, whole):
         return equal_part(contact, w[whole[NEEDED] + whole[whole[SLIPS] + contact]], w, whole)
     return sliding_friction(contact, w, whole)
 
 
 def sliding_friction(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the friction of a contact that slips, or that has bristles.
-
-    Reads: LOAD, FRICTION_CONSTANT, FRICTION_FACTOR.
-    """
+    """Return the friction of a contact that slips, or that has bristles."""
     factor, load = w[whole[FRICTION_FACTOR] + contact], w[whole[LOAD] + contact]
     return w[whole[FRICTION_CONSTANT] + contact] + factor * load
 
 
 def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the force that a held coordinate needs beside those that act on it.
-
-    Reads: SLIP_FACTORS, HELD_SLIPS, MASS, NEEDED, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES, MODES, OPEN.
-    """
+    """Return the slope of the force that a held coordinate needs beside those that act on it."""
     n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
     slips = whole[PART_COLUMN] + n + held + 2 * contacts
     normals = slips + contacts * held
@@ -389,13 +331,7 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
 
 
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of the loads that are reactions.
-
-    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
-    LOAD_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
-    Writes: REACTION_ROWS, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES.
-    """
+    """Write the slopes of the loads that are reactions."""
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD_SLOPES], w, whole)
         respond(k, w, whole)
@@ -407,35 +343,7 @@ def react_along(k: int, w: Vector, whole: Wholes) -> None:
 def rate_slopes_along(
     first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
 ) -> None:
-    """Write the slopes of the time derivatives of all states along some variables.
-
-    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LAW_SLOPES, BRISTLE_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED,
-    FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
-    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES,
-    PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    first : int
-        Index of the first variable: a state, time, a number of a drive, or a parameter.
-    count : int
-        How many variables.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (N_STATES count,), row by row.
-    """
+    """Write the slopes of the time derivatives of all states along some variables."""
     n, states = whole[N_COORDINATES], whole[N_STATES]
     prepare_slopes(t, w, whole, at)
     for j in range(count):
@@ -452,34 +360,7 @@ def rate_slopes_along(
 def guard_slopes_along(
     first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
 ) -> None:
-    """Write the slopes of all guards along some variables.
-
-    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LAW_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
-    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES,
-    PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    first : int
-        Index of the first variable: a state, time, a number of a drive, or a parameter.
-    count : int
-        How many variables.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (N_GUARDS count,), row by row.
-    """
+    """Write the slopes of all guards along some variables."""
     n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
     wide = whole[LAW_SWITCHES] + 1
     prepare_slopes(t, w, whole, at)
@@ -503,7 +384,7 @@ def guard_slopes_along(
             if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + c]:
                 load = w[whole[LOAD_SLOPES] + c]
                 w[to + row * count + j] = -load if whole[whole[OPEN] + c] else load
-            if whole[whole[MODES] + whole[whole[SLIPS] + c]] in (FORWARD, BACKWARD):
+            if watches(c, whole[whole[MODES] + whole[whole[SLIPS] + c]], whole):
                 for s in range(whole[LAW_SWITCHES]):
                     sign = 1.0 if whole[whole[LAW_FLAGS] + c] & (1 << s) else -1.0
                     slope = margin_slope(c, s, k, w, whole)
@@ -516,11 +397,7 @@ def guard_slopes_along(
 
 
 def stop_slopes(k: int, to: int, stride: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of the distances from hard stops along the variable at hand.
-
-    Reads: PART_COLUMN.
-    Writes: `to`.
-    """
+    """Write the slopes of the distances from hard stops along the variable at hand."""
     stops = whole[PART_COLUMN] + stops_of_column(whole)
     for wall in range(whole[N_WALLS]):
         moves = 1.0 if k == wall_coordinate(wall, whole) else 0.0
@@ -535,27 +412,6 @@ def impact_slopes_along(
 
     STRUCK is not 0 where a coordinate is stopped: it is 1 where it comes to rest. BOUNDS has what
     the rates change by. The momentum of all other coordinates stays, whatever the variables are.
-
-    Reads: `at`, Y, WALLS, CHOLESKY, BOUNDS, FOLLOWED, FLAGS, MODES, STRUCK, FOLLOWERS.
-    Writes: `to`, MASS, CHOLESKY, LAW_VALUES, MOTION_POINT, PART_SLOPES, PART_COLUMN,
-    ACCELERATION_SLOPES, NEEDED_SLOPES, PROJECTED, MODES, KEPT, STRUCK.
-
-    Parameters
-    ----------
-    first : int
-        Index of the first variable: a state, time, a number of a drive, or a parameter.
-    count : int
-        How many variables.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state before the impacts.
-    to : int
-        Place of the results (N_COORDINATES count,), row by row.
     """
     n, change, point = whole[N_COORDINATES], whole[BOUNDS], whole[MOTION_POINT]
     for i in range(n):
@@ -587,11 +443,7 @@ def impact_slopes_along(
 
 
 def respond_to_impact(k: int, to: int, stride: int, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the slopes of all rates after impacts along a variable, from those of the momenta.
-
-    Reads: `to`, `at`, Y, WALLS, MASS, CHOLESKY, PART_COLUMN, FOLLOWED, MODES, STRUCK, FOLLOWERS.
-    Writes: `to`, ACCELERATION_SLOPES, NEEDED_SLOPES.
-    """
+    """Write the slopes of all rates after impacts along a variable, from those of the momenta."""
     n, found, given = whole[N_COORDINATES], whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
     stops = whole[PART_COLUMN] + stops_of_column(whole)
     for i in range(n):

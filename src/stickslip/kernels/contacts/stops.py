@@ -18,55 +18,15 @@ from stickslip.kernels.state_layout import (
     WALLS,
 )
 
-__all__ = ["finite", "margin_of", "raise_levels", "stop_guards", "stopped_side"]
-
 
 def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:
-    """Return the distance of a coordinate from a stop.
-
-    Reads: `at`, WALLS.
-
-    Parameters
-    ----------
-    wall : int
-        Index of the stop.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    float
-        Distance, negative beyond the stop.
-    """
+    """Return the distance of a coordinate from a stop."""
     position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
     return wall_side(wall, whole) * (position - w[at + wall_coordinate(wall, whole)])
 
 
 def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
-    """Return the side of the stop at which a coordinate is: 1 upper, -1 lower, 0 none.
-
-    Reads: `at`, WALLS.
-
-    Parameters
-    ----------
-    i : int
-        Index of the coordinate.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    int
-        1, -1 or 0.
-    """
+    """Return the side of the stop at which a coordinate is: 1 upper, -1 lower, 0 none."""
     for wall in range(whole[N_WALLS]):
         if wall_coordinate(wall, whole) == i and margin_of(wall, w, whole, at) == 0.0:
             return wall_side(wall, whole)
@@ -74,22 +34,7 @@ def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
 
 
 def raise_levels(levels: int, w: Vector, whole: Wholes, at: int) -> None:
-    """Make the levels of held coordinates infinite towards the stops at which they are.
-
-    Reads: `at`, WALLS, MODES.
-    Writes: `levels`.
-
-    Parameters
-    ----------
-    levels : int
-        Place in `w` of the levels, forward and backward, of all coordinates.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    """
+    """Make the levels of held coordinates infinite towards the stops at which they are."""
     for wall in range(whole[N_WALLS]):
         i = wall_coordinate(wall, whole)
         held = whole[whole[MODES] + i] == HELD_FAST
@@ -103,24 +48,7 @@ def finite(level: float) -> float:
 
 
 def stop_guards(w: Vector, whole: Wholes, at: int, to: int, always: float) -> None:
-    """Write the guards of the stops: distances of the coordinates that may reach them.
-
-    Reads: `at`, WALLS, MODES.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the guards of all kinds.
-    always : float
-        Value of a guard that nothing watches.
-    """
+    """Write the guards of the stops: distances of the coordinates that may reach them."""
     for wall in range(whole[N_WALLS]):
         mode = whole[whole[MODES] + wall_coordinate(wall, whole)]
         away = mode in (FORWARD, BACKWARD) and mode != wall_side(wall, whole)

@@ -76,8 +76,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["begin_contacts", "change_contacts", "settle_contacts"]
-
 OF_MODES = -1
 """Guard of an event in which modes change, in its record, less the guard that fell first."""
 REACHED_ZERO = 1e-13
@@ -85,26 +83,7 @@ REACHED_ZERO = 1e-13
 
 
 def begin_contacts(w: Vector, whole: Wholes) -> None:
-    """Set modes, flags and openings for the state at which a run begins.
-
-    Reads: TIME, LENGTH, PIVOT, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, TURN, LOOPS, FOLLOWED,
-    BORNE, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CANDIDATES, ASKED,
-    FOLLOWERS.
-    Writes: TIME, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
-    CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, FLAGS,
-    STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED,
-    BEFORE, CLOSED, ASKED, KEPT, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Set modes, flags and openings for the state at which a run begins."""
     if whole[IS_TURNED]:
         prepare(w[TIME], w, whole)
         turn_states(whole[Y], 0, w, whole)
@@ -115,19 +94,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def decide_start(w: Vector, whole: Wholes) -> None:
-    """Set modes and openings for the state and the flags with which a run begins.
-
-    Reads: TIME, LENGTH, PIVOT, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, LOOPS, FOLLOWED,
-    BORNE, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, CANDIDATES,
-    ASKED, FOLLOWERS.
-    Writes: TIME, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
-    CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, STATUS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
-    CLOSED, ASKED, KEPT, FOLLOWERS.
-    """
+    """Set modes and openings for the state and the flags with which a run begins."""
     n = whole[N_DIRECTIONS]
     prepare(w[TIME], w, whole)
     for c in range(whole[N_CONTACTS]):
@@ -157,10 +124,7 @@ def decide_start(w: Vector, whole: Wholes) -> None:
 
 
 def rubs(i: int, whole: Wholes) -> bool:
-    """Whether a contact along a coordinate is closed.
-
-    Reads: OPEN.
-    """
+    """Whether a contact along a coordinate is closed."""
     found = False
     for c in range(whole[N_CONTACTS]):
         found = found or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
@@ -171,8 +135,6 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a coordinate; one at rest that anything may hold is to be decided.
 
     What nothing but bristles holds slips: their forces need no decision.
-
-    Reads: Y, WALLS, LOOPS, OPEN.
     """
     rate = slip_rate_along(i, whole[Y], w, whole)
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
@@ -189,9 +151,6 @@ def set_own_flags(standing: int, w: Vector, whole: Wholes) -> None:
 
     One that stands at its threshold is off, unless it was left on there, as `standing` tells: the
     next step shows to which side it goes.
-
-    Reads: TIME, Y, FLAGS.
-    Writes: VALUES, FLAGS.
     """
     values = whole[VALUES]
     evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
@@ -203,12 +162,7 @@ def set_own_flags(standing: int, w: Vector, whole: Wholes) -> None:
 
 
 def turn_own_switches(w: Vector, whole: Wholes) -> None:
-    """Turn the mechanism's own switches whose margins jumped with the drives, nested ones included.
-
-    Reads: TIME, Y, REACHED, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE,
-    CLOSED.
-    Writes: VALUES, CHANGES, FLAGS, CHANGED.
-    """
+    """Turn the mechanism's switches whose margins jumped with the drives, nested too."""
     values, first = whole[VALUES], first_own_switch(whole)
     sweeps = whole[N_SWITCHES]
     while sweeps > 0:
@@ -229,9 +183,6 @@ def standing_switches(w: Vector, whole: Wholes) -> int:
     """Return the flags of switches that are on at their thresholds, whatever has just stopped.
 
     That of a rate which is 0 now is off: what it asks for has ended.
-
-    Reads: TIME, Y, FLAGS, MODES, BEFORE.
-    Writes: Y, VALUES.
     """
     values, rates, found = whole[VALUES], whole[Y] + whole[N_COORDINATES], whole[FLAGS]
     for trial in range(2):
@@ -247,11 +198,7 @@ def standing_switches(w: Vector, whole: Wholes) -> int:
 
 
 def remember(whole: Wholes) -> None:
-    """Keep the modes and openings before a change.
-
-    Reads: MODES, OPEN.
-    Writes: BEFORE, CLOSED.
-    """
+    """Keep the modes and openings before a change."""
     for i in range(whole[N_DIRECTIONS]):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
@@ -259,32 +206,20 @@ def remember(whole: Wholes) -> None:
 
 
 def none_forced(whole: Wholes) -> None:
-    """Begin a decision: nothing is forced to slip.
-
-    Writes: FORCED.
-    """
+    """Begin a decision: nothing is forced to slip."""
     for i in range(whole[N_DIRECTIONS]):
         whole[whole[FORCED] + i] = 0
 
 
 def settle_modes(w: Vector, whole: Wholes) -> None:
-    """Decide all coordinates that are held, or stopped; set what follows from the answer.
-
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
-    HELD_NORMALS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, ASKED, FOLLOWERS.
-    Writes: TIME, PIVOT, Y, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, STATUS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, CANDIDATES, ASKED, KEPT, FOLLOWERS.
-    """
+    """Decide all coordinates that are held, or stopped; set what follows from the answer."""
     if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
         close_loops(False, w, whole)
         set_rates(w, whole)
     for i in range(whole[N_DIRECTIONS]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
+    law_flags(w[TIME], w, whole, whole[Y])
     solved = decide(w, whole)
     # loads that are given leave one answer; what trials without it left falls by its guard at once
     if whole[N_REACTIONS] > 0 and (not solved or w[PIVOT] < LEAST_PIVOT):
@@ -299,11 +234,7 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
 
 
 def set_rates(w: Vector, whole: Wholes) -> None:
-    """Set the rates of what is held, and of what follows from others, to what they are exactly.
-
-    Reads: Y, FOLLOWED, MODES, FOLLOWERS.
-    Writes: Y.
-    """
+    """Set the rates of what is held, and of what follows from others, to what they are exactly."""
     rates = whole[Y] + whole[N_COORDINATES]
     for i in range(whole[N_COORDINATES]):
         if whole[whole[MODES] + i] == HELD_FAST:
@@ -315,15 +246,6 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
     """End a run whose modes begin beyond one of the mechanism's own limits.
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
-
-    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS, OPEN, ASKED,
-    FOLLOWERS.
-    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, PROJECTED, BORNE, SHARES, STATUS, CHANGED,
-    ASKED.
     """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if pivots > 0 and whole[STATUS] == LIMITED:
@@ -339,11 +261,7 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
 
 
 def open_and_close(w: Vector, whole: Wholes) -> None:
-    """Let loads that jumped open or close their contacts, and coordinates follow.
-
-    Reads: TIME, Y, WALLS, LOOPS, FLAGS, MODES, OPEN.
-    Writes: LOAD, MODES, OPEN.
-    """
+    """Let loads that jumped open or close their contacts, and coordinates follow."""
     if not whole[CONSTANT_LOADS]:
         evaluate(LOADS, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[LOAD])
         for c in range(whole[N_CONTACTS]):
@@ -357,36 +275,14 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
 
 
 def follow_openings(w: Vector, whole: Wholes) -> None:
-    """Free coordinates whose contacts are all open; take up those with one that has closed.
-
-    Reads: Y, WALLS, LOOPS, MODES, OPEN.
-    Writes: MODES.
-    """
+    """Free coordinates whose contacts are all open; take up those with one that has closed."""
     for i in range(whole[N_DIRECTIONS]):
         if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
             whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
 
 
 def settle_contacts(w: Vector, whole: Wholes) -> None:
-    """Decide anew after a jump of forces or loads, and write down what changes.
-
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
-    HELD_NORMALS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, STATUS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, STRUCK, FOLLOWERS.
-    Writes: TIME, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, FOLLOWED, PROJECTED,
-    BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, ASKED, KEPT, FOLLOWERS.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Decide anew after a jump of forces or loads, and write down what changes."""
     whole[CHANGED] = 0
     remember(whole)
     turn_own_switches(w, whole)
@@ -398,30 +294,7 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
-    """Make all changes of an instant, of which `guard` is the first.
-
-    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
-    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
-    LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, ROOTS, BOUNDS,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, MODE, FLAGS, STATUS, STEPS, STEPPER,
-    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, STRUCK,
-    FOLLOWERS.
-    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS,
-    SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED,
-    BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, ASKED, KEPT, STRUCK, FOLLOWERS.
-
-    Parameters
-    ----------
-    guard : int
-        Index of the guard.
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    """
+    """Make all changes of an instant, of which `guard` is the first."""
     whole[CHANGED] = 0
     if whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
         whole[STATUS] = LIMITED + guard - whole[FIRST_LIMIT]
@@ -468,13 +341,6 @@ def turn_at_once(guard: int, w: Vector, whole: Wholes) -> None:
 
     The force that drives it there is gone before the clock can tell, and where its level is 0 too,
     nothing holds it.
-
-    Reads: TIME, FRACTION, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE, ASKED, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, ASKED, FOLLOWERS.
     """
     if guard >= first_contact_guard(whole) or w[FRACTION] > 0.0:
         return
@@ -492,27 +358,13 @@ def lift_guard(contact: int, whole: Wholes) -> int:
 
 
 def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
-    """End the run where a contact lifts off.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
-    Writes: CHANGES, STATUS, CHANGED.
-    """
+    """End the run where a contact lifts off."""
     write_remark(guard, contact, w, whole)
     whole[STATUS] = LIFTED_OFF
 
 
 def bounce(guard: int, w: Vector, whole: Wholes) -> None:
-    """Make the impacts of an instant; what has another rate then slips, or is to be decided.
-
-    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, MODE, FLAGS, STEPS, BOOKS,
-    MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED,
-    BORNE, SHARES, FLAGS, MODES, ASKED, KEPT, STRUCK, FOLLOWERS.
-    """
+    """Make the impacts of an instant; what has another rate then slips, or is to be decided."""
     strike_stops(guard, w, whole)
     for i in range(whole[N_DIRECTIONS]):
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
@@ -525,8 +377,6 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 
     What bristles alone carry only turns, and by its own guard: at rest its speed says nothing. Nor
     does that of what has just begun to slip.
-
-    Reads: TIME, FRACTION, LENGTH, Y, SCALE, VALUES, REACHED, ROOTS, LOOPS, MODES.
     """
     if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
         return False
@@ -546,11 +396,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 
 
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
-    """Stop a coordinate that slips, or let one go that is held.
-
-    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, LOOPS, MODES, OPEN, FORCED.
-    Writes: Y, MODES, OPEN, FORCED.
-    """
+    """Stop a coordinate that slips, or let one go that is held."""
     i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST and not opens_instead(guard, w, whole):
@@ -565,11 +411,7 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def force(i: int, side: int, w: Vector, whole: Wholes) -> None:
-    """Force a coordinate to slip, or what slips in the motion of a cut.
-
-    Reads: LOOPS, MODES, FORCED.
-    Writes: FORCED.
-    """
+    """Force a coordinate to slip, or what slips in the motion of a cut."""
     if i < whole[N_DIRECTIONS]:
         whole[whole[FORCED] + i] = side
         return
@@ -584,9 +426,6 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
 
     Its level falls to zero with the loads, though nothing pushes: it is not broken away from. A
     guard that fell at once tells of no fall: the load of a contact that has just closed is 0 too.
-
-    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, LOOPS, OPEN.
-    Writes: OPEN.
     """
     i, least = guard // 2, REACHED_ZERO * w[whole[REACHED] + guard]
     if whole[CONSTANT_LOADS] or w[FRACTION] == 0.0:
@@ -607,11 +446,7 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
 
 
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
-    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED.
-    Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
-    """
+    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1."""
     wide = whole[LAW_SWITCHES] + 1
     contact, which = divmod(guard - first_contact_guard(whole), wide)
     if which < whole[LAW_SWITCHES]:
@@ -625,10 +460,7 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
 
 
 def modes_about(contact: int, w: Vector, whole: Wholes) -> tuple[int, int]:
-    """Return the modes of a contact before and after the changes of an instant.
-
-    Reads: Y, WALLS, SLIP_FACTORS, MODES, OPEN, BEFORE, CLOSED.
-    """
+    """Return the modes of a contact before and after the changes of an instant."""
     i, y = whole[whole[SLIPS] + contact], whole[Y]
     was_open = 1 - whole[whole[CLOSED] + contact]
     before = mode_of(contact, whole[whole[BEFORE] + i], was_open, w, whole, y)
@@ -648,10 +480,6 @@ def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Write an event for each coordinate that has reached a stop, told of its first contact.
 
     Where no contact is along the coordinate, the first of all is named, whose mode is as it was.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED,
-    STRUCK.
-    Writes: CHANGES, CHANGED.
     """
     if guard < whole[FIRST_WALL]:
         return
@@ -667,12 +495,7 @@ def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
-    """Write an event for each contact whose mode has changed, in their order.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, NEEDED, LEVELS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN,
-    BEFORE, CLOSED, STRUCK.
-    Writes: CHANGES, CHANGED.
-    """
+    """Write an event for each contact whose mode has changed, in their order."""
     impact = guard >= whole[FIRST_WALL]
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
@@ -689,21 +512,13 @@ def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def write_unchanged(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
-    """Write an event that changes no mode, before those of the instant that do.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED.
-    Writes: CHANGES, CHANGED.
-    """
+    """Write an event that changes no mode, before those of the instant that do."""
     before, _ = modes_about(contact, w, whole)
     write_event(guard, contact, before, before, 0.0, w, whole)
 
 
 def write_remark(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
-    """Write an event that changes no mode, after all others of the instant.
-
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
-    Writes: CHANGES, CHANGED.
-    """
+    """Write an event that changes no mode, after all others of the instant."""
     mode, is_open = (
         whole[whole[MODES] + whole[whole[SLIPS] + contact]],
         whole[whole[OPEN] + contact],
@@ -721,11 +536,7 @@ def write_event(
     w: Vector,
     whole: Wholes,
 ) -> None:
-    """Write one row of the events that are new.
-
-    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS.
-    Writes: CHANGES, CHANGED.
-    """
+    """Write one row of the events that are new."""
     at = whole[CHANGES] + whole[CHANGED] * EVENT_COLUMNS
     flags = whole[FLAGS]
     if guard >= first_contact_guard(whole) and guard < first_own_switch(whole):

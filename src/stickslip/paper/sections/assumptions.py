@@ -16,8 +16,6 @@ from stickslip.paper.unpublished import CREEPING, STEP, lugre_row
 from stickslip.quantities import fields_of
 from stickslip.report import Column, Paragraph, Row, Section, Table
 
-__all__ = ["assumption_section"]
-
 
 def assumption_section(found: PaperAudit) -> Section:
     """List every value that the page uses and the source does not print, with its origin."""

@@ -35,8 +35,6 @@ from stickslip.report import (
     Table,
 )
 
-__all__ = ["cart_section"]
-
 STEP_TEXT = f"steps of {1e3 * STEP:g} ms"
 CAUSES = {
     "no-stick-rule": ("no rule for rest", "without and with the stick rule, in {step}"),

@@ -11,8 +11,6 @@ from stickslip.paper.sections.common import values_of
 from stickslip.plots import MotionView, draw_motion, inline_svg
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
 
-__all__ = ["choice_section", "largest_pull"]
-
 STROKE = (1.15, 0.7)
 """Begin and end of the stroke that is shown, in cycles before the end."""
 

@@ -10,8 +10,6 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.quantities import fields_of
 from stickslip.report import Axis
 
-__all__ = ["COLOURS", "levels_from", "travel_axis", "values_of"]
-
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
 PER_LOAD = ("bristle_stiffness", "bristle_damping")
@@ -26,20 +24,7 @@ def levels_from(found: PaperAudit) -> str:
 
 
 def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:
-    """List the parameters that a law has, as symbols with values and units.
-
-    Parameters
-    ----------
-    law : FrictionLaw or PrintedForm
-        The law, or a printed equation.
-    load : float, optional
-        Normal force [N] at which bristles are given as forces; over the load if None.
-
-    Returns
-    -------
-    str
-        The values, separated by commas.
-    """
+    """List the parameters that a law has, as symbols with values and units."""
     parts = []
     for name, field in fields_of(type(law)).items():
         value, unit = getattr(law, name), field.unit
@@ -52,22 +37,7 @@ def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:
 
 
 def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Axis:
-    """Return the travel axis of the tables, with the measured travel as its line.
-
-    Parameters
-    ----------
-    audit : PaperAudit
-        The audit, which has the measured travel.
-    travels : iterable of float
-        What it has to hold [m].
-    caption : str
-        What the marks are.
-
-    Returns
-    -------
-    Axis
-        An axis from 0 to a round number above all travels.
-    """
+    """Return the travel axis of the tables, with the measured travel as its line."""
     most = max((*travels, audit.measured))
     power = 10.0 ** math.floor(math.log10(most))
     high = next(step * power for step in STEPS if step * power >= most)

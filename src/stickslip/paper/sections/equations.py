@@ -28,8 +28,6 @@ from stickslip.report import (
     Table,
 )
 
-__all__ = ["equation_section", "misprint_section"]
-
 
 def equation_section(found: PaperAudit) -> Section:
     """Show each equation as printed, what is wrong in it, what is right, and what is used here."""

@@ -30,8 +30,6 @@ from stickslip.report import (
     Table,
 )
 
-__all__ = ["excitation_section"]
-
 SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
 
 

@@ -22,8 +22,6 @@ from stickslip.plots import (
 )
 from stickslip.report import Columns, Figure, Paragraph, Section
 
-__all__ = ["figure_section", "phenomena_section", "schematic_section"]
-
 RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-viscous": 10}
 """Numbers of the figures that show the block, by the law that their captions name."""
 BLOCK_SIZES = Sizes(wide=(880, 270), narrow=(358, 520))

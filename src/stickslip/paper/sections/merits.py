@@ -5,8 +5,6 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.choice import largest_pull
 from stickslip.report import KeyValue, KeyValues, Section
 
-__all__ = ["merit_section"]
-
 
 def merit_section(found: PaperAudit) -> Section:
     """List what stands, each with the number that bears it out."""

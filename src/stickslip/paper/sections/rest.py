@@ -8,8 +8,6 @@ from stickslip.paper.sections.choice import largest_pull
 from stickslip.paper.sections.common import levels_from
 from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Table
 
-__all__ = ["break_away_section", "rest_section"]
-
 
 def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""

@@ -29,8 +29,6 @@ from stickslip.report import (
     Table,
 )
 
-__all__ = ["ranking_section", "table_section"]
-
 
 def table_section(found: PaperAudit) -> Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""

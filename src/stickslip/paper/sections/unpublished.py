@@ -15,8 +15,6 @@ from stickslip.report import (
     Table,
 )
 
-__all__ = ["unpublished_section"]
-
 
 def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""

@@ -22,8 +22,6 @@ from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import SURFACE, house_style
 from stickslip.trajectory import Trajectory
 
-__all__ = ["ANIMATION_SIZE", "animate", "draw_scene", "frame_times", "picture_of"]
-
 ANIMATION_SIZE: Final[Size] = (880, 400)
 NARROWEST: Final = 620.0
 """Below this width the scene stands above the time plots [CSS px]."""
@@ -83,24 +81,7 @@ def draw_scene(
 
 
 def picture_of(run: Trajectory, mechanism: Drawn, t: float, *, size: Size) -> Pixels:
-    """Return what `draw_scene` draws as a picture (height, width, 3) in RGB.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    mechanism : Mechanism
-        What moves in it.
-    t : float
-        The moment [s].
-    size : tuple of float
-        Width and height [px].
-
-    Returns
-    -------
-    array (height, width, 3)
-        The picture.
-    """
+    """Return what `draw_scene` draws as a picture (height, width, 3) in RGB."""
     check_scene(run, mechanism)
     (pixels,) = frames(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
     return pixels
@@ -200,30 +181,6 @@ def frame_times(
 ) -> NDArray[np.float64]:
     """Return the times of the frames of an animation [s]: evenly spaced, the start among them.
 
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    mechanism : Mechanism
-        What moves in it.
-    fps : float
-        Frames per second of the animation [1/s].
-    speed : float
-        Seconds of the run per second of the animation.
-    until : float, optional
-        Last time shown [s]; if not given, as in `animate`.
-
-    Returns
-    -------
-    array (n,)
-        Times [s].
-
-    Raises
-    ------
-    InputError
-        If a number is not finite and above 0, `until` lies outside the run, or there are too many
-        frames.
-
     Examples
     --------
     >>> from stickslip import Coulomb, Pendulum, simulate
@@ -265,28 +222,7 @@ def frames(
     dpi: float,
     scene: Scene | None,
 ) -> Iterator[Pixels]:
-    """Yield pictures (height, width, 3) of a run at some times.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    mechanism : Mechanism
-        What moves in it.
-    times : array (n,)
-        Times of the frames [s].
-    size : tuple of float
-        Width and height [CSS px].
-    dpi : float
-        Resolution; 72 makes one pixel of each CSS pixel.
-    scene : callable or None
-        How the mechanism is drawn; its registered scene if None.
-
-    Yields
-    ------
-    array (height, width, 3)
-        One frame in RGB.
-    """
+    """Yield pictures (height, width, 3) of a run at some times."""
     with house_style():
         figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=dpi, layout="constrained")
         figure.set_facecolor(SURFACE)

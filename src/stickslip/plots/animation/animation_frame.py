@@ -28,8 +28,6 @@ from stickslip.plots.core.mode_raster import raster
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, shade
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Stage", "moments_of"]
-
 LOOKS: Final = 121
 """Times at which is looked how much room a scene takes."""
 FAR: Final = 4.0
@@ -49,20 +47,6 @@ def moments_of(
     run: Trajectory, mechanism: Mechanism, times: "np.typing.NDArray[np.float64]"
 ) -> list[Moment]:
     """Return the columns of a run and the values of its drives at each of some times.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    mechanism : Mechanism
-        What moves in it.
-    times : array (n,)
-        Times [s].
-
-    Returns
-    -------
-    list of mapping of str to float
-        One entry per time, with the values [SI] by name.
 
     Examples
     --------

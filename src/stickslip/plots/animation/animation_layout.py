@@ -11,8 +11,6 @@ from stickslip.plots.animation.scenes.renderer import ROLE_COLOURS
 from stickslip.plots.animation.scenes.shapes import Arrow, Picture, Role, Shape, Turn
 from stickslip.plots.core.theme import INK, MUTED
 
-__all__ = ["layout", "write_legend"]
-
 NAMES: Final[Mapping[Role, str]] = {
     "friction": "friction",
     "normal": "normal force",
@@ -29,20 +27,6 @@ def layout(figure: Figure, *, narrow: bool, flat: bool) -> tuple[Axes, list[Axes
 
     They stand beside each other where the scene is high, else one above the other; all places are
     given in pixels, so that they do not move from frame to frame.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    narrow : bool
-        Whether there is room for one column only.
-    flat : bool
-        Whether the scene is much wider than high.
-
-    Returns
-    -------
-    tuple of Axes and list of Axes
-        Axes of the scene, and of the three plots.
     """
     figure.set_layout_engine("none")
     width, height = (72.0 * inches for inches in figure.get_size_inches())
@@ -81,19 +65,7 @@ def _stacked(left: float, bottom: float, right: float, top: float) -> list[Place
 def write_legend(
     axes: Axes, picture: Picture, shown: Sequence[Sequence[Shape]], scales: Scales
 ) -> None:
-    """Say below a scene, whose limits are set, what its arrows are and how long they are.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The scene.
-    picture : Picture
-        It may have its own names for them.
-    shown : sequence
-        The shapes at several moments.
-    scales : Scales
-        What arrows mean.
-    """
+    """Say below a scene, whose limits are set, what its arrows are and how long they are."""
     kinds = {
         s.role: type(s)
         for shapes in shown

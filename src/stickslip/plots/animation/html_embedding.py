@@ -13,8 +13,6 @@ from stickslip.plots.animation.video_encoding import gif_of
 from stickslip.plots.core.svg import Size, standalone_svg
 from stickslip.trajectory import Trajectory
 
-__all__ = ["animation_html"]
-
 MOST: Final = 1_500_000
 """Bytes of a GIF in a page, if nothing else is asked for."""
 PHONE: Final = 620

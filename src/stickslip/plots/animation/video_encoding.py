@@ -15,8 +15,6 @@ from typing import Any, Final, Protocol, final
 from stickslip.errors import InputError
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, LINE, MUTED, SLIP_BACK, STICK, SURFACE
 
-__all__ = ["ENCODERS", "Encoder", "encoder_of", "gif_of"]
-
 PAPERS: Final = (SURFACE, STICK, SLIP_BACK)
 INKS: Final = (INK, MUTED, C1, C2, C3, C4)
 SHADES: Final = 9
@@ -28,17 +26,7 @@ class Encoder(Protocol):
     """Writes pictures (height, width, 3) into a file."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second.
-
-        Parameters
-        ----------
-        pictures : iterator of object
-            Arrays (height, width, 3) of RGB values.
-        path : Path
-            The file to write.
-        fps : float
-            Frames per second [1/s].
-        """
+        """Write them all, so many a second."""
 
 
 @final
@@ -47,34 +35,12 @@ class Gif:
     """GIF by Pillow; durations are hundredths of a second, kept right on the whole."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second.
-
-        Parameters
-        ----------
-        pictures : iterator of object
-            Arrays (height, width, 3) of RGB values.
-        path : Path
-            The file to write.
-        fps : float
-            Frames per second [1/s].
-        """
+        """Write them all, so many a second."""
         path.write_bytes(gif_of(pictures, fps))
 
 
 def gif_of(pictures: Iterator[Any], fps: float) -> bytes:
     """Return pictures (height, width, 3) as a GIF that repeats itself, empty if there are none.
-
-    Parameters
-    ----------
-    pictures : iterator of object
-        Arrays (height, width, 3) of RGB values.
-    fps : float
-        Frames per second [1/s].
-
-    Returns
-    -------
-    bytes
-        Contents of the GIF file.
 
     Examples
     --------
@@ -131,22 +97,7 @@ class Mp4:
     """H.264 by the program ffmpeg, which reads raw pictures."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second.
-
-        Parameters
-        ----------
-        pictures : iterator of object
-            Arrays (height, width, 3) of RGB values.
-        path : Path
-            The file to write.
-        fps : float
-            Frames per second [1/s].
-
-        Raises
-        ------
-        InputError
-            If ffmpeg is missing or fails.
-        """
+        """Write them all, so many a second."""
         first = next(pictures, None)
         if first is None:
             return

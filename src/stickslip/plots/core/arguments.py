@@ -10,27 +10,11 @@ from stickslip.mechanisms import Mechanism
 from stickslip.simulation import no_mechanism
 from stickslip.trajectory import Trajectory
 
-__all__ = ["check_scene", "check_size", "check_type", "file_of", "number"]
-
 
 def check_scene(run: object, mechanism: object, scene: object = None) -> None:
     """Refuse what is no run, no mechanism or no scene, and a run of another mechanism.
 
     Mechanisms are told apart by their coordinates and rates; bristles of a law come after these.
-
-    Parameters
-    ----------
-    run : object
-        What should be a run.
-    mechanism : object
-        What should be the mechanism that was simulated.
-    scene : object
-        What should be a function that draws it; not checked if None.
-
-    Raises
-    ------
-    InputError
-        If one is of another type, or the run is of another mechanism.
 
     Examples
     --------
@@ -74,18 +58,6 @@ def file_of(path: object) -> Path:
 def number(name: str, value: object) -> None:
     """Refuse what is no finite number.
 
-    Parameters
-    ----------
-    name : str
-        Name of the argument, for messages.
-    value : object
-        What should be a finite number.
-
-    Raises
-    ------
-    InputError
-        If it is none.
-
     Examples
     --------
     >>> number("fps", 25)
@@ -109,20 +81,6 @@ def check_size(size: object) -> None:
 
 def check_type(name: str, value: object, *kinds: type) -> None:
     """Refuse an argument of another type.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument, for messages.
-    value : object
-        What is checked.
-    *kinds : type
-        Types of which it must have one.
-
-    Raises
-    ------
-    InputError
-        If it has none of them.
 
     Examples
     --------

@@ -13,8 +13,6 @@ from stickslip.errors import InputError
 from stickslip.plots.core import theme
 from stickslip.plots.core.svg import Draw, Size
 
-__all__ = ["PanelTarget", "Panels", "Target", "on_axes", "on_panels"]
-
 Panels: TypeAlias = NDArray[np.object_]
 """Axes (n,) in the order of reading."""
 Target: TypeAlias = Axes | Figure | SubFigure | None
@@ -30,25 +28,6 @@ NARROW_BELOW: Final = 500
 
 def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     """Draw on given axes, into a given figure, or into a new figure of pyplot.
-
-    Parameters
-    ----------
-    draw : callable
-        Draws into a figure.
-    ax : Axes, sequence of Axes, Figure or SubFigure, optional
-        Where. A new figure is made if not given; it is not shown.
-    size : tuple of float
-        Width and height of a new figure, as of one in a page.
-
-    Returns
-    -------
-    array of Axes (n,)
-        The panels.
-
-    Raises
-    ------
-    InputError
-        If `ax` is nothing of the kind, or has another number of panels than the plot.
 
     Examples
     --------
@@ -89,20 +68,6 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
 
 def on_axes(draw: Draw, ax: Target, size: Size) -> Axes:
     """Draw what has a single panel, as `on_panels` does.
-
-    Parameters
-    ----------
-    draw : callable
-        Draws into a figure.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if None.
-    size : tuple of float
-        Width and height of a new figure [CSS px].
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel.
 
     Examples
     --------

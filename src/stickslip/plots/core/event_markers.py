@@ -9,41 +9,16 @@ from stickslip.plots.core.label_placement import LETTER
 from stickslip.plots.core.theme import INK, MUTED
 from stickslip.trajectory import Event, Trajectory
 
-__all__ = ["name_events", "name_modes", "within"]
-
 MOST_NAMED: Final = 4
 
 
 def within(spans: Sequence[tuple[float, float]], last: float) -> list[tuple[float, float]]:
-    """Return the spans up to a time.
-
-    Parameters
-    ----------
-    spans : sequence of tuple of float
-        First and last time of each span [s].
-    last : float
-        Time after which spans are cut off [s].
-
-    Returns
-    -------
-    list of tuple of float
-        First and last time of each span that is left [s].
-    """
+    """Return the spans up to a time."""
     return [(low, min(high, last)) for low, high in spans if low < last]
 
 
 def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
-    """Write "stick" and "slip" once, each in the longest stretch of its mode.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Panel whose horizontal axis is time [s].
-    run : Trajectory
-        The run.
-    last : float
-        Last time shown [s].
-    """
+    """Write "stick" and "slip" once, each in the longest stretch of its mode."""
     sticks = within(run.stick_spans(), last)
     if not sticks:
         return
@@ -64,17 +39,7 @@ def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
 
 
 def name_events(axes: Axes, events: Sequence[Event], narrow: bool) -> None:
-    """Say in words what each kind of event is, above the panel and at the first of its kind.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Panel whose horizontal axis is time [s]; its limits are set already.
-    events : sequence of Event
-        Events in the order of time.
-    narrow : bool
-        Whether the figure is one for phones.
-    """
+    """Say in words what each kind of event is, above the panel and at the first of its kind."""
     first = {event.reason: event for event in reversed(events)}
     if not first or len(first) > MOST_NAMED:
         return

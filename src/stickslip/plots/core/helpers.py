@@ -13,21 +13,6 @@ from stickslip.plots.core.svg import Size
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "JUMP",
-    "Array",
-    "LineStyle",
-    "Sizes",
-    "coordinate_name",
-    "dense",
-    "grouped",
-    "horizon",
-    "labelled",
-    "looks",
-    "motion_names",
-    "wrapped",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 
 RIVALS: Final = (C2, C3, C4, INK, MUTED)
@@ -43,18 +28,6 @@ JUMP: Final = 1e-3
 
 def labelled(name: str, unit: str) -> str:
     """Return the label of an axis: what it shows in words, with its unit if it has one.
-
-    Parameters
-    ----------
-    name : str
-        Name of a quantity, or the path of a parameter, of which the last name is shown.
-    unit : str
-        Its unit; ``"1"`` where it has none.
-
-    Returns
-    -------
-    str
-        The label.
 
     Examples
     --------
@@ -90,18 +63,6 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyl
 
     So curves that coincide are both seen.
 
-    Parameters
-    ----------
-    names : iterable of str
-        The series.
-    chosen : str, optional
-        The one that the report recommends; the first if not given.
-
-    Returns
-    -------
-    dict of str to Look
-        Rivals have thin lines; more of them than colours differ by their dashes.
-
     Examples
     --------
     >>> looks(["Dahl", "Coulomb"], "Coulomb")["Coulomb"].width
@@ -118,22 +79,7 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyl
 
 
 def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:
-    """Return a run at times close enough for a smooth curve, its events among them.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    until : float, optional
-        Last time [s]; the end of the run if not given.
-    samples : int
-        Evenly spaced times.
-
-    Returns
-    -------
-    Trajectory
-        The same run at those times.
-    """
+    """Return a run at times close enough for a smooth curve, its events among them."""
     first, last = run.span
     last = last if until is None else min(until, last)
     events = [event.t for event in run.events if event.t <= last]
@@ -163,20 +109,7 @@ def _jumps(run: Trajectory, first: float, last: float) -> Array:
 
 
 def horizon(run: Trajectory, slip: str = "x") -> float:
-    """Return the time [s] up to which a figure shows a run: until it has arrived, and some more.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    slip : str
-        The coordinate that says so.
-
-    Returns
-    -------
-    float
-        The end of the run for a motion that goes on.
-    """
+    """Return the time [s] up to which a figure shows a run: until it has arrived, and some more."""
     first, last = run.span
     seen = run.at(np.union1d(np.linspace(first, last, 4000), run.t[run.t <= last]))
     x = seen[slip]
@@ -191,25 +124,7 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
 
 
 def coordinate_name(run: Trajectory, name: str | None = None) -> str:
-    """Return the column that a plot shows: the one given, ``"x"``, or the first of the run.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    name : str, optional
-        Name of the column asked for.
-
-    Returns
-    -------
-    str
-        Name of the column shown.
-
-    Raises
-    ------
-    UnknownNameError
-        If the run has no such column.
-    """
+    """Return the column that a plot shows: the one given, ``"x"``, or the first of the run."""
     if name is not None and name not in run.names:
         raise UnknownNameError("column", name, run.names)
     known = run.states or run.names
@@ -218,25 +133,6 @@ def coordinate_name(run: Trajectory, name: str | None = None) -> str:
 
 def motion_names(run: Trajectory, slip: str | None, rate: str | None) -> tuple[str, str]:
     """Return the names of the coordinate and the rate that a plot shows, those given or the first.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    slip : str or None
-        Name of the coordinate asked for.
-    rate : str or None
-        Name of the rate asked for.
-
-    Returns
-    -------
-    tuple of str
-        Names of coordinate and rate.
-
-    Raises
-    ------
-    InputError
-        If no column of the run is a rate of the coordinate.
 
     Examples
     --------
@@ -261,18 +157,6 @@ def grouped(
 ) -> list[tuple[float, tuple[str, ...]]]:
     """Return the names of series that are nowhere `apart`, with the end of the first of them.
 
-    Parameters
-    ----------
-    values : mapping of str to float or array
-        Where each series ends, or all of it, in the order of their importance.
-    apart : float
-        Distance from which two series have names of their own.
-
-    Returns
-    -------
-    list of tuple
-        Groups by falling value.
-
     Examples
     --------
     >>> grouped({"Coulomb": 0.450, "viscous": 0.300, "Dahl": 0.451}, 0.01)
@@ -292,18 +176,6 @@ def grouped(
 
 def wrapped(names: Sequence[str], width: int) -> list[str]:
     """Return names joined by commas, in lines of at most `width` characters where they allow it.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The names.
-    width : int
-        Length of a line [characters].
-
-    Returns
-    -------
-    list of str
-        The lines.
 
     Examples
     --------

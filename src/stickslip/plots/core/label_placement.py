@@ -10,8 +10,6 @@ from matplotlib.axes import Axes
 from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.theme import label_at, label_column, lay_out
 
-__all__ = ["LETTER", "Curve", "label_curves", "label_ends"]
-
 LETTER: Final = 5.5
 """Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
 HALF_LINE: Final = 7.0
@@ -53,15 +51,6 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     """Write the name of each curve above or below it, where it is free and clearly meant.
 
     Set the limits of the axes before.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where the curves are drawn.
-    curves : sequence of Curve
-        The curves; earlier ones choose first.
-    places : int
-        How many places along each curve are tried.
     """
     figure = axes.get_figure(root=True)
     if figure is None:
@@ -101,19 +90,7 @@ def label_ends(
     *,
     gap: float = 14.0,
 ) -> None:
-    """Name curves where they end; a name may have several lines.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x : float
-        Horizontal position of the column, in the units of the axes.
-    labels : sequence of tuple
-        Height, lines and colour of each.
-    gap : float
-        Distance of lines [CSS px].
-    """
+    """Name curves where they end; a name may have several lines."""
     # Equal heights keep their order from below, so the last line goes first.
     rows = [(y, line, colour) for y, lines, colour in labels for line in reversed(lines)]
     label_column(axes, x, rows, gap=gap)

@@ -7,21 +7,9 @@ from matplotlib.axes import Axes
 
 from stickslip.trajectory import Trajectory
 
-__all__ = ["raster"]
-
 
 def raster(axes: Axes, seen: Trajectory, colours: Mapping[int, str]) -> None:
-    """Draw a row for each contact: when it slips, sticks, or is open.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where they are drawn.
-    seen : Trajectory
-        A run with several contacts.
-    colours : mapping of int to str
-        Colours of modes; other modes are left empty.
-    """
+    """Draw a row for each contact: when it slips, sticks, or is open."""
     edges = np.append(seen.t, seen.t[-1])
     rows = np.arange(len(seen.contacts) + 1)
     modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])

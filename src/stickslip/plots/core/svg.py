@@ -20,8 +20,6 @@ from stickslip.errors import InputError
 from stickslip.formatting import printable
 from stickslip.plots.core import theme
 
-__all__ = ["NARROW", "WIDE", "Draw", "Size", "inline_svg", "save", "standalone_svg"]
-
 Draw: TypeAlias = Callable[[Figure, bool], None]
 """Draws into an empty figure; the flag says that it is the narrow one."""
 Size: TypeAlias = tuple[float, float]

@@ -21,29 +21,6 @@ from matplotlib.text import Annotation
 
 from stickslip.errors import InputError
 
-__all__ = [
-    "C1",
-    "C2",
-    "C3",
-    "C4",
-    "DATA",
-    "INK",
-    "LINE",
-    "MUTED",
-    "SLIP_BACK",
-    "STICK",
-    "STYLE",
-    "SURFACE",
-    "VARIABLES",
-    "house_style",
-    "label_at",
-    "label_column",
-    "lay_out",
-    "shade",
-    "spread",
-    "symbol_label",
-]
-
 INK: Final = "#14191d"
 """Text, and lines that must stand out."""
 MUTED: Final = "#5d6870"
@@ -143,11 +120,6 @@ def house_style() -> Iterator[None]:
 
     matplotlib keeps its settings once per process; a lock keeps two threads from mixing theirs.
 
-    Yields
-    ------
-    None
-        The settings hold inside the block and are restored after it.
-
     Examples
     --------
     >>> import matplotlib as mpl
@@ -169,15 +141,6 @@ def house_style() -> Iterator[None]:
 
 def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:
     """Mark stretches of the horizontal axis, such as the times at rest, by a band behind all.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    spans : iterable of tuple of float
-        First and last position of each band; bands that touch become one.
-    colour : str
-        `STICK` or `SLIP_BACK`.
 
     Examples
     --------
@@ -209,26 +172,6 @@ def label_at(
 ) -> Annotation:
     """Name a curve beside it and in its colour, instead of in a legend.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x, y : float
-        The point the label belongs to, in the units of the axes.
-    text : str
-        The label.
-    colour : str
-        Colour of the curve.
-    offset : tuple of float
-        Shift of the label from its point, to the right and up [CSS px].
-    align : {"left", "center", "right"}
-        The side of the text that stands at the point.
-
-    Returns
-    -------
-    matplotlib.text.Annotation
-        The label.
-
     Examples
     --------
     >>> from matplotlib.figure import Figure
@@ -255,22 +198,6 @@ def label_column(
 
     Set the limits of the axes before.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x : float
-        Horizontal position of the column, in the units of the axes.
-    labels : sequence of tuple
-        For each curve the height at which it ends, its name and its colour.
-    gap : float
-        Smallest distance between two names [CSS px].
-
-    Raises
-    ------
-    InputError
-        If the axes belong to no figure.
-
     Examples
     --------
     >>> from matplotlib.figure import Figure
@@ -292,13 +219,7 @@ def label_column(
 
 
 def lay_out(figure: Figure) -> None:
-    """Place the axes of a figure: the layout decides how many pixels a unit has.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure; all but its labels is drawn into it.
-    """
+    """Place the axes of a figure: the layout decides how many pixels a unit has."""
     engine = figure.get_layout_engine()
     if engine is None:
         figure.draw_without_rendering()  # axes of a given aspect take their place as they are drawn
@@ -308,18 +229,6 @@ def lay_out(figure: Figure) -> None:
 
 def spread(positions: Sequence[float], gap: float) -> list[float]:
     """Move positions apart, as little as possible in the least-squares sense, to a given gap.
-
-    Parameters
-    ----------
-    positions : sequence of float
-        Where the labels would like to stand.
-    gap : float
-        Smallest distance between two of them, in the same unit.
-
-    Returns
-    -------
-    list of float
-        Where they stand, in the order of `positions`; equal positions keep their order.
 
     Examples
     --------
@@ -346,16 +255,6 @@ def spread(positions: Sequence[float], gap: float) -> list[float]:
 
 def symbol_label(name: str) -> str:
     r"""Return a symbol for a figure, in mathtext: an italic letter with an upright subscript.
-
-    Parameters
-    ----------
-    name : str
-        Letter or Greek name, then perhaps an underscore and a subscript. Anything else stays.
-
-    Returns
-    -------
-    str
-        What a label may contain, beside other text.
 
     Examples
     --------

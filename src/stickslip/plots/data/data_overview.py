@@ -17,8 +17,6 @@ from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import C1, DATA, MUTED, SLIP_BACK, STICK, shade
 
-__all__ = ["draw_overview", "overview_size", "plot_measurement"]
-
 MOST_SIGNALS: Final = 5
 MOST_NAMED: Final = 6
 """Trials at most whose curves have a name each."""
@@ -44,17 +42,6 @@ def overview_size(record: Measurement) -> Size:
 
 def draw_overview(record: Measurement) -> Draw:
     """Return a drawing of a record as it was measured.
-
-    Parameters
-    ----------
-    record : Measurement
-        A record in time or a friction map; one of its trials where it has several.
-
-    Returns
-    -------
-    callable
-        Draws the signals against time, how often each velocity occurs, and a force against
-        velocity as a density.
 
     Examples
     --------

@@ -11,8 +11,6 @@ from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, INK, MUTED, SLIP_BACK, shade
 
-__all__ = ["Channel", "draw_record", "record_sizes"]
-
 PANEL: Final = 90
 """Height of a panel [CSS px]."""
 
@@ -44,20 +42,7 @@ def record_sizes(count: int) -> Sizes:
 
 
 def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:
-    """Return a drawing of a record against time.
-
-    Parameters
-    ----------
-    channels : sequence of Channel
-        One panel each.
-    reverse : sequence of tuple of float
-        Spans of reverse travel [s], shaded.
-
-    Returns
-    -------
-    callable
-        Draws it.
-    """
+    """Return a drawing of a record against time."""
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]

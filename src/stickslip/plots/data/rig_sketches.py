@@ -12,8 +12,6 @@ from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 from stickslip.plots.core.svg import Draw, Size, inline_svg
 from stickslip.plots.core.theme import C1, C2, C4, INK, MUTED, SURFACE, symbol_label
 
-__all__ = ["SCHEMATICS", "SKETCHES", "SKETCH_SIZE", "draw_sketch", "schematic", "sketch"]
-
 SKETCH_SIZE: Final[Size] = (250, 84)
 GROUND: Final = 70.0
 BLOCK: Final = (40.0, 44.0)
@@ -22,20 +20,7 @@ SCHEMATIC_SIZE: Final[Size] = (358, 220)
 
 
 def draw_sketch(kind: str, *, mass: str = "1 kg", force: str = "10 N") -> Draw:
-    """Return a drawing of a rig.
-
-    Parameters
-    ----------
-    kind : str
-        One of `SKETCHES`.
-    mass, force : str
-        What is written on the block, and beside the arrow of a push.
-
-    Returns
-    -------
-    callable
-        Draws it, 250 by 84 CSS px.
-    """
+    """Return a drawing of a rig."""
     body = _BODIES[kind]
 
     def draw(figure: Figure, _narrow: bool) -> None:
@@ -57,22 +42,6 @@ def draw_sketch(kind: str, *, mass: str = "1 kg", force: str = "10 N") -> Draw:
 
 def sketch(kind: str, *, alt: str, prefix: str, mass: str = "1 kg", force: str = "10 N") -> str:
     """Return the sketch of a rig as inline SVG.
-
-    Parameters
-    ----------
-    kind : str
-        One of `SKETCHES`.
-    alt : str
-        What it shows, for readers who cannot see it.
-    prefix : str
-        Start of its ids.
-    mass, force : str
-        What is written on the block, and beside the arrow of a push.
-
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
 
     Examples
     --------
@@ -129,20 +98,6 @@ SKETCHES: Final = tuple(_BODIES)
 
 def schematic(kind: str, *, alt: str, prefix: str) -> str:
     """Return a schematic with the symbols of the source paper as inline SVG.
-
-    Parameters
-    ----------
-    kind : str
-        One of `SCHEMATICS`: the cart of its Fig. 1, or the rig of its Fig. 5.
-    alt : str
-        What it shows, for readers who cannot see it.
-    prefix : str
-        Start of its ids.
-
-    Returns
-    -------
-    str
-        One ``<svg>`` element, 358 by 220 CSS px.
 
     Examples
     --------

@@ -22,8 +22,6 @@ from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, INK, MUTED, symbol_
 from stickslip.plots.laws.curves import characteristic
 from stickslip.quantities import vary
 
-__all__ = ["TRIAL_SIZES", "draw_trials", "plot_trials"]
-
 TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
 MOST: Final = 2
 """Parameters that have a panel: those whose lines are clearest come first."""

@@ -30,8 +30,6 @@ from stickslip.plots.core.helpers import LineStyle, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C2, INK, MUTED, STICK, SURFACE, label_at
 
-__all__ = ["draw_characteristic", "plot_characteristic", "plot_characterization"]
-
 Drawn: TypeAlias = Mapping[str, Any]
 """Results of one test by law."""
 SIZE: Final = (880, 320)
@@ -45,19 +43,7 @@ LEGEND: Final = 2
 
 
 def draw_characteristic(results: Mapping[str, Characteristic]) -> Draw:
-    """Return a drawing of one test of several laws.
-
-    Parameters
-    ----------
-    results : mapping of str to Characteristic
-        Results of the same test by law; the first law's stands out.
-
-    Returns
-    -------
-    callable
-        Draws it in one panel; of a stick-slip map, the amplitudes of the first law and the
-        boundaries of all.
-    """
+    """Return a drawing of one test of several laws."""
 
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
@@ -101,11 +87,12 @@ def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     slow = factor * 10.0 * min(np.abs(one.velocity).min() for one in results.values())
     fast = factor * max(one.velocity.max() for one in results.values())
     decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
-    axes.set_xscale("symlog", linthresh=slow, linscale=0.5)
+    axes.set_xscale("asinh", linear_width=slow)  # logarithmic on both sides, without a corner
     ticks = [*-decades[::-1], 0.0, *decades]
     axes.set_xticks(ticks, [number(one) for one in ticks])
+    axes.set_xticks([], minor=True)
     axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
-    axes.set_xlabel(f"velocity, {unit}")
+    axes.set_xlabel(f"velocity, {unit} (logarithmic)")
     axes.set_ylabel("friction, N")
 
 

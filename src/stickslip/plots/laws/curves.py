@@ -18,17 +18,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, LINE, MUTED, label_at, symbol_label
 from stickslip.quantities import Quantity
 
-__all__ = [
-    "characteristic",
-    "characteristic_sizes",
-    "draw_characteristics",
-    "draw_presliding",
-    "draw_stribeck",
-    "plot_law",
-    "plot_presliding",
-    "presliding_sizes",
-]
-
 WIDE_COLUMNS: Final = 3
 NARROW_COLUMNS: Final = 2
 ROW_HEIGHT: Final = 165
@@ -118,20 +107,7 @@ def draw_characteristics(
 
 
 def draw_stribeck(law: Stribeck, load: float) -> Draw:
-    """Return a drawing of the Stribeck curve, its static and Coulomb level and velocity marked.
-
-    Parameters
-    ----------
-    law : Stribeck
-        The law.
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    callable
-        Draws it, for forward velocities.
-    """
+    """Return a drawing of the Stribeck curve, its static and Coulomb level and velocity marked."""
     v_s = law.stribeck_velocity
     v = np.concatenate([[0.0], np.linspace(1e-9, 8.0 * v_s, 400)])
     force = np.asarray(law.sliding(v, load)) + np.zeros_like(v)
@@ -216,20 +192,6 @@ def _presliding(axes: Axes, loop: PreslidingLoop, level: float | None) -> None:
 
 def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
     """Return velocity and force; at rest an upright line between the break-away levels.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The friction law.
-    load : float
-        Normal force [N].
-    v_max : float
-        Largest velocity, in both directions [m/s].
-
-    Returns
-    -------
-    tuple of array (n,)
-        Velocity [m/s] and steady friction force [N].
 
     Examples
     --------

@@ -15,8 +15,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C3, C4, DATA, LINE, MUTED, label_at
 from stickslip.plots.laws.curves import characteristic
 
-__all__ = ["MAP_SIZES", "MapLaw", "draw_friction_map", "low_speed"]
-
 MAP_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 500))
 LOW: Final = 0.25
 """Largest speed of the second panel over that of the first, before rounding."""
@@ -68,29 +66,6 @@ def draw_friction_map(
     """Return a drawing of friction against velocity: points, and laws as curves.
 
     Where only one direction was measured, laws are drawn in that direction alone.
-
-    Parameters
-    ----------
-    velocity, friction : array (n,)
-        Points [m/s], [N]; all of them are drawn.
-    laws : mapping of str to MapLaw
-        Laws by title; those with bristles are drawn as in steady sliding.
-    load : float
-        Normal force that the laws are drawn at [N].
-    chosen : str
-        The law whose curve is solid; others are dashed.
-    trend : array (n,), optional
-        1 where the speed of a point rises, -1 where it falls, 0 where neither is known: rising
-        ones are green dots, falling ones purple triangles.
-    units : tuple of str
-        SI units of velocity and friction; those of an axis that turns differ.
-    low_speeds : bool
-        Whether low speeds have a panel of their own where there are points.
-
-    Returns
-    -------
-    callable
-        Draws all speeds, and low speeds beside them where there are points.
     """
     v_max = float(np.max(np.abs(velocity)))
     factor, unit = scale_of([v_max], units[0])

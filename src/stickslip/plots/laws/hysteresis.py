@@ -11,8 +11,6 @@ from stickslip.plots.core.helpers import Array, Sizes, looks, wrapped
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, LINE
 
-__all__ = ["Loop", "draw_loops", "loop_sizes"]
-
 WIDTH: Final = 34
 """Letters of a line of a name."""
 
@@ -40,22 +38,7 @@ def loop_sizes(count: int) -> Sizes:
 
 
 def draw_loops(loops: Sequence[Loop], *, chosen: str, units: tuple[str, str] = ("m", "N")) -> Draw:
-    """Return a drawing of friction against displacement, one panel for each law.
-
-    Parameters
-    ----------
-    loops : sequence of Loop
-        A few, with the same laws.
-    chosen : str
-        The law whose lines are solid; others are dashed.
-    units : tuple of str
-        SI units of displacement and friction; those of an axis that turns differ.
-
-    Returns
-    -------
-    callable
-        Draws what was measured as dots and each law as lines, the chosen one first.
-    """
+    """Return a drawing of friction against displacement, one panel for each law."""
     names = sorted(loops[0].predicted, key=lambda name: name != chosen)
     look = looks(names, chosen)
     factor, unit = scale_of(np.concatenate([one.displacement for one in loops]), units[0])

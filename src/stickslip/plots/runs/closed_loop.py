@@ -17,8 +17,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, shade
 from stickslip.trajectory import Trajectory
 
-__all__ = ["LOOP_SIZES", "draw_closed_loop", "plot_closed_loop"]
-
 LOOP_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 420))
 """Sizes of the figure."""
 SHORTEST: Final = 1e-3

@@ -15,15 +15,6 @@ from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.sweep import Band
 from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = [
-    "MOST_PANELS",
-    "STATE_SIZES",
-    "contact_sizes",
-    "draw_contacts",
-    "draw_states",
-    "shade_band",
-]
-
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
 STATE_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 320))
@@ -41,21 +32,7 @@ def contact_sizes(run: Trajectory) -> Sizes:
 
 
 def draw_contacts(run: Trajectory, *, until: float | None = None) -> Draw:
-    """Return a drawing of friction at each contact against time.
-
-    Parameters
-    ----------
-    run : Trajectory
-        A run with several contacts.
-    until : float, optional
-        Last time shown [s]; the end of the run if not given.
-
-    Returns
-    -------
-    callable
-        Draws it, with bands where a contact sticks and dots at its events. More than six contacts
-        are drawn as a raster of their modes.
-    """
+    """Return a drawing of friction at each contact against time."""
     last = run.span[1] if until is None else min(until, run.span[1])
     seen = dense(run, last)
 
@@ -74,22 +51,7 @@ def draw_contacts(run: Trajectory, *, until: float | None = None) -> Draw:
 
 
 def draw_states(run: Trajectory, *, until: float | None = None, band: Band | None = None) -> Draw:
-    """Return a drawing of all coordinates against time, those of one unit together.
-
-    Parameters
-    ----------
-    run : Trajectory
-        A run.
-    until : float, optional
-        Last time shown [s]; the end of the run if not given.
-    band : Band, optional
-        Where 95 % of the runs lie that have parameters from their estimates; shown pale.
-
-    Returns
-    -------
-    callable
-        Draws it, with dots at the events.
-    """
+    """Return a drawing of all coordinates against time, those of one unit together."""
     last = run.span[1] if until is None else min(until, run.span[1])
     seen = dense(run, last)
     units: dict[str, list[str]] = {}
@@ -111,23 +73,7 @@ def draw_states(run: Trajectory, *, until: float | None = None, band: Band | Non
 def shade_band(
     axes: Axes, band: Band, name: str, last: float, *, factor: float, colour: str
 ) -> None:
-    """Show pale where 95 % of the runs of a band lie.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    band : Band
-        The band.
-    name : str
-        The column.
-    last : float
-        Last time shown [s].
-    factor : float
-        From the SI unit of the column to that of the axes.
-    colour : str
-        That of the column.
-    """
+    """Show pale where 95 % of the runs of a band lie."""
     shown = band.t <= last
     low, _, high = factor * band.states[name][:, shown]
     axes.fill_between(band.t[shown], low, high, color=colour, alpha=0.22, linewidth=0)

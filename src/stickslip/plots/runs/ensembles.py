@@ -17,28 +17,11 @@ from stickslip.quantities import full_path
 from stickslip.sweep import Band
 from stickslip.trajectory import Ensemble
 
-__all__ = ["draw_band", "draw_ensemble", "plot_band", "plot_ensemble"]
-
 SIZE: Final = (880, 320)
 
 
 def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
-    """Return a drawing of an output of each run over a parameter; of its number without one.
-
-    Parameters
-    ----------
-    runs : Ensemble
-        The runs.
-    output : str
-        Name of the output to draw.
-    parameter : str or None
-        Path of the parameter on the horizontal axis; the number of the run if None.
-
-    Returns
-    -------
-    callable
-        Draws it into a figure.
-    """
+    """Return a drawing of an output of each run over a parameter; of its number without one."""
     values = runs[output]
     columns = values[:, None] if values.ndim == 1 else values
     places = np.arange(len(runs)) if parameter is None else runs.parameters[parameter]
@@ -117,20 +100,7 @@ def plot_ensemble(
 
 
 def draw_band(band: Band, state: str) -> Draw:
-    """Return a drawing of the median of a state against time, and of where 95 % of runs lie.
-
-    Parameters
-    ----------
-    band : Band
-        Quantiles of a state at each time.
-    state : str
-        Name of the state.
-
-    Returns
-    -------
-    callable
-        Draws it into a figure.
-    """
+    """Return a drawing of the median of a state against time, and of where 95 % of runs lie."""
     factor, unit = scale_of(np.abs(band.states[state]).ravel(), band.units[state])
     low, median, high = factor * band.states[state]
 

@@ -12,25 +12,11 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, MUTED, SLIP_BACK, label_at
 from stickslip.trajectory import Trajectory
 
-__all__ = ["EXCITATION_SIZES", "draw_excitations", "excitation_colours"]
-
 EXCITATION_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 300))
 
 
 def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) -> dict[str, str]:
     """Return the colour of each reading: blue for the one that is taken.
-
-    Parameters
-    ----------
-    labels : mapping
-        The readings.
-    chosen : str, optional
-        The one that is taken; the first if not given.
-
-    Returns
-    -------
-    dict of str to str
-        Colours of the palette.
 
     Examples
     --------

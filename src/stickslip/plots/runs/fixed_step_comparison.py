@@ -14,8 +14,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, MUTED
 from stickslip.trajectory import Trajectory
 
-__all__ = ["draw_fixed_steps", "fixed_step_sizes"]
-
 STEPS_SHOWN: Final = 9
 """Steps before and after the stop: chatter is as high as the velocity lost in one or two."""
 COLUMNS: Final = 2

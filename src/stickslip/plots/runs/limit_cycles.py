@@ -19,8 +19,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, shade
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CYCLE_SIZES", "draw_cycles", "plot_limit_cycle"]
-
 CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
 
 ROOM: Final = 1.35
@@ -36,24 +34,7 @@ def draw_cycles(
     slip: str = "x",
     rate: str = "v",
 ) -> Draw:
-    """Return a drawing of displacement in time, and of the velocity near zero within a cycle.
-
-    Parameters
-    ----------
-    runs : mapping of str to Trajectory
-        The runs by name.
-    chosen : str
-        The run that stands out, whose times at rest are shaded.
-    cycle : tuple of float
-        First and last time of the velocity panel [s].
-    slip, rate : str
-        Names of the slipping coordinate and its rate.
-
-    Returns
-    -------
-    callable
-        Draws it: beside each other where there is room, else one below the other.
-    """
+    """Return a drawing of displacement in time, and of the velocity near zero within a cycle."""
     look = looks(runs, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:

@@ -16,8 +16,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED
 from stickslip.trajectory import Trajectory
 
-__all__ = ["MotionView", "draw_motion"]
-
 CLOSE: Final = 6000
 """Samples of a run that is shown in part: so many that a tenth of it is still smooth."""
 MOST_BESIDE: Final = 2
@@ -53,31 +51,7 @@ def draw_motion(
     until: float | None = None,
     levels: Mapping[str, float] | None = None,
 ) -> Draw:
-    """Return a drawing of runs against time, by default of displacement and velocity.
-
-    Parameters
-    ----------
-    runs : mapping of str to Trajectory
-        The runs by name.
-    views : sequence of MotionView
-        The panels. The runs are named in the first one.
-    chosen : str, optional
-        The run that stands out; the first if not given.
-    until : float, optional
-        Last time shown [s].
-    levels : mapping of str to float, optional
-        Horizontal lines of the first panel by name, in SI units.
-
-    Returns
-    -------
-    callable
-        Draws it: panels beside each other where there is room, else one below the other.
-
-    Raises
-    ------
-    InputError
-        If a span has no length or begins after the end of a run.
-    """
+    """Return a drawing of runs against time, by default of displacement and velocity."""
     last = until or max(horizon(run, views[0].column) for run in runs.values())
     for view in views:
         _check(view, runs)

@@ -15,8 +15,6 @@ from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, INK, MUTED, label_at
 
-__all__ = ["PROFILE_SIZES", "draw_profile", "plot_profile"]
-
 PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
 
 SAMPLES: Final = 1200

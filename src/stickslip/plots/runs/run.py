@@ -32,18 +32,6 @@ from stickslip.plots.runs.contacts import contact_sizes, draw_contacts, shade_ba
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "FORCE_SIZES",
-    "FRICTION_SIZES",
-    "RUN_SIZES",
-    "draw_friction_velocity",
-    "draw_run",
-    "draw_runs",
-    "plot_friction_velocity",
-    "plot_run",
-    "plot_runs",
-]
-
 RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
 FORCE_SIZES: Final = Sizes(wide=(880, 560), narrow=(358, 560))
 """Of `draw_run` with the normal force."""

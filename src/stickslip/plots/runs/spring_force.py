@@ -11,8 +11,6 @@ from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, DATA, INK, MUTED, SLIP_BACK
 
-__all__ = ["PULL_SIZES", "Excerpt", "Half", "draw_pull"]
-
 PULL_SIZES: Final = Sizes(wide=(880, 430), narrow=(358, 620))
 
 
@@ -46,20 +44,6 @@ def draw_pull(
     time: Array, force: Array, halves: Sequence[Half], excerpts: Sequence[Excerpt]
 ) -> Draw:
     """Return a drawing of a record of pulling and of excerpts beside a limit cycle.
-
-    Parameters
-    ----------
-    time, force : array (n,)
-        The record: time [s] and force over the load.
-    halves : sequence of Half
-        Parts of it; every second one is shaded.
-    excerpts : sequence of Excerpt
-        One panel each.
-
-    Returns
-    -------
-    callable
-        Draws the record above and the excerpts below.
 
     Examples
     --------

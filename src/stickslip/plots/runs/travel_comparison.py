@@ -13,8 +13,6 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, SLIP_BACK, label_at
 from stickslip.trajectory import Trajectory
 
-__all__ = ["TRAVEL_SIZES", "draw_travels"]
-
 TRAVEL_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 500))
 
 APART: Final = 0.04
@@ -30,24 +28,7 @@ def draw_travels(
     band: tuple[float, float] | None = None,
     slip: str = "x",
 ) -> Draw:
-    """Return a drawing of the travel of each law, and of its difference from the chosen one.
-
-    Parameters
-    ----------
-    runs : mapping of str to Trajectory
-        Runs by title of the law, over the same time.
-    chosen : str
-        The law that stands out.
-    band : tuple of float, optional
-        Range of the measured travel [m].
-    slip : str
-        Name of the slipping coordinate.
-
-    Returns
-    -------
-    callable
-        Draws it.
-    """
+    """Return a drawing of the travel of each law, and of its difference from the chosen one."""
     arrived = horizon(runs[chosen], slip)
     last = min(1.6 * arrived, *(run.span[1] for run in runs.values()))
     times = dense(runs[chosen], last).t

@@ -14,33 +14,13 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, DATA, MUTED
 from stickslip.sweep import ValidatedRecord, Validation
 
-__all__ = ["VALIDATION_SIZES", "draw_validation", "plot_validation"]
-
 VALIDATION_SIZES: Final = Sizes(wide=(880, 420), narrow=(358, 420))
 MOST_POINTS: Final = 1500
 """Samples of a record above which only every second, third, ... is drawn."""
 
 
 def draw_validation(seen: Validation, *, record: int = 0) -> Draw:
-    """Return a drawing of a record over its prediction and of the residual, or of all travels.
-
-    Parameters
-    ----------
-    seen : Validation
-        What `validate` returns.
-    record : int
-        Which record, from 0.
-
-    Returns
-    -------
-    callable
-        Draws it, with the 95 % band shaded.
-
-    Raises
-    ------
-    InputError
-        If there is no such record.
-    """
+    """Return a drawing of a record over its prediction and of the residual, or of all travels."""
     if not seen.records:
         return _travels(seen)
     if not 0 <= record < len(seen.records):

@@ -14,23 +14,6 @@ from stickslip.identification import RecordFit, inverse_dynamics, load_of
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
 from stickslip.selection import RecordCandidate, RecordVerdict
 
-__all__ = [
-    "MOST_POINTS",
-    "MapPoints",
-    "Rows",
-    "block_edges",
-    "errors_of",
-    "is_timed",
-    "map_points",
-    "panel_of",
-    "residual_panels",
-    "rows_of",
-    "sampled",
-    "speeds_of",
-    "thinned",
-    "trend_of",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 
 MOST_POINTS: Final = 2400
@@ -81,18 +64,6 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
 
     Every so manieth point of a periodic record would hide the cloud.
 
-    Parameters
-    ----------
-    count : int
-        Number of points.
-    most : int
-        Largest number of points drawn.
-
-    Returns
-    -------
-    array of int (min(count, most),)
-        Indices, in rising order.
-
     Examples
     --------
     >>> len(sampled(10_000)), sampled(3).tolist()
@@ -105,20 +76,6 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
 
 def thinned(t: Array, y: Array, most: int = LINE_POINTS) -> tuple[Array, Array]:
     """Return a line with fewer points: the least and the largest of each stretch of it.
-
-    Parameters
-    ----------
-    t : array (n,)
-        Horizontal coordinates, in rising order.
-    y : array (n,)
-        Vertical coordinates.
-    most : int
-        Number of points up to which a line is left as it is.
-
-    Returns
-    -------
-    tuple of array (m,)
-        Coordinates of the points that are left.
 
     Examples
     --------
@@ -180,18 +137,6 @@ def map_points(fit: RecordFit) -> MapPoints | None:
 def trend_of(t: Array, velocity: Array) -> Array:
     """Return 1 where the speed rises, -1 where it falls, 0 where it hardly does either.
 
-    Parameters
-    ----------
-    t : array (n,)
-        Times [s]; where they do not rise, another record begins.
-    velocity : array (n,)
-        Velocities [m/s].
-
-    Returns
-    -------
-    array (n,)
-        Signs of the rate of the speed.
-
     Examples
     --------
     >>> trend_of(np.arange(5.0), np.array([-3.0, -2.0, -1.0, 0.0, 1.0])).tolist()
@@ -207,20 +152,7 @@ def trend_of(t: Array, velocity: Array) -> Array:
 
 
 def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None:
-    """Return times and velocities of one record, measured or by differences.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit, whose mechanism differentiates positions.
-    record : Measurement
-        One record in time.
-
-    Returns
-    -------
-    tuple of array (n,) or None
-        Times [s] and velocities [m/s]; None if the record has no motion.
-    """
+    """Return times and velocities of one record, measured or by differences."""
     if record.time is None:
         return None
     if "velocity" in record.quantities():
@@ -283,22 +215,7 @@ def block_edges(verdict: RecordVerdict) -> Array:
 
 
 def errors_of(candidate: RecordCandidate, horizon: float, factor: float) -> ErrorSeries | None:
-    """Return errors of predictions over a horizon [s], over time and by held-out block.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        The law, with its fit and its held-out blocks.
-    horizon : float
-        Length of the predictions [s].
-    factor : float
-        Factor from SI to the unit shown.
-
-    Returns
-    -------
-    ErrorSeries or None
-        The errors; None if the law has no fit or no held-out error.
-    """
+    """Return errors of predictions over a horizon [s], over time and by held-out block."""
     if candidate.fit is None or candidate.validation is None:
         return None
     seen = candidate.fit.predict(horizon=horizon)
@@ -326,24 +243,6 @@ def panel_of(
     """Return residuals against a quantity, with means of bins and twice their standard errors.
 
     Neighbours are alike: a bin counts as many independent rows as its share of those of all.
-
-    Parameters
-    ----------
-    label : str
-        Quantity and unit of the horizontal axis.
-    x : array (n,)
-        The quantity, in that unit.
-    residual : array (n,)
-        Residuals, in the unit shown.
-    effective : float
-        Effective number of independent residuals.
-    shown : sequence of int or array (k,)
-        Indices of the residuals drawn as dots.
-
-    Returns
-    -------
-    ResidualPanel
-        Dots and means; bins with few residuals are left out.
     """
     edges = np.linspace(float(x.min()), float(x.max()), BINS + 1)
     place = np.clip(np.digitize(x, edges) - 1, 0, BINS - 1)
@@ -362,20 +261,7 @@ def panel_of(
 
 
 def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
-    """Return residuals, times a factor, against time, velocity and position, where known.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit.
-    factor : float
-        Factor from SI to the unit shown.
-
-    Returns
-    -------
-    dict of str to ResidualPanel
-        Panels by name of the quantity.
-    """
+    """Return residuals, times a factor, against time, velocity and position, where known."""
     rows = rows_of(fit)
     residual = factor * rows.residual
     shown = sampled(len(residual), DOTS)

@@ -26,38 +26,11 @@ from stickslip.plots.selection.joints import refuse_joints
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes
 from stickslip.selection import Verdict
 
-__all__ = [
-    "draw_fitted_map",
-    "plot_coefficient",
-    "plot_feature_errors",
-    "plot_fit",
-    "plot_friction_map",
-    "plot_residuals",
-    "plot_scores",
-    "plot_travel_residuals",
-    "plot_verdict",
-]
-
 
 def draw_fitted_map(
     points: MapPoints, fits: Mapping[str, RecordFit], *, low_speeds: bool = True
 ) -> Draw:
-    """Return a drawing of measured friction against velocity, and of fitted laws.
-
-    Parameters
-    ----------
-    points : MapPoints
-        What was measured; a sample of many points is drawn.
-    fits : mapping of str to RecordFit
-        Fits by title of their law, the chosen one first.
-    low_speeds : bool
-        Whether low speeds may have a panel of their own.
-
-    Returns
-    -------
-    callable
-        Draws it.
-    """
+    """Return a drawing of measured friction against velocity, and of fitted laws."""
     chosen = next(iter(fits))
     shown = sampled(len(points.velocity))
     measured = fits[chosen].measurement
@@ -202,20 +175,7 @@ def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
 
 
 def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
-    """Plot measured less predicted travel, by trial.
-
-    Parameters
-    ----------
-    fit : TravelFit
-        A fit to travels.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel.
-    """
+    """Plot measured less predicted travel, by trial."""
     errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
     pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
     rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
@@ -224,20 +184,7 @@ def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
 
 
 def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
-    """Plot relative errors of the features of stick-slip, held out where they can be.
-
-    Parameters
-    ----------
-    fit : FeatureFit
-        A fit to features of stick-slip.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel.
-    """
+    """Plot relative errors of the features of stick-slip, held out where they can be."""
     kind = "held-out" if fit.held_out_errors else "fitted"
     found = fit.held_out_errors or fit.errors
     rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
@@ -245,20 +192,7 @@ def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
 
 
 def plot_coefficient(fit: RateStateFit, ax: Target = None) -> Axes:
-    """Plot the coefficient of friction over time, measured and fitted.
-
-    Parameters
-    ----------
-    fit : RateStateFit
-        A fit to velocity steps.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel.
-    """
+    """Plot the coefficient of friction over time, measured and fitted."""
     shown = sampled(len(fit.time))
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
@@ -312,25 +246,7 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
 
 
 def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
-    """Plot held-out errors of the laws that have one.
-
-    Parameters
-    ----------
-    verdict : Verdict
-        What `select` returns, on any route.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel, the law to use in blue.
-
-    Raises
-    ------
-    InputError
-        If no law has one.
-    """
+    """Plot held-out errors of the laws that have one."""
     best = verdict.best.name if verdict.best else ""
     rows = [
         Interval(

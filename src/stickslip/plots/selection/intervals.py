@@ -10,8 +10,6 @@ from stickslip.formatting import scale_of
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED
 
-__all__ = ["INTERVAL_SIZE", "Interval", "draw_intervals"]
-
 INTERVAL_SIZE: Final = (880, 300)
 
 
@@ -29,23 +27,7 @@ class Interval(NamedTuple):
 
 
 def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
-    """Return a drawing of values as dots, with bars of one standard error, the first on top.
-
-    Parameters
-    ----------
-    rows : sequence of Interval
-        At least one.
-    label : str
-        What the values are.
-    unit : str
-        Their unit: ``"1"`` is shown in percent, and a small SI unit in thousandths; a number
-        without a unit, such as a coefficient of friction, has an empty one.
-
-    Returns
-    -------
-    callable
-        Draws it, chosen rows in blue.
-    """
+    """Return a drawing of values as dots, with bars of one standard error, the first on top."""
     values = np.array([row.value for row in rows])
     errors = np.array([row.error for row in rows])
     factor, shown = (

@@ -15,8 +15,6 @@ from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import C1, DATA, MUTED
 from stickslip.quantities import turned
 
-__all__ = ["joint_figure", "joint_sizes", "plot_joints", "refuse_joints"]
-
 PANEL = 190
 """Height of a panel [px]."""
 
@@ -71,22 +69,7 @@ def joint_sizes(fit: RecordFit) -> dict[str, Size]:
 def joint_figure(
     fit: RecordFit, *, measurement: Measurement | None = None, record: int = 0
 ) -> Draw:
-    """Return what draws the forces of the joints, as `plot_joints` does.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to records of several joints.
-    measurement : Measurement, optional
-        What is predicted; what was fitted if not given.
-    record : int
-        Which of its records is shown, from 0.
-
-    Returns
-    -------
-    callable
-        Draws on a figure, for a phone or not.
-    """
+    """Return what draws the forces of the joints, as `plot_joints` does."""
     seen = fit.predict(measurement)
     turning = [unit == "rad" for unit in fit.mechanism.units]
     units = dict(zip(fit.mechanism.coordinates, (turned("N", t) for t in turning), strict=True))
@@ -130,20 +113,7 @@ def _draw_one(
 
 
 def refuse_joints(fit: RecordFit, plot: str) -> None:
-    """Refuse a fit of several joints, of which `plot_joints` shows the forces.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit.
-    plot : str
-        Name of the plot.
-
-    Raises
-    ------
-    InputError
-        If it is one of several joints.
-    """
+    """Refuse a fit of several joints, of which `plot_joints` shows the forces."""
     if fit.problem.joints is not None:
         raise InputError(
             f"{plot} takes a fit of one contact: plot_joints draws one of several joints."

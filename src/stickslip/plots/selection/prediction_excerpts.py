@@ -12,8 +12,6 @@ from stickslip.plots.core.helpers import Array, Sizes, labelled, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, LINE, MUTED
 
-__all__ = ["Piece", "draw_pieces", "piece_sizes"]
-
 DASHED: Final = (0, (5, 2))
 LINE_HEIGHT = 13
 """Distance of names below each other [pt]."""
@@ -44,22 +42,7 @@ def piece_sizes(count: int) -> Sizes:
 
 
 def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: str) -> Draw:
-    """Return a drawing of pieces of a record: measured and predicted above, errors below.
-
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        One or two, with the same laws.
-    quantity, unit : str
-        What was measured, and its SI unit.
-    chosen : str
-        The law whose line is solid; others are dashed.
-
-    Returns
-    -------
-    callable
-        Draws them.
-    """
+    """Return a drawing of pieces of a record: measured and predicted above, errors below."""
     look = looks(pieces[0].predicted, chosen)
     factor, shown = scale_of(np.concatenate([one.measured for one in pieces]), unit)
     gaps = [one.measured - y for one in pieces for y in one.predicted.values()]

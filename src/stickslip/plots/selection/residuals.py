@@ -12,15 +12,6 @@ from stickslip.plots.core.label_placement import LETTER
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, DATA, LINE, MUTED
 
-__all__ = [
-    "ERROR_SIZES",
-    "ErrorSeries",
-    "ResidualPanel",
-    "draw_prediction_error",
-    "draw_residuals",
-    "residual_sizes",
-]
-
 ERROR_SIZES: Final = Sizes(wide=(880, 330), narrow=(358, 380))
 OUTER: Final = 0.2
 """Share of the residuals [%] beyond each end of the vertical axis."""
@@ -66,20 +57,7 @@ def residual_sizes(count: int) -> Sizes:
 
 
 def draw_residuals(panels: Sequence[ResidualPanel], label: str) -> Draw:
-    """Return a drawing of residuals in panels that share their vertical axis.
-
-    Parameters
-    ----------
-    panels : sequence of ResidualPanel
-        One to three; of three the first is as wide as the figure.
-    label : str
-        Quantity and unit of the residuals.
-
-    Returns
-    -------
-    callable
-        Draws dots, and the mean of each bin with its doubt over them.
-    """
+    """Return a drawing of residuals in panels that share their vertical axis."""
     everything = np.concatenate([panel.residual for panel in panels])
     low, high = np.percentile(everything, [OUTER, 100 - OUTER])
     margin = 0.1 * max(float(high - low), 1e-300)
@@ -137,26 +115,7 @@ def draw_prediction_error(
     above: str = "predicted with parameters from all of the record",
     below: str = "held out: root mean square of each block",
 ) -> Draw:
-    """Return a drawing of prediction errors over time, and below of held-out errors by block.
-
-    Parameters
-    ----------
-    series : mapping of str to ErrorSeries
-        Errors by title of the law.
-    edges : array (b + 1,)
-        Ends of the blocks [s].
-    label : str
-        Quantity and unit of the errors.
-    chosen : str
-        The law whose lines are solid; others are dashed.
-    above, below : str
-        Titles of the panels.
-
-    Returns
-    -------
-    callable
-        Draws two panels with one axis of time.
-    """
+    """Return a drawing of prediction errors over time, and below of held-out errors by block."""
     look = looks(series, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:

@@ -20,8 +20,6 @@ from stickslip.plots.core.theme import INK, MUTED, STICK, SURFACE, label_at
 from stickslip.quantities import parameters
 from stickslip.selection import Separation, TravelVerdict
 
-__all__ = ["SEPARATION_SIZES", "draw_proposal", "draw_separation", "plot_separation"]
-
 SEPARATION_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 300))
 ROOM, NARROW_ROOM = 0.06, 0.12
 """Width of the number of a setting over that of all settings, in a wide and a narrow figure."""
@@ -149,23 +147,7 @@ def _measured(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
 
 
 def draw_proposal(verdict: TravelVerdict) -> Draw:
-    """Return a drawing of what the laws of a verdict predict, and where to measure next.
-
-    Parameters
-    ----------
-    verdict : TravelVerdict
-        A verdict with a proposal.
-
-    Returns
-    -------
-    callable
-        Draws the best law, its rivals, what was measured, and the settings to measure.
-
-    Raises
-    ------
-    InputError
-        If the verdict has no proposal.
-    """
+    """Return a drawing of what the laws of a verdict predict, and where to measure next."""
     proposal = verdict.proposal
     if proposal is None or not verdict.separations:
         raise InputError(

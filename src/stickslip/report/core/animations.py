@@ -7,8 +7,6 @@ from markupsafe import Markup
 
 from stickslip.errors import InputError
 
-__all__ = ["Animation"]
-
 BEGIN, END = '<figure class="animation">', "</figure>"
 
 

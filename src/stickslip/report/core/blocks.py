@@ -13,26 +13,6 @@ from markupsafe import Markup
 
 from stickslip.errors import InputError
 
-__all__ = [
-    "Block",
-    "Caption",
-    "Code",
-    "Columns",
-    "Fact",
-    "Facts",
-    "Figure",
-    "Gallery",
-    "KeyValue",
-    "KeyValues",
-    "Math",
-    "Note",
-    "Panel",
-    "Paragraph",
-    "Reference",
-    "References",
-    "Subheading",
-]
-
 _MOST: Final = 3
 _ACTIVE: Final = re.compile(
     r"<(?:script|foreignObject|style|image)\b|<[^>]*\s(?:on[a-z]+\s*=|(?:[a-z]+:)?href=[\"'](?!#))",
@@ -446,18 +426,6 @@ class Columns:
 
 def at_most_three(name: str, items: Sequence[object]) -> None:
     """Refuse a list that a reader would not read to its end.
-
-    Parameters
-    ----------
-    name : str
-        What the list is called.
-    items : sequence
-        The list.
-
-    Raises
-    ------
-    InputError
-        If it has more than three items.
 
     Examples
     --------

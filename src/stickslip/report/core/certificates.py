@@ -6,23 +6,9 @@ from stickslip.formatting import fixed, quantity, residue, scale_of, significant
 from stickslip.report.core.blocks import KeyValue
 from stickslip.trajectory import Trajectory
 
-__all__ = ["evidence"]
-
 
 def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     """Return the certificate of a run, check by check.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    located : bool
-        Whether its events were located, as those of fixed steps are not.
-
-    Returns
-    -------
-    tuple of KeyValue
-        One entry per check, with its outcome.
 
     Examples
     --------

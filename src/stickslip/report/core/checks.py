@@ -6,8 +6,6 @@ from typing import Final, Literal
 from stickslip.experiments import Checks
 from stickslip.report.core.blocks import KeyValue
 
-__all__ = ["check_items"]
-
 MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
 
 

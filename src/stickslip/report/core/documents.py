@@ -10,18 +10,6 @@ from stickslip.errors import InputError
 from stickslip.report.core.blocks import Block, Fact, Note, at_most_three
 from stickslip.report.core.versions import versions
 
-__all__ = [
-    "LawLine",
-    "Opening",
-    "Origin",
-    "Page",
-    "PageSections",
-    "Section",
-    "SectionMaker",
-    "failed_section",
-    "made_sections",
-]
-
 _ID: Final = re.compile(r"[a-z][a-z0-9-]*")
 CAUGHT: tuple[type[Exception], ...] = (Exception,)
 """What a section may fail with and become one line; tests catch nothing."""
@@ -245,22 +233,7 @@ class PageSections(Generic[V]):
     """How to make the verdict again."""
 
     def __call__(self, verdict: V, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
-        """Return what makes the sections of a page.
-
-        Parameters
-        ----------
-        verdict : Verdict
-            What `stickslip.select` gave; every number of the page is computed from it.
-        origin : Origin
-            Where it is from.
-        remark : str
-            A sentence of one's own, at the end of the lede.
-
-        Returns
-        -------
-        tuple of callable
-            Functions without arguments, each of which makes a section.
-        """
+        """Return what makes the sections of a page."""
         return (
             partial(self.opening, verdict, origin.data, remark),
             *(partial(one, verdict) for one in self.middle),
@@ -272,11 +245,6 @@ def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
     """Return the sections of a page; one that fails becomes one line that says so.
 
     What a page shows beside the verdict must not cost the verdict.
-
-    Parameters
-    ----------
-    parts : Section or partial
-        A section, or a function that makes one, or None where it has nothing to show.
 
     Examples
     --------
@@ -303,18 +271,6 @@ def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
 
 def failed_section(name: str, error: Exception) -> Section:
     """Return the line that stands where a section could not be made.
-
-    Parameters
-    ----------
-    name : str
-        Name of the section, with underscores.
-    error : Exception
-        What its maker raised.
-
-    Returns
-    -------
-    Section
-        A section with one note that states the error.
 
     Examples
     --------

@@ -8,8 +8,6 @@ from xml.etree import ElementTree
 from stickslip.friction import PrintedForm, RightEquation
 from stickslip.report.core.markup import equation_parts, lowered, math_tree, plain, raised
 
-__all__ = ["Branches", "branches", "formula_text", "published_dict"]
-
 _CASES: Final = re.compile(r"(.*?)\\begin\{cases\}(.*)\\end\{cases\}(.*)", re.DOTALL)
 _DOTS: Final = {"˙": "\N{COMBINING DOT ABOVE}", "¨": "\N{COMBINING DIAERESIS}"}
 _OPENING, _CLOSING = "([{", ")]},"
@@ -37,16 +35,6 @@ class Branches(NamedTuple):
 def branches(latex: str) -> Branches | None:
     r"""Return the branches of an equation with a brace; None if it has none.
 
-    Parameters
-    ----------
-    latex : str
-        The equation, with at most one ``cases`` environment.
-
-    Returns
-    -------
-    Branches or None
-        All of it still LaTeX.
-
     Examples
     --------
     >>> branches(r"s = \begin{cases} 1 & v > 0 \\ 0 & v = 0 \end{cases}").rows
@@ -65,21 +53,6 @@ def formula_text(latex: str) -> str:
     r"""Return an equation as plain text in Unicode, a line for each of its parts.
 
     Digits stand below the line, letters behind an underscore, since Unicode has few of them.
-
-    Parameters
-    ----------
-    latex : str
-        The equation in LaTeX, without dollar signs.
-
-    Returns
-    -------
-    str
-        One or more lines.
-
-    Raises
-    ------
-    InputError
-        If the LaTeX cannot be read.
 
     Examples
     --------

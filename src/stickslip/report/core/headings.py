@@ -4,25 +4,11 @@ from typing import Final
 
 from stickslip.formatting import in_words, quantity
 
-__all__ = ["CERTIFICATE", "checks_heading", "ended_early", "identified_heading"]
-
 CERTIFICATE: Final = "Certificate of the computation"
 
 
 def checks_heading(warned: int, source: str = "its checks") -> str:
     """Return the heading of the section on a record and its checks.
-
-    Parameters
-    ----------
-    warned : int
-        Number of warnings.
-    source : str
-        What they are from.
-
-    Returns
-    -------
-    str
-        The heading.
 
     Examples
     --------

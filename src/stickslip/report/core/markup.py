@@ -13,17 +13,6 @@ from stickslip.errors import InputError
 from stickslip.formatting import unbroken
 from stickslip.identification import Estimate
 
-__all__ = [
-    "equation_parts",
-    "inline",
-    "label_of",
-    "mathml",
-    "plain",
-    "symbol",
-    "symbol_text",
-    "typeset",
-]
-
 _GREEK: Final = MappingProxyType(
     {"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ"}
     | {"eta": "η", "theta": "θ", "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν"}
@@ -56,21 +45,6 @@ _RAISED: Final = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "−0123456789"
 def symbol(name: str) -> Markup:
     """Return a symbol as HTML: an italic letter with an upright subscript.
 
-    Parameters
-    ----------
-    name : str
-        Letter or Greek name, then perhaps an underscore and a subscript.
-
-    Returns
-    -------
-    markupsafe.Markup
-        The HTML.
-
-    Raises
-    ------
-    InputError
-        If the name is empty.
-
     Examples
     --------
     >>> print(symbol("mu_d"), symbol("F_v-"))
@@ -86,21 +60,6 @@ def symbol_text(name: str) -> str:
 
     Unicode has only some letters as subscripts, so that all of them follow an underscore.
 
-    Parameters
-    ----------
-    name : str
-        Letter or Greek name, then perhaps an underscore and a subscript.
-
-    Returns
-    -------
-    str
-        The letter; digits and signs below the line, letters behind an underscore.
-
-    Raises
-    ------
-    InputError
-        If the name is empty.
-
     Examples
     --------
     >>> symbol_text("sigma_0"), symbol_text("mu_d")
@@ -111,40 +70,14 @@ def symbol_text(name: str) -> str:
 
 
 def lowered(text: str, subscript: str) -> str:
-    """Return plain text with a subscript.
-
-    Parameters
-    ----------
-    text : str
-        The text before the subscript.
-    subscript : str
-        The subscript.
-
-    Returns
-    -------
-    str
-        Subscript characters of Unicode where they exist, else an underscore.
-    """
+    """Return plain text with a subscript."""
     if set(subscript) <= set(_PLAIN):
         return text + subscript.translate(_SUBSCRIPTS)
     return f"{text}_{subscript}"
 
 
 def raised(text: str, superscript: str) -> str:
-    """Return plain text with a superscript.
-
-    Parameters
-    ----------
-    text : str
-        The text before the superscript.
-    superscript : str
-        The superscript.
-
-    Returns
-    -------
-    str
-        Superscript characters of Unicode where they exist, else a caret.
-    """
+    """Return plain text with a superscript."""
     if set(superscript) <= set(_PLAIN):
         return text + superscript.translate(_SUPERSCRIPTS)
     return f"{text}^{superscript if len(superscript) == 1 else f'({superscript})'}"
@@ -155,16 +88,6 @@ def inline(text: str) -> Markup:
 
     ``$mu_d$`` is a symbol, ``**bold**`` and backticks are what they look like, ``^{2}`` and
     ``_{2}`` stand above and below the line. A number is not parted from its unit by a line break.
-
-    Parameters
-    ----------
-    text : str
-        The text. What is already `markupsafe.Markup` is returned as it is.
-
-    Returns
-    -------
-    markupsafe.Markup
-        The HTML.
 
     Examples
     --------
@@ -185,16 +108,6 @@ def inline(text: str) -> Markup:
 
 def plain(text: str) -> str:
     """Return the same text without tags, for titles and labels.
-
-    Parameters
-    ----------
-    text : str
-        Text with the markup of `inline`, or `markupsafe.Markup`.
-
-    Returns
-    -------
-    str
-        Unescaped text.
 
     Examples
     --------
@@ -229,23 +142,6 @@ def equation_parts(latex: str) -> tuple[str, ...]:
 def mathml(latex: str, *, display: bool = True) -> Markup:
     r"""Return an equation as MathML.
 
-    Parameters
-    ----------
-    latex : str
-        The equation in LaTeX, without dollar signs.
-    display : bool
-        On a line of its own, with full-sized fractions and sums.
-
-    Returns
-    -------
-    markupsafe.Markup
-        A ``<math>`` element. Nothing in it can run, link or load.
-
-    Raises
-    ------
-    InputError
-        If the LaTeX cannot be read.
-
     Examples
     --------
     >>> print(mathml(r"F = \mu_d N", display=False)[:46])
@@ -256,25 +152,7 @@ def mathml(latex: str, *, display: bool = True) -> Markup:
 
 
 def math_tree(latex: str, *, display: bool = True) -> ElementTree.Element:
-    """Return an equation as the tree of its MathML, entities resolved.
-
-    Parameters
-    ----------
-    latex : str
-        The equation in LaTeX.
-    display : bool
-        Whether it stands on a line of its own.
-
-    Returns
-    -------
-    xml.etree.ElementTree.Element
-        The ``<math>`` element.
-
-    Raises
-    ------
-    InputError
-        If the equation cannot be read.
-    """
+    """Return an equation as the tree of its MathML, entities resolved."""
     from latex2mathml.converter import convert_to_element
 
     try:
@@ -334,18 +212,6 @@ def typeset(text: str, symbols: Iterable[str]) -> str:
     """Return text whose symbols stand between dollar signs, which the page typesets.
 
     Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
-
-    Parameters
-    ----------
-    text : str
-        Text with plain symbols.
-    symbols : iterable of str
-        Symbols to typeset.
-
-    Returns
-    -------
-    str
-        The text, with symbols between dollar signs.
 
     Examples
     --------

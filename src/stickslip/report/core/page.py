@@ -17,29 +17,12 @@ from stickslip.report.core import formulas, markup
 from stickslip.report.core.blocks import Block
 from stickslip.report.core.documents import Page
 
-__all__ = ["render", "write"]
-
 _STYLES: Final = ("tokens.css", "report.css")
 _IDS: Final = re.compile(r"<[a-zA-Z][^>]* id=\"([^\"]+)\"")
 
 
 def render(page: Page) -> str:
     """Return a page as one HTML file.
-
-    Parameters
-    ----------
-    page : Page
-        What it says.
-
-    Returns
-    -------
-    str
-        The file, the same for the same page.
-
-    Raises
-    ------
-    InputError
-        If two figures share the prefix of their ids.
 
     Examples
     --------
@@ -63,18 +46,6 @@ def render(page: Page) -> str:
 
 def write(page: Page, path: str | Path) -> Path:
     """Write a page to a file, whole or not at all.
-
-    Parameters
-    ----------
-    page : Page
-        What it says.
-    path : str or Path
-        The file; an existing one is replaced.
-
-    Returns
-    -------
-    Path
-        The file.
 
     Examples
     --------

@@ -17,8 +17,6 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.documents import Origin, Section
 
-__all__ = ["law_references", "reproduce"]
-
 AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
 """The end of the authors: a full stop after a surname, not after an initial."""
 HEADING: Final = "Reproduce and cite"
@@ -32,22 +30,6 @@ def reproduce(
     references: Sequence[Reference] = (),
 ) -> Section:
     """Return the section with commands, code, versions, hashes and references.
-
-    Parameters
-    ----------
-    origin : Origin
-        Commands, versions and hashes.
-    code : sequence of (str, str)
-        Listings, each with a caption or an empty one.
-    items : sequence of KeyValue
-        What else a repetition needs to know.
-    references : sequence of Reference
-        What laws and criteria come from.
-
-    Returns
-    -------
-    Section
-        The section, without the blocks that would be empty.
 
     Examples
     --------
@@ -81,20 +63,7 @@ def reproduce(
 def law_references(
     laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
 ) -> tuple[Reference, ...]:
-    """Return the sources of laws with the laws they are for, after those given by key.
-
-    Parameters
-    ----------
-    laws : iterable of FrictionLaw
-        Laws whose sources are cited.
-    first : mapping of str to sequence of str
-        What else cites a source, by key of the source; these come first.
-
-    Returns
-    -------
-    tuple of Reference
-        One reference per source, each with what cites it.
-    """
+    """Return the sources of laws with the laws they are for, after those given by key."""
     used = {key: list(who) for key, who in first.items()}
     for law in laws:
         for key in law.sources:

@@ -9,18 +9,6 @@ from typing import Final, Literal, NamedTuple, TypeAlias, final
 from stickslip.errors import InputError
 from stickslip.formatting import Scale, number
 
-__all__ = [
-    "ERRORS",
-    "Axis",
-    "Colour",
-    "Mark",
-    "RowPlot",
-    "Shape",
-    "Tick",
-    "error_axis",
-    "error_plot",
-]
-
 ERRORS: Final = "dot: error; bar: ± 1 s.e."
 """Caption of an axis of errors."""
 Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
@@ -126,16 +114,6 @@ class Axis:
     def position(self, value: float) -> float:
         """Return where a value stands, in percent of the length of the axis.
 
-        Parameters
-        ----------
-        value : float
-            The value.
-
-        Returns
-        -------
-        float
-            0 at `low`, 100 at `high`, below or above for a value outside.
-
         Examples
         --------
         >>> Axis(low=0.0, high=0.5).position(0.2)
@@ -150,16 +128,6 @@ class Axis:
     def percent(self, value: float) -> str:
         """Return where a value stands, as a CSS length.
 
-        Parameters
-        ----------
-        value : float
-            The value.
-
-        Returns
-        -------
-        str
-            Such as "40%".
-
         Examples
         --------
         >>> Axis(low=0.0, high=0.5).percent(0.2)
@@ -169,11 +137,6 @@ class Axis:
 
     def placed_ticks(self) -> tuple[Tick, ...]:
         """Return the ticks with their places; those at the ends must not stick out.
-
-        Returns
-        -------
-        tuple of Tick
-            In the order of `ticks`.
 
         Examples
         --------
@@ -231,16 +194,6 @@ class Mark:
 
     def shapes(self, axis: Axis) -> tuple[Shape, ...]:
         """Return what to draw; what lies beyond the axis becomes an arrow at that end.
-
-        Parameters
-        ----------
-        axis : Axis
-            The axis.
-
-        Returns
-        -------
-        tuple of Shape
-            Nothing for a mark whose place is not a number.
 
         Examples
         --------
@@ -314,22 +267,6 @@ _SHORTEST: Final = 0.2
 def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowPlot:
     """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
 
-    Parameters
-    ----------
-    score : float
-        Held-out error [SI]; nothing is drawn if it is not finite.
-    error : float
-        Its standard error [SI]; no bar is drawn if it is not finite.
-    scale : Scale
-        Unit of the axis.
-    colour : str
-        Colour of both marks.
-
-    Returns
-    -------
-    RowPlot
-        The marks, the dot on top.
-
     Examples
     --------
     >>> [mark.kind for mark in error_plot(2e-3, 1e-4, Scale(1e3, "mm"), "c1").marks]
@@ -348,20 +285,6 @@ def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowP
 
 def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = ()) -> Axis | None:
     """Return the axis of held-out errors, logarithmic if they span more than 20 times.
-
-    Parameters
-    ----------
-    errors : iterable of float
-        Held-out errors [SI]; those that are not finite and above 0 are left out.
-    scale : Scale
-        Unit of the axis.
-    halves : iterable of float
-        Their standard errors in the same order [SI]; the axis holds their bars.
-
-    Returns
-    -------
-    Axis or None
-        The axis; None for fewer than two errors.
 
     Examples
     --------

@@ -9,8 +9,6 @@ from stickslip.formatting import fixed
 from stickslip.report.core import markup
 from stickslip.report.core.sparklines import Axis, RowPlot
 
-__all__ = ["Blank", "Cell", "Column", "Correlations", "Name", "Number", "Row", "Table"]
-
 _MANY_ROWS: Final = 12
 
 
@@ -199,18 +197,7 @@ class Table:
         return tuple(column for column in self.columns if column.axis and column.phone != "hide")
 
     def css(self, index: int) -> str:
-        """Return the CSS classes of the cells of a column.
-
-        Parameters
-        ----------
-        index : int
-            The column.
-
-        Returns
-        -------
-        str
-            ``n`` numeric, ``plot`` row plots, ``full`` as wide as the card, ``hide`` not on it.
-        """
+        """Return the CSS classes of the cells of a column."""
         column = self.columns[index]
         is_plot = any(isinstance(row.cells[index], RowPlot) for row in self.rows)
         classes = {
@@ -263,33 +250,11 @@ class Correlations:
             raise InputError(f"Correlations: numbers must be from -1 to 1, got {self.values}.")
 
     def shade(self, value: float) -> tuple[str, int]:
-        """Return the colour of a correlation and how much of it, in percent.
-
-        Parameters
-        ----------
-        value : float
-            The correlation.
-
-        Returns
-        -------
-        tuple of str and int
-            The first series if positive, the second if negative.
-        """
+        """Return the colour of a correlation and how much of it, in percent."""
         return ("c2" if value < 0 else "c1"), round(42 * abs(value))
 
     def text(self, value: float) -> str:
-        """Return a correlation with two decimals and its sign.
-
-        Parameters
-        ----------
-        value : float
-            The correlation.
-
-        Returns
-        -------
-        str
-            Such as "−0.98".
-        """
+        """Return a correlation with two decimals and its sign."""
         return ("+" if value >= 0.005 else "") + fixed(value, 2)
 
 

@@ -4,8 +4,6 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import version
 
-__all__ = ["colophon", "versions"]
-
 LIBRARIES = ("stickslip", "numpy", "scipy", "symengine")
 
 

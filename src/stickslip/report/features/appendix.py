@@ -12,8 +12,6 @@ from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.features.texts import typeset_lines
 from stickslip.selection import FeatureVerdict, OtherSpeed
 
-__all__ = ["next_section", "record_section", "reproduce_section"]
-
 
 def record_section(verdict: FeatureVerdict) -> Section:
     """Return the section on the features of the whole record and what was checked of it."""
@@ -97,20 +95,7 @@ def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
 
 
 def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the rig file of the fit, data and references.
-
-    Parameters
-    ----------
-    verdict : FeatureVerdict
-        The selection.
-    origin : Origin
-        Commands, versions and hashes.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section with commands, the rig file of the fit, data and references."""
     fit = verdict.best.fit if verdict.best else None
     code, items = [], []
     if fit is not None:

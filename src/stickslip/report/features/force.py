@@ -12,8 +12,6 @@ from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.selection import FeatureVerdict
 
-__all__ = ["force_section"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 CYCLES = 8

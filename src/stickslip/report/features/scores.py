@@ -26,8 +26,6 @@ from stickslip.report.features.texts import (
 )
 from stickslip.selection import FeatureCandidate, FeatureVerdict, share_parts
 
-__all__ = ["parameters_section", "scores_section"]
-
 
 def scores_section(verdict: FeatureVerdict) -> Section:
     """Return the section that compares all laws."""

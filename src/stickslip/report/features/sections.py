@@ -11,9 +11,6 @@ from stickslip.report.features.scores import parameters_section, scores_section
 from stickslip.report.features.summary import opening_section
 from stickslip.selection import FeatureVerdict
 
-__all__ = ["feature_sections"]
-
-
 feature_sections = PageSections[FeatureVerdict](
     opening=opening_section,
     middle=(

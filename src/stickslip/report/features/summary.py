@@ -10,26 +10,9 @@ from stickslip.report.core.markup import label_of
 from stickslip.report.features.texts import typeset_lines
 from stickslip.selection import FeatureVerdict, share_parts, share_text
 
-__all__ = ["opening_section"]
-
 
 def opening_section(verdict: FeatureVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after.
-
-    Parameters
-    ----------
-    verdict : FeatureVerdict
-        The selection.
-    kicker : str
-        Small print above the verdict: what was measured.
-    remark : str
-        A sentence at the end of the lede.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section that a reader may stop after."""
     best, words = verdict.best, verdict.words
     fit = best.fit if best else None
     told = fit is not None and best is not None and not best.dropped

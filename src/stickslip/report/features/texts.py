@@ -6,8 +6,6 @@ from stickslip.identification import COMPARED
 from stickslip.report.core.markup import typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict
 
-__all__ = ["UNITS", "label", "symbols_of", "typeset_lines"]
-
 UNITS = {"frequency": "Hz"}
 """Of features that have one; the others are over the load."""
 LABELS = {
@@ -36,19 +34,6 @@ def symbols_of(verdict: FeatureVerdict) -> frozenset[str]:
 
 
 def typeset_lines(lines: Iterable[str], verdict: FeatureVerdict) -> tuple[str, ...]:
-    """Return texts with the symbols in them typeset.
-
-    Parameters
-    ----------
-    lines : iterable of str
-        Texts with plain symbols.
-    verdict : FeatureVerdict
-        The selection, whose parameters have these symbols.
-
-    Returns
-    -------
-    tuple of str
-        The texts, with symbols between dollar signs.
-    """
+    """Return texts with the symbols in them typeset."""
     symbols = symbols_of(verdict)
     return tuple(typeset(line, symbols) for line in lines)

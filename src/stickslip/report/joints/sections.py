@@ -45,8 +45,6 @@ from stickslip.selection import (
     short_verdict,
 )
 
-__all__ = ["joint_sections"]
-
 MOST: Final = 30
 """Combinations of laws in the table at most."""
 OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (
@@ -64,22 +62,7 @@ OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (
 def joint_sections(
     verdict: JointVerdict, origin: Origin, remark: str = ""
 ) -> tuple[SectionMaker, ...]:
-    """Return what makes the sections of a page.
-
-    Parameters
-    ----------
-    verdict : JointVerdict
-        What `stickslip.select` gave; every number of the page is computed from it.
-    origin : Origin
-        Where it is from.
-    remark : str
-        A sentence of one's own, at the end of the lede.
-
-    Returns
-    -------
-    tuple of callable
-        Functions without arguments, each of which makes a section.
-    """
+    """Return what makes the sections of a page."""
     scales = _scales(verdict)
     return (
         partial(opening_section, verdict, origin.data, remark),
@@ -97,22 +80,7 @@ def joint_sections(
 
 
 def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after.
-
-    Parameters
-    ----------
-    verdict : JointVerdict
-        The selection.
-    kicker : str
-        Small print above the verdict: what was measured.
-    remark : str
-        A sentence at the end of the lede.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section that a reader may stop after."""
     words = verdict.words
     symbols = symbols_of(c for one in verdict.joints.values() for c in one.candidates)
     laws, facts = [], []
@@ -179,24 +147,7 @@ def _scales(verdict: JointVerdict) -> Mapping[str, Scale]:
 def joint_section(
     verdict: RecordVerdict, name: str, number: int, scales: Mapping[str, Scale]
 ) -> Section:
-    """Return the section of one joint.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict
-        The comparison of the laws of that joint.
-    name : str
-        Name of the joint.
-    number : int
-        Its number, which keeps what the figures define apart.
-    scales : mapping of str to Scale
-        What positions and forces are shown in, by SI unit.
-
-    Returns
-    -------
-    Section
-        Verdict, ranking, parameters and residuals of the joint.
-    """
+    """Return the section of one joint."""
     symbols = symbols_of(verdict.candidates)
     text = f"{verdict.words.verdict} {verdict.words.lede}"
     blocks: list[Block] = [Paragraph(text=typeset(text, symbols))]
@@ -306,20 +257,7 @@ def certificate_section(verdict: JointVerdict) -> Section | None:
 
 
 def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the selection and the laws as code, and references.
-
-    Parameters
-    ----------
-    verdict : JointVerdict
-        The selection.
-    origin : Origin
-        Commands, versions and hashes.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section with commands, the selection and the laws as code, and references."""
     fit = verdict.closest.fit
     every = [one for own in verdict.joints.values() for one in own.candidates]
     laws = {type(one.law): one.law for one in every if one.law is not None}

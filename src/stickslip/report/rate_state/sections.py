@@ -53,8 +53,6 @@ from stickslip.report.core.sparklines import error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RateStateCandidate, RateStateVerdict, score_text
 
-__all__ = ["rate_state_sections"]
-
 PLAIN: Final = Scale(1.0, "")
 MILLI: Final = Scale(1e3, "10⁻³")
 """Errors of coefficients in figures."""
@@ -65,22 +63,7 @@ BEFORE, AFTER = 0.5, 8.0
 
 
 def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after.
-
-    Parameters
-    ----------
-    verdict : RateStateVerdict
-        The verdict.
-    kicker : str
-        Line above the verdict: the data.
-    remark : str
-        A sentence of one's own, at the end of the lede.
-
-    Returns
-    -------
-    Section
-        Verdict, law, what the record settles and what it cannot tell.
-    """
+    """Return the section that a reader may stop after."""
     words, fit = verdict.words, _fit(verdict)
     (lede,) = _typeset([f"{words.lede} {words.no_score} {remark}".strip()], fit)
     opening = Opening(
@@ -479,20 +462,7 @@ def next_section(verdict: RateStateVerdict) -> Section | None:
 
 
 def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the fitted law as code, data and references.
-
-    Parameters
-    ----------
-    verdict : RateStateVerdict
-        The verdict.
-    origin : Origin
-        Where it is from, with the commands that make it again.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section with commands, the fitted law as code, data and references."""
     fit = _fit(verdict)
     values = [
         f"    {name}={getattr(fit.law, name)!r},"

@@ -17,8 +17,6 @@ from stickslip.report.records.scores import error_column
 from stickslip.report.records.texts import symbols_of
 from stickslip.selection import Experiment, RecordCandidate, RecordVerdict, score_text
 
-__all__ = ["dropped_section", "next_section", "record_figure", "record_section"]
-
 LINES = 700
 """Points of a line of the record."""
 MOST_SPANS = 60
@@ -93,22 +91,7 @@ def record_section(verdict: RecordVerdict) -> Section | None:
 def record_figure(
     verdict: RecordVerdict, fit: RecordFit, *, scales: Mapping[str, Scale] | None = None
 ) -> Figure | None:
-    """Return the first record against time, None where it has no times.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict
-        The selection.
-    fit : RecordFit
-        A fit to the records.
-    scales : mapping of str to Scale, optional
-        What quantities are shown in, by SI unit; the values of each choose if not given.
-
-    Returns
-    -------
-    Figure or None
-        Position, velocity, force and friction, as far as they were measured.
-    """
+    """Return the first record against time, None where it has no times."""
     record = verdict.measurement.records()[0]
     if record.time is None:
         return None

@@ -23,8 +23,6 @@ from stickslip.report.core.headings import CERTIFICATE
 from stickslip.report.records.scores import picks_text
 from stickslip.selection import JointVerdict, RecordVerdict, restarts_text
 
-__all__ = ["certificate_section"]
-
 TWICE: Final = 2.0
 """Residuals below this many times the least are said to be so many percent higher."""
 

@@ -21,8 +21,6 @@ from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
-__all__ = ["map_section"]
-
 REFUTED: Final = 0.25
 """Points this far off the curve on average, over the size of friction, speak against it."""
 MIXED: Final = 0.05

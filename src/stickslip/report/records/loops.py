@@ -13,8 +13,6 @@ from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
-__all__ = ["loops_section", "turns_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 SHOWN: Final = 3

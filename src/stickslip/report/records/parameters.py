@@ -24,8 +24,6 @@ from stickslip.report.core.tables import Cell, Column, Correlations, Name, Numbe
 from stickslip.report.records.texts import symbols_of, to_digits
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
-__all__ = ["parameters_section"]
-
 MOST_CORRELATED: Final = 8
 """Parameters of a triangle at most: a larger one is wider than a phone."""
 TWICE: Final = 2.0

@@ -16,8 +16,6 @@ from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.selection import JointVerdict, RecordVerdict, specifications
 
-__all__ = ["joint_lines", "laws_as_code", "python_lines", "reproduce_section", "reproduced"]
-
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 """Stands for the blanks of names while lines are wrapped."""
 WIDTH: Final = 66
@@ -25,20 +23,7 @@ WIDTH: Final = 66
 
 
 def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the selection and the law as code, data and references.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict
-        The selection.
-    origin : Origin
-        Commands, versions and hashes.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section with commands, the selection and the law as code, data and references."""
     fit = verdict.closest.fit
     return reproduced(
         verdict,
@@ -57,26 +42,7 @@ def reproduced(
     law: str,
     laws: Sequence[FrictionLaw],
 ) -> Section:
-    """Return the section from what differs by the kind of verdict.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict or JointVerdict
-        The selection.
-    origin : Origin
-        Commands, versions and hashes.
-    lines : str
-        The selection in Python.
-    law : str
-        What was fitted, as code.
-    laws : sequence of FrictionLaw
-        Laws whose sources are cited.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section from what differs by the kind of verdict."""
     data = "`record` is" if verdict.second is None else "`record` and `second` are"
     caption = (
         f"The selection in Python; {data} read by `load_measurement` with the columns, units and"
@@ -97,18 +63,6 @@ def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
     """Return the lines of Python that make the selection again from its record.
 
     A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict
-        The selection.
-    rig : str
-        Name of the rig file; one is made up if empty.
-
-    Returns
-    -------
-    str
-        The lines, with prompts.
     """
     names = [one.name for one in verdict.candidates]
     laws = "None" if verdict.usual else _laws(names)
@@ -220,20 +174,7 @@ def _as_code(law: FrictionLaw) -> str:
 
 
 def joint_lines(verdict: JointVerdict, rig: str = "") -> str:
-    """Return the lines of Python that make a selection for several joints again.
-
-    Parameters
-    ----------
-    verdict : JointVerdict
-        The selection.
-    rig : str
-        Name of the rig file; one is made up if empty.
-
-    Returns
-    -------
-    str
-        The lines, with prompts.
-    """
+    """Return the lines of Python that make a selection for several joints again."""
     first = next(iter(verdict.joints.values()))
     names = [one.name for one in first.candidates]
     return _lines(verdict, "None" if verdict.usual else _laws(names), (), rig)

@@ -23,8 +23,6 @@ from stickslip.report.core.markup import typeset
 from stickslip.report.records.texts import rival_of, symbols_of
 from stickslip.selection import RecordVerdict
 
-__all__ = ["residuals_section"]
-
 FLOOR = 10.0
 """Residuals over what noise would leave from which a missing trend alone says too little."""
 

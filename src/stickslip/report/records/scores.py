@@ -21,8 +21,6 @@ from stickslip.selection import (
     score_text,
 )
 
-__all__ = ["error_column", "picks_text", "scores_section"]
-
 NAMES: Final = {
     "held-out blocks": "held-out error",
     "extrapolation": "extrapolation to the last third",

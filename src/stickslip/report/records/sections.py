@@ -16,8 +16,6 @@ from stickslip.report.records.texts import symbols_of
 from stickslip.report.records.validation_record import second_section
 from stickslip.selection import RecordVerdict
 
-__all__ = ["record_sections", "trials_section"]
-
 
 def trials_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the trials, None where there was nothing to compare."""

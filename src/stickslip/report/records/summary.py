@@ -41,8 +41,6 @@ from stickslip.selection import (
     traded,
 )
 
-__all__ = ["error_fact", "law_lines", "level_at", "levels_at_speed", "opening_section"]
-
 PLAIN: Final = (Coulomb, Viscous, CoulombViscous, QuadraticDrag)
 """Laws whose friction is a sum of powers of the speed, which one line says."""
 SLOW: Final = 0.05
@@ -54,22 +52,7 @@ FEW: Final = 0.05
 
 
 def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after.
-
-    Parameters
-    ----------
-    verdict : RecordVerdict
-        The selection.
-    kicker : str
-        Small print above the verdict: what was measured.
-    remark : str
-        A sentence at the end of the lede.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section that a reader may stop after."""
     words, symbols = verdict.words, symbols_of(verdict.candidates)
     fit = verdict.closest.fit if verdict.best else None
     opening = Opening(
@@ -125,18 +108,6 @@ def level_at(fit: RecordFit, velocity: float) -> tuple[float, float]:
     """Return the size of friction in steady sliding [N], and the half width of its interval.
 
     From slopes at the fit and all covariances; infinite where it hangs on what is not known.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit, with its covariances.
-    velocity : float
-        Slip velocity [m/s]; its sign is the direction.
-
-    Returns
-    -------
-    tuple of float
-        Size of friction and half width of its interval [N].
     """
     read, candidate = Steady(velocity=velocity, driven=False), predictor_of(fit)
     value, along = read(candidate), []
@@ -170,18 +141,6 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
     """Return the fitted law with its numbers, and what else was fitted beside it.
 
     `left_out` are the paths of what went to 0 and was left out of the fit.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit.
-    left_out : collection of str
-        Paths of parameters that went to 0 and were removed from the fit.
-
-    Returns
-    -------
-    tuple of LawLine
-        Lines of the law, then of what else was fitted.
     """
     law, points = fit.law, map_points(fit)
     load = points.load if points and not points.load_varies else None

@@ -7,13 +7,6 @@ from stickslip.formatting import rounded
 from stickslip.identification import Estimate
 from stickslip.selection import RecordCandidate, RecordVerdict, apart
 
-__all__ = [
-    "paired",
-    "rival_of",
-    "symbols_of",
-    "to_digits",
-]
-
 
 def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
     """Return what the chosen law is compared with: the reference, or the next best law."""
@@ -57,18 +50,5 @@ def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:
 
 
 def to_digits(value: float, estimate: Estimate) -> str:
-    """Return a value to the digits of an estimate, such as what half of a record gives for it.
-
-    Parameters
-    ----------
-    value : float
-        The value, in the unit of the estimate.
-    estimate : Estimate
-        The estimate.
-
-    Returns
-    -------
-    str
-        The number, ending where the estimate does; three digits of it where that has no bound.
-    """
+    """Return a value to the digits of an estimate, such as what half of a record gives for it."""
     return rounded(value, estimate.half_width if estimate.bounded else math.inf)

@@ -21,8 +21,6 @@ from stickslip.selection import (
     score_text,
 )
 
-__all__ = ["second_section"]
-
 POINTS: Final = 300
 """Points of a piece drawn at most."""
 ALIKE: Final = 2.0

@@ -18,16 +18,6 @@ from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "certificate_of",
-    "certificate_section",
-    "drawn",
-    "how_known",
-    "law_section",
-    "left_out",
-    "reproduce_section",
-]
-
 
 def law_section(about: RunReport) -> Section:
     """Return the law with its parameters, their intervals, and what does not carry over."""
@@ -62,20 +52,7 @@ def law_section(about: RunReport) -> Section:
 
 
 def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
-    """Return the interval of a parameter, and how it is known.
-
-    Parameters
-    ----------
-    known : LawEstimates or None
-        How well the law, or the laws by contact, are known.
-    name : str
-        The parameter, as the estimates call it.
-
-    Returns
-    -------
-    tuple of str and str
-        Two cells of a table.
-    """
+    """Return the interval of a parameter, and how it is known."""
     if known is None or name not in (*known.intervals, *known.not_identified, *known.not_fitted):
         return "—", "as given"
     if name in known.not_fitted:
@@ -86,38 +63,14 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
 
 
 def left_out(band: Band) -> list[str]:
-    """Return how many runs of a band ended early, as a sentence; none if all lasted.
-
-    Parameters
-    ----------
-    band : Band
-        The motion with parameters drawn from their estimates.
-
-    Returns
-    -------
-    list of str
-        A sentence at most.
-    """
+    """Return how many runs of a band ended early, as a sentence; none if all lasted."""
     if not band.ended_early:
         return []
     return [f"{band.ended_early} of them ended early and were left out."]
 
 
 def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
-    """Return how the runs of a band were drawn, in words; nothing where there is no band.
-
-    Parameters
-    ----------
-    band : Band or None
-        The motion with parameters drawn from their estimates.
-    known : LawEstimates or None
-        The estimates.
-
-    Returns
-    -------
-    list of Block
-        A caption at most.
-    """
+    """Return how the runs of a band were drawn, in words; nothing where there is no band."""
     if band is None:
         return []
     of_law = [path for path in band.draws if path.startswith("friction.")]
@@ -158,20 +111,7 @@ def certificate_section(about: RunReport) -> Section:
 
 
 def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
-    """Return how far to trust a computation, in words.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    exact : bool
-        Whether its events were located, as those of fixed steps are not.
-
-    Returns
-    -------
-    Section
-        The section of the page.
-    """
+    """Return how far to trust a computation, in words."""
     if not exact:
         heading = "Fixed steps have no certificate"
     elif run.certificate.certified:

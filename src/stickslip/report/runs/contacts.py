@@ -29,8 +29,6 @@ from stickslip.report.runs.motion import event_table
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
-__all__ = ["ContactsReport", "contacts_page"]
-
 MOST_SAID = 4
 """Coordinates whose spread the opening gives."""
 
@@ -122,6 +120,7 @@ def contacts_page(about: ContactsReport) -> str:
 
 
 def opening_section(about: ContactsReport) -> Section:
+    """Say how the run ended and what each contact did."""
     run = about.run
     events = run.events
     if not run.status.complete:
@@ -171,6 +170,7 @@ def _number(about: ContactsReport) -> str:
 
 
 def motion_section(about: ContactsReport) -> Section:
+    """Draw the coordinates."""
     alt = "Coordinates against time"
     caption = "**Coordinates** against time; where there are few, dots are events."
     if about.band is not None:
@@ -257,10 +257,12 @@ def laws_section(about: ContactsReport) -> Section:
 
 
 def certificate_section(about: ContactsReport) -> Section:
+    """Tell what the certificate of the run says."""
     return certificate_of(about.run)
 
 
 def reproduce_section(about: ContactsReport) -> Section:
+    """Tell how to repeat the run."""
     laws = {type(law): law for law in about.laws.values()}
     origin = Origin(
         title=about.rig.heading,

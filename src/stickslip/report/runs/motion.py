@@ -26,15 +26,6 @@ from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Band, DrivenCycle
 from stickslip.trajectory import Event, Trajectory
 
-__all__ = [
-    "animation_section",
-    "criteria_section",
-    "cycles_section",
-    "event_table",
-    "events_section",
-    "motion_section",
-]
-
 STEADY = 1e-3
 """Share of the travel within which cycles count as the same."""
 FIRST_ROWS, LAST_ROWS = 6, 4

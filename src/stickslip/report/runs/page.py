@@ -17,8 +17,6 @@ from stickslip.report.runs.subject import RunReport
 from stickslip.report.runs.summary import opening_section
 from stickslip.report.runs.validation import validation_section
 
-__all__ = ["run_page"]
-
 SECTIONS = (
     opening_section,
     motion_section,
@@ -37,16 +35,6 @@ def run_page(about: RunReport) -> str:
     """Return the report of a run as one HTML file.
 
     A section that cannot be made is a line on the page that says why.
-
-    Parameters
-    ----------
-    about : RunReport
-        The run, and what is known of it.
-
-    Returns
-    -------
-    str
-        The file; it loads nothing and runs no script.
 
     Examples
     --------

@@ -15,8 +15,6 @@ from stickslip.selection import Criteria, criteria_of
 from stickslip.sweep import Band, DrivenCycle, Spread, Validation, cycles_in
 from stickslip.trajectory import Trajectory
 
-__all__ = ["RunReport"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -127,59 +125,16 @@ class RunReport:
         return () if period is None else cycles_in(self.run, self.rig.mechanism, period)
 
     def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
-        """Return a distance or a speed of the slipping coordinate, with its unit.
-
-        Parameters
-        ----------
-        value : float
-            Distance or speed, in the SI unit of the coordinate.
-        digits : int
-            Significant digits.
-        per_second : bool
-            Whether the value is a speed.
-
-        Returns
-        -------
-        str
-            The number with its unit.
-        """
+        """Return a distance or a speed of the slipping coordinate, with its unit."""
         return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)
 
     def range_beside(self, spread: Spread, value: float, *, per_second: bool = False) -> str:
-        """Return a range of distances or speeds in the unit of the number beside it.
-
-        Parameters
-        ----------
-        spread : Spread
-            The range, in the SI unit of the coordinate.
-        value : float
-            The number; its size chooses the unit if it is not 0.
-        per_second : bool
-            Whether they are speeds.
-
-        Returns
-        -------
-        str
-            Both ends with their unit.
-        """
+        """Return a range of distances or speeds in the unit of the number beside it."""
         unit = self.unit + ("/s" if per_second else "")
         scale = scale_of([value] if value else [spread.low, spread.high], unit)
         return scale.interval(spread.low, spread.high)
 
     def advances(self, travel: float, digits: int = 3) -> str:
-        """Return by how much the body advances or moves back, as a predicate.
-
-        Parameters
-        ----------
-        travel : float
-            Last position less the first, in the SI unit of the coordinate.
-        digits : int
-            Significant digits.
-
-        Returns
-        -------
-        str
-            Verb and distance.
-        """
+        """Return by how much the body advances or moves back, as a predicate."""
         verb = "advances" if travel >= 0.0 else "moves back"
         return f"{verb} {self.of(abs(travel), digits)}"

@@ -8,8 +8,6 @@ from stickslip.report.core.headings import ended_early
 from stickslip.report.runs.appendix import left_out
 from stickslip.report.runs.subject import RunReport
 
-__all__ = ["opening_section"]
-
 
 def opening_section(about: RunReport) -> Section:
     """Return the headline with its numbers, and what the run cannot tell."""

@@ -7,8 +7,6 @@ from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Validation
 
-__all__ = ["validation_section"]
-
 MOST_RECORDS = 4
 """Records that have a figure."""
 HEADINGS = {

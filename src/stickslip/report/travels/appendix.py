@@ -31,13 +31,6 @@ from stickslip.report.travels.texts import (
 )
 from stickslip.selection import Proposal, TravelVerdict
 
-__all__ = [
-    "certificate_section",
-    "next_section",
-    "parameters_section",
-    "reproduce_section",
-]
-
 
 def next_section(verdict: TravelVerdict) -> Section | None:
     """Return the section on further measurements, None if none would tell more.
@@ -200,19 +193,6 @@ def _data(verdict: TravelVerdict) -> KeyValue:
 
 
 def reproduce_section(verdict: TravelVerdict, origin: Origin) -> Section:
-    """Return the section with commands, versions, hash and references.
-
-    Parameters
-    ----------
-    verdict : TravelVerdict
-        The selection.
-    origin : Origin
-        Commands, versions and hashes.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section with commands, versions, hash and references."""
     laws = [candidate.law for candidate in verdict.candidates]
     return reproduce(origin, references=law_references(laws, {"paper": ["criteria"]}))

@@ -17,8 +17,6 @@ from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.travels.spring_back import elastic_returns
 from stickslip.selection import Criteria, TravelCandidate, TravelVerdict
 
-__all__ = ["criteria_section"]
-
 
 def criteria_section(verdict: TravelVerdict) -> Section:
     """Return the section on velocity, displacement, error and energy."""

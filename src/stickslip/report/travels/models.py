@@ -33,8 +33,6 @@ from stickslip.report.travels.texts import (
 )
 from stickslip.selection import TravelCandidate, TravelVerdict, friction_of, score_text
 
-__all__ = ["models_section"]
-
 CLOSE: Final = 0.02
 """Share of the travel below which a difference on the way is called close."""
 

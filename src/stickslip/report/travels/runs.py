@@ -41,8 +41,6 @@ from stickslip.selection import (
 )
 from stickslip.trajectory import Trajectory
 
-__all__ = ["fixed_steps_section", "laws_section", "run_section", "steps_heading"]
-
 MOST_EVENTS = 4
 STEPS: Final = (50.0, 500.0)
 """Fixed steps from the start to the stop, in the runs that are compared."""
@@ -213,18 +211,6 @@ def _steps(stop: float, until: float, limit: float | None) -> tuple[float, ...]:
 
 def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> str:
     """Return what the comparison shows, or its topic if it shows nothing.
-
-    Parameters
-    ----------
-    rows : sequence of FixedStepRow
-        Runs with fixed steps, and the exact one.
-    limit : float, optional
-        Largest step that is stable for this law [s].
-
-    Returns
-    -------
-    str
-        The heading.
 
     Examples
     --------

@@ -14,9 +14,6 @@ from stickslip.report.travels.summary import opening_section
 from stickslip.report.travels.trials import trials_section
 from stickslip.selection import TravelVerdict
 
-__all__ = ["travel_sections"]
-
-
 travel_sections = PageSections[TravelVerdict](
     opening=opening_section,
     middle=(

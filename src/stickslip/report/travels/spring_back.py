@@ -6,8 +6,6 @@ from stickslip.identification import trials_of
 from stickslip.selection import Criteria, TravelVerdict, criteria_of
 from stickslip.simulation import simulate
 
-__all__ = ["elastic_returns"]
-
 LENGTHS = 3.0
 """Longest elastic return, over the presliding length: undamped bristles swing to twice it."""
 

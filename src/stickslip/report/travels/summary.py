@@ -10,26 +10,9 @@ from stickslip.report.travels.texts import (
 )
 from stickslip.selection import DOUBT_NAMES, TravelCandidate, TravelVerdict, misfit, score_text
 
-__all__ = ["opening_section"]
-
 
 def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after.
-
-    Parameters
-    ----------
-    verdict : TravelVerdict
-        The selection.
-    kicker : str
-        Small print above the verdict: what was measured.
-    remark : str
-        A sentence at the end of the lede.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Return the section that a reader may stop after."""
     words = verdict.words
     several = len(travels(verdict)) > 1
     opening = Opening(

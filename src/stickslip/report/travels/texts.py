@@ -11,15 +11,6 @@ from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection import TravelCandidate, TravelVerdict, score_scale
 
-__all__ = [
-    "assumptions",
-    "estimate_range",
-    "largest_difference",
-    "measured_band",
-    "slip_and_rate",
-    "travels",
-]
-
 SAMPLES: Final = 4000
 
 
@@ -71,20 +62,7 @@ def _trials(verdict: TravelVerdict) -> tuple[Trial, ...]:
 
 
 def largest_difference(verdict: TravelVerdict, candidate: TravelCandidate) -> float | None:
-    """Return how far a law is from the chosen one on the way at most [m].
-
-    Parameters
-    ----------
-    verdict : TravelVerdict
-        The selection.
-    candidate : TravelCandidate
-        The law that is compared with the chosen one.
-
-    Returns
-    -------
-    float or None
-        Largest distance of the two runs [m]; None if one of them is missing.
-    """
+    """Return how far a law is from the chosen one on the way at most [m]."""
     if verdict.best is None or verdict.best.run is None or candidate.run is None:
         return None
     slip, _ = slip_and_rate(verdict)

@@ -12,8 +12,6 @@ from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.selection import TravelVerdict
 
-__all__ = ["trials_section"]
-
 
 def trials_section(verdict: TravelVerdict) -> Section | None:
     """Return the section that compares measured and predicted travels, None with one trial."""

@@ -19,18 +19,6 @@ from stickslip.identification import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = [
-    "Proposal",
-    "Separation",
-    "knob_of",
-    "predictions",
-    "propose",
-    "rounded_setting",
-    "separations",
-    "unit_of",
-    "words_of",
-]
-
 FACTORS = (0.4, 0.6, 0.8, 1.0, 1.25, 1.5)
 """Settings tried, over the present one: what a rig can usually be set to."""
 KNOBS = ("mechanism.compression", "mechanism.drive.level", "mechanism.drive.amplitude")
@@ -56,18 +44,6 @@ def unit_of(unit: str) -> tuple[str, float]:
 
 def rounded_setting(value: float, unit: str) -> float:
     """Return a setting [SI] with three digits in the unit that it is read in.
-
-    Parameters
-    ----------
-    value : float
-        The setting [SI].
-    unit : str
-        Its SI unit, such as ``"m"``, which is read as mm.
-
-    Returns
-    -------
-    float
-        The rounded setting [SI].
 
     Examples
     --------
@@ -113,20 +89,7 @@ class Separation:
         return f"{number(factor * self.value, 6)} {unit}".replace(" °", "°")
 
     def gap(self, one: str, other: str) -> float:
-        """Return the difference of two predictions [m].
-
-        Parameters
-        ----------
-        one : str
-            Name of a law.
-        other : str
-            Name of another one.
-
-        Returns
-        -------
-        float
-            Difference of the predicted travels, not negative.
-        """
+        """Return the difference of two predictions [m]."""
         return abs(self.predicted[one] - self.predicted[other])
 
     @property
@@ -206,22 +169,6 @@ def propose(
 
     These are the outermost two settings that were not measured if a rival differs there by more
     than the doubt, since they tell how travel grows; else the one where one differs most.
-
-    Parameters
-    ----------
-    rows : sequence of Separation
-        In the order of the setting.
-    best : str
-        Key of the best law.
-    rivals : sequence of str
-        Keys of the others.
-    doubt : float
-        Difference of two travels that readings can show [m].
-
-    Returns
-    -------
-    Proposal or None
-        Settings to measure, and which rivals they separate.
     """
     if not rows or not rivals:
         return None
@@ -257,18 +204,6 @@ def knob_of(
 
     What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
     rig stands, it is the one that is easiest to turn.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    trials : sequence of Trial
-        What was measured before.
-
-    Returns
-    -------
-    (str, str, str, float) or None
-        Full path, symbol, SI unit and present value; None if no parameter can be set.
     """
     known = {
         path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
@@ -293,27 +228,7 @@ def separations(
     trials: Sequence[Trial] = (),
     factors: Sequence[float] = FACTORS,
 ) -> tuple[Separation, ...]:
-    """Predict the travel of each law at settings of the rig, in the order of the setting.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    laws : mapping of str to FrictionLaw
-        The fitted laws by name.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    trials : sequence of Trial
-        What was measured: their settings are marked, and where they span all others, settings
-        beyond them are added.
-    factors : sequence of float
-        Settings over the present one.
-
-    Returns
-    -------
-    tuple of Separation
-        A prediction for each setting; empty if nothing can be set.
-    """
+    """Predict the travel of each law at settings of the rig, in the order of the setting."""
     knob = knob_of(mechanism, trials)
     if knob is None or not laws:
         return ()
@@ -336,30 +251,7 @@ def predictions(
     initial: Mapping[str, float] | None = None,
     per_cycle: bool = False,
 ) -> tuple[Separation, ...]:
-    """Predict the travel of each law at given settings; those with which no run ends are left out.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    laws : mapping of str to FrictionLaw
-        The laws by name.
-    path : str
-        Parameter that is set.
-    settings : sequence of tuple of float and bool
-        Settings, SI, and whether each was measured.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    initial : mapping of str to float, optional
-        Initial states by name.
-    per_cycle : bool
-        Whether travels are those of the whole cycles that end by then.
-
-    Returns
-    -------
-    tuple of Separation
-        A prediction for each setting.
-    """
+    """Predict the travel of each law at given settings, but for those where no run ends."""
     symbol, unit = next(
         (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path
     )

@@ -23,8 +23,6 @@ from stickslip.selection.design.predictors import (
     sprung,
 )
 
-__all__ = ["Experiment", "design"]
-
 Array = NDArray[np.float64]
 
 SPEEDS = (0.01, 0.03, 0.1, 0.3, 1.0)
@@ -154,33 +152,6 @@ def design(
 
     Those that leave the stroke are left out too, or made shorter and repeated. It is taken to be
     the one of a sine with the record's largest speed: gaining that and losing it takes half of it.
-
-    Parameters
-    ----------
-    candidates : mapping of str to Predictor
-        Those still in question, by name.
-    best : str
-        The candidate that is named.
-    speed : float
-        Largest speed of the record [m/s].
-    force_doubt : callable
-        What the mean of a force [N] is known to after some time [s].
-    length_doubt : float
-        What positions of the record are known to [m].
-    driven : bool
-        Whether the mechanism can be run; not where only friction was measured.
-    turning : bool
-        Whether it turns about an axis: speeds [rad/s], torques [N m] and angles [rad].
-    reach : tuple of float, optional
-        Between which positions the body moves [m]; None where they are not known, so that a run
-        at constant speed says what stroke it takes.
-    sides : sequence of float
-        Signs of the directions that the body can be moved in; no reversal is proposed with one.
-
-    Returns
-    -------
-    tuple of Experiment
-        Experiments, the most telling first.
 
     Examples
     --------

@@ -19,17 +19,6 @@ from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
 from stickslip.simulation import simulate
 
-__all__ = [
-    "Coast",
-    "Predictor",
-    "Presliding",
-    "Reading",
-    "Steady",
-    "error_of",
-    "own_force",
-    "sprung",
-]
-
 Array = NDArray[np.float64]
 
 ROWS = 200
@@ -67,20 +56,7 @@ class Predictor:
         return bound(self.law, self.inputs)
 
     def moved(self, path: str, value: float) -> "Predictor":
-        """Return the candidate with another value of what was fitted.
-
-        Parameters
-        ----------
-        path : str
-            Full path of the parameter.
-        value : float
-            Its other value [SI].
-
-        Returns
-        -------
-        Predictor
-            A copy; the candidate itself if the path is neither of the law nor of the mechanism.
-        """
+        """Return the candidate with another value of what was fitted."""
         room = path.partition(".")[0]
         if room == "friction":
             return replace(self, law=vary(self.law, room, {path: value}))
@@ -97,20 +73,6 @@ def error_of(read: Reading, candidate: Predictor, value: float) -> float:
     """Return the standard error of a prediction, from runs with each parameter one error off.
 
     What the record does not tell is taken to be known to its own size.
-
-    Parameters
-    ----------
-    read : callable
-        Predicts the reading from a candidate.
-    candidate : Predictor
-        The candidate, with standard errors and correlation of its estimates.
-    value : float
-        Its prediction at the estimates.
-
-    Returns
-    -------
-    float
-        Standard error, in the unit of the reading.
     """
     changes = [
         _change(read, candidate, path, min(error, abs(estimate)) if estimate else error, value)
@@ -170,20 +132,7 @@ def _after_long_sliding(law: FrictionLaw, velocity: float, load: float) -> float
 
 
 def own_force(mechanism: Mechanism, velocity: float) -> float:
-    """Return the force of a mechanism on itself at a speed [N]: its damper and its offset.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism; its drive is taken to be 0.
-    velocity : float
-        Velocity of its slip coordinate [m/s].
-
-    Returns
-    -------
-    float
-        Force [N].
-    """
+    """Return the force of a mechanism on itself at a speed [N]: its damper and its offset."""
     slip = slip_of(mechanism)
     at: Mapping[str, float] = defaultdict(float)
     moving: Mapping[str, float] = defaultdict(float, {slip: velocity})

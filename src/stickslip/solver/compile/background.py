@@ -15,8 +15,6 @@ from stickslip.solver.compile.equations_code import EquationsCode
 from stickslip.solver.compile.image_cache import cache_directory, is_writable
 from stickslip.solver.compile.kernels_code import KERNELS
 
-__all__ = ["compile_in_background", "main"]
-
 SWITCH = "STICKSLIP_BACKGROUND"
 """Variable of the environment that forbids the process if it is 0."""
 POLITE = 10
@@ -34,16 +32,6 @@ def compile_in_background(equations: EquationsCode) -> bool:
     The process ends by itself; what it compiled is found in the cache by whoever asks later. There
     is none where the cache cannot be written to, nor in a worker of `multiprocessing`, nor where
     ``STICKSLIP_BACKGROUND`` is 0. One that has failed is not begun again.
-
-    Parameters
-    ----------
-    equations : EquationsCode
-        Equations that are compiled first: those of the run that asks.
-
-    Returns
-    -------
-    bool
-        Whether the process is at work.
     """
     if _begun:
         return _begun[0].poll() is None

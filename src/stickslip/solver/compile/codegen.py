@@ -16,8 +16,6 @@ from stickslip.kernels.equations import (
     LAW_SLOPES_OF,
 )
 
-__all__ = ["numbered", "plain_text"]
-
 LAW_FUNCTIONS = {
     re.compile(r"law_(\d+)"): LAW,
     re.compile(r"law_margins_(\d+)"): LAW_MARGINS,

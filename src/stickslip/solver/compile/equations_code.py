@@ -22,8 +22,6 @@ from stickslip.solver.compile.translation import (
     translated,
 )
 
-__all__ = ["ENTRY", "EquationsCode", "code_of"]
-
 ENTRY = "equations"
 """The function that calls the others by their numbers; no other is seen from outside."""
 TAKEN = (

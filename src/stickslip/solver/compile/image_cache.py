@@ -21,18 +21,6 @@ from typing import TypeAlias
 
 import platformdirs
 
-__all__ = [
-    "Processor",
-    "cache_directory",
-    "common_processor",
-    "has_image",
-    "image_of",
-    "is_writable",
-    "keep_image",
-    "name_of",
-    "processor",
-]
-
 Processor: TypeAlias = tuple[str, str, str]
 """A kind of processor: triple, name and features, as LLVM calls them."""
 HAS_MODES = os.name == "posix"
@@ -76,13 +64,7 @@ def _resolved(folder: Path) -> Path:
 
 
 def _made_folder(folder: Path | None = None) -> Path:
-    """Return a folder, the cache directory if none is given; make it if it is not there.
-
-    Raises
-    ------
-    OSError
-        If it cannot be made, or others may write to it.
-    """
+    """Return a folder, the cache directory if none is given; make it if it is not there."""
     folder = _resolved(folder or cache_directory())
     for part in (*reversed(folder.parents), folder):
         if not part.exists():
@@ -96,16 +78,6 @@ def _trusted(folder: Path) -> Path:
     It belongs to one of them and nobody else may write to it. Nobody else may rename the folders
     above it either, where a group that has this user or root as its only member is nobody else.
     Whose those are is not asked: containers and networks show homes under other owners.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder, links followed.
-
-    Raises
-    ------
-    OSError
-        If it is not there, or another user may write to it.
     """
     if HAS_MODES:
         _refuse_foreign(folder, folder.stat(), OTHERS_WRITE)
@@ -230,20 +202,7 @@ def _seal(name: str, content: bytes) -> bytes:
 
 
 def has_image(name: str, kind: Processor | None = None) -> bool:
-    """Whether there is a file of object code of this name, for a kind of processor.
-
-    Parameters
-    ----------
-    name : str
-        Name of the object code.
-    kind : Processor, optional
-        Kind of processor; that of this process if not given.
-
-    Returns
-    -------
-    bool
-        Whether there is one.
-    """
+    """Whether there is a file of object code of this name, for a kind of processor."""
     try:
         return _image(_trusted(_resolved(cache_directory())), name, kind).exists()
     except OSError:
@@ -251,20 +210,7 @@ def has_image(name: str, kind: Processor | None = None) -> bool:
 
 
 def image_of(name: str, kind: Processor | None = None) -> bytes | None:
-    """Return the object code of a name, unless it is absent, damaged, or may be another's.
-
-    Parameters
-    ----------
-    name : str
-        Name of the object code, which says all that it depends on but the processor.
-    kind : Processor, optional
-        Kind of processor; that of this process if not given.
-
-    Returns
-    -------
-    bytes or None
-        The object code.
-    """
+    """Return the object code of a name, unless it is absent, damaged, or may be another's."""
     try:
         folder = _made_folder()
         path = _image(folder, name, kind)
@@ -280,19 +226,7 @@ def image_of(name: str, kind: Processor | None = None) -> bytes | None:
 
 
 def keep_image(name: str, content: bytes, *, warns: bool, kind: Processor | None = None) -> None:
-    """Keep object code in a file; a folder that cannot be written to is no obstacle.
-
-    Parameters
-    ----------
-    name : str
-        Name of the object code.
-    content : bytes
-        The object code.
-    warns : bool
-        Whether to warn if there is no such file afterwards.
-    kind : Processor, optional
-        Kind of processor; that of this process if not given.
-    """
+    """Keep object code in a file; a folder that cannot be written to is no obstacle."""
     try:
         _write(_image(_made_folder(), name, kind), _seal(name, content) + content)
     except OSError as error:

@@ -37,8 +37,6 @@ from stickslip.solver.compile.translation import (
     translated,
 )
 
-__all__ = ["KERNELS", "KernelsCode"]
-
 KINDS = {"Vector": VECTOR, "Wholes": WHOLES, "float": REAL, "int": WHOLE, "bool": TRUTH}
 """Kinds of values by their annotations."""
 CALLED = {

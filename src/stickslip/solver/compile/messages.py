@@ -4,8 +4,6 @@ import builtins
 import logging
 import sys
 
-__all__ = ["notice"]
-
 LOG = logging.getLogger("stickslip")
 
 

@@ -11,20 +11,9 @@ from stickslip.formulation import Model
 from stickslip.kernels import entries
 from stickslip.solver.compile.codegen import numbered, plain_text
 from stickslip.solver.compile.equations_code import code_of
-from stickslip.solver.compile.image_cache import cache_directory, name_of
+from stickslip.solver.compile.image_cache import name_of
 from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.messages import notice
-
-__all__ = [
-    "Tier",
-    "cache_directory",
-    "is_loaded",
-    "load",
-    "load_compiled",
-    "object_files",
-    "plain_equations",
-    "waiting",
-]
 
 Equation: TypeAlias = Callable[[int, int, float, Any, int, int], None]
 
@@ -87,16 +76,6 @@ def load_compiled(model: Model) -> Tier:
 
     The first process of all compiles the kernels, which takes some seconds; equations take
     hundredths of a second.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-
-    Returns
-    -------
-    Tier
-        The functions of the kernels, and the addresses of what they call.
     """
     waiting()
     KERNELS.load()
@@ -106,20 +85,7 @@ def load_compiled(model: Model) -> Tier:
 
 
 def object_files(model: Model, *, common: bool) -> dict[str, bytes]:
-    """Return the machine code of a model and of the kernels as files that a linker takes.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    common : bool
-        Whether it runs on all processors of this platform, or else on those like this one.
-
-    Returns
-    -------
-    dict of str to bytes
-        Object code by file name: the entries of the kernels, and ``equations``.
-    """
+    """Return the machine code of a model and of the kernels as files that a linker takes."""
     waiting(common=common)
     return {
         "kernels.o": KERNELS.image(common=common),
@@ -138,12 +104,6 @@ def is_loaded(model: Model) -> bool:
 
 
 def waiting(*, common: bool = False) -> None:
-    """Tell who watches that the kernels have to be compiled, and how long it takes.
-
-    Parameters
-    ----------
-    common : bool, optional
-        Whether for all processors of this platform, or else for this one.
-    """
+    """Tell who watches that the kernels have to be compiled, and how long it takes."""
     if not KERNELS.is_kept(common=common) and (common or not KERNELS.is_ready()):
         notice(f"Compiling {KERNELS.title} (about {KERNELS.seconds:.0f} s, once) ...")

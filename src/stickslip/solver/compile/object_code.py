@@ -25,8 +25,6 @@ from stickslip.solver.compile.image_cache import (
     processor,
 )
 
-__all__ = ["ObjectCode", "maker"]
-
 LONG = 1.0
 """Time for compiling [s] that nobody should spend in each process without being told."""
 _LOCK = threading.RLock()
@@ -90,18 +88,7 @@ class ObjectCode(ABC):
             return compiled
 
     def image(self, *, common: bool) -> bytes:
-        """Return the object code itself, which a linker takes.
-
-        Parameters
-        ----------
-        common : bool
-            Whether it runs on all processors of this platform, or else on those like this one.
-
-        Returns
-        -------
-        bytes
-            A relocatable object file that may lie anywhere in memory.
-        """
+        """Return the object code itself, which a linker takes."""
         with _LOCK:
             return self._image(common_processor() if common else None)[0]
 

@@ -17,8 +17,6 @@ from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.modules import waiting
 from stickslip.solver.compile.object_code import ObjectCode
 
-__all__ = ["Progress", "WarmUp", "warm_up"]
-
 Progress = Callable[[int, int, str], object]
 
 

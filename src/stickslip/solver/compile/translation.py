@@ -16,20 +16,6 @@ from typing import TypeAlias, final
 
 from stickslip.errors import CompilationError
 
-__all__ = [
-    "FUNCTIONS",
-    "REAL",
-    "TRUTH",
-    "VECTOR",
-    "WHOLE",
-    "WHOLES",
-    "Function",
-    "Signature",
-    "call_by_address",
-    "exported",
-    "translated",
-]
-
 WHOLE, REAL, TRUTH = "i64", "double", "i1"
 VECTOR, WHOLES = "vector", "wholes"
 """Kinds of values: numbers by LLVM's names, and vectors, which are a place and a length."""
@@ -139,23 +125,7 @@ class Function:
 
 
 def translated(functions: Iterable[Function]) -> str:
-    """Return the definitions of functions, and the declarations of what they use.
-
-    Parameters
-    ----------
-    functions : iterable of Function
-        All functions of a module.
-
-    Returns
-    -------
-    str
-        Text for LLVM, which says nothing of a processor. All functions are internal.
-
-    Raises
-    ------
-    CompilationError
-        If a function has anything that is outside the subset of Python.
-    """
+    """Return the definitions of functions, and the declarations of what they use."""
     parts, tables, used = [], dict[str, str](), set[str]()
     for function in functions:
         body = _Body(function, tables)
@@ -175,20 +145,7 @@ def translated(functions: Iterable[Function]) -> str:
 
 
 def exported(name: str, signature: Signature) -> str:
-    """Return a function that is seen from outside and calls another with what it is given.
-
-    Parameters
-    ----------
-    name : str
-        Name by which it is found.
-    signature : Signature
-        The function that it calls.
-
-    Returns
-    -------
-    str
-        Its definition.
-    """
+    """Return a function that is seen from outside and calls another with what it is given."""
     taken, given = _parameters(signature), _passed(_arguments(signature))
     call = f"call {signature.result} @{signature.symbol}({given})"
     if signature.result == "void":
@@ -199,20 +156,7 @@ def exported(name: str, signature: Signature) -> str:
 
 
 def call_by_address(signature: Signature, passed: Sequence[str]) -> str:
-    """Return a function that calls another by an address, the bits of a number in a vector.
-
-    Parameters
-    ----------
-    signature : Signature
-        What it takes: first the vector and the place in it of the address.
-    passed : sequence of str
-        Names of those parameters that it passes on, in their order.
-
-    Returns
-    -------
-    str
-        Its definition.
-    """
+    """Return a function that calls another by an address, the bits of a number in a vector."""
     (vector, _), (place, _) = signature.parameters[:2]
     given = {value.text.removeprefix("%"): value for value in _arguments(signature)}
     return "\n".join(

@@ -18,8 +18,6 @@ from stickslip.plots.animation.scenes.shapes import (
     Word,
 )
 
-__all__ = ["Extent", "Scales", "extent_of", "joined", "nice", "scales_of"]
-
 LONGEST: Final = 0.32
 """Length of the largest force of a run over the size of the mechanism."""
 WALL: Final = 0.03
@@ -61,18 +59,6 @@ class Scales(NamedTuple):
 def extent_of(shapes: Iterable[Shape], scales: Scales | None = None) -> Extent:
     """Return the box around shapes; around their arrows too if there are scales.
 
-    Parameters
-    ----------
-    shapes : iterable of Shape
-        The shapes.
-    scales : Scales, optional
-        Scales of the arrows; arrows are left out if not given.
-
-    Returns
-    -------
-    Extent
-        The smallest box around them.
-
     Examples
     --------
     >>> extent_of([Ball(centre=(0.0, 1.0), radius=0.1)])
@@ -91,18 +77,6 @@ def joined(extents: Sequence[Extent]) -> Extent:
 
 def scales_of(moments: Sequence[Sequence[Shape]], size: float) -> Scales:
     """Return scales with which the largest force is about a third of the mechanism.
-
-    Parameters
-    ----------
-    moments : sequence of sequence of Shape
-        Shapes of each moment.
-    size : float
-        Size of the mechanism [m].
-
-    Returns
-    -------
-    Scales
-        Scales of forces and torques; 0 where there are none.
 
     Examples
     --------

@@ -6,26 +6,12 @@ from stickslip.mechanisms import Mechanism
 from stickslip.plots.animation.scenes.shapes import Box, Fill, Moment, Picture, Rod, Shape, Word
 from stickslip.trajectory import Trajectory
 
-__all__ = ["bars"]
-
 HALF = 1.0
 """Length of the bar of the largest value."""
 
 
 def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
     """Return bars for the states, each over its largest value in the run.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism that has no scene of its own.
-    run : Trajectory
-        The run, whose largest values set the scales.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
 
     Examples
     --------

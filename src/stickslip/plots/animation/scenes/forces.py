@@ -4,8 +4,6 @@ from typing import Final
 
 from stickslip.plots.animation.scenes.shapes import Arrow, Moment, Shape
 
-__all__ = ["TALL", "standing_forces"]
-
 TALL: Final = 0.6
 """Height of a block over its length."""
 
@@ -13,26 +11,7 @@ TALL: Final = 0.6
 def standing_forces(
     now: Moment, x: float, width: float, *, normal: bool, contact: str = ""
 ) -> list[Shape]:
-    """Return friction and normal force where a body stands on the ground at y = 0.
-
-    Parameters
-    ----------
-    now : mapping of str to float
-        The moment.
-    x : float
-        Where it stands [m].
-    width : float
-        Its width [m].
-    normal : bool
-        Whether the normal force is shown.
-    contact : str
-        Name of the contact where there are several.
-
-    Returns
-    -------
-    list of Shape
-        The arrows.
-    """
+    """Return friction and normal force where a body stands on the ground at y = 0."""
     of = f":{contact}" if contact else ""
     friction, load = now.get(f"friction{of}", 0.0), now.get(f"normal_force{of}", 0.0)
     found: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]

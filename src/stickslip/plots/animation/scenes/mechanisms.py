@@ -43,8 +43,6 @@ from stickslip.plots.animation.scenes.shapes import (
 )
 from stickslip.trajectory import Trajectory
 
-__all__ = ["SCENES"]
-
 
 def _range(seen: Trajectory, name: str) -> float:
     return float(np.ptp(seen[name]))
@@ -79,20 +77,7 @@ def _effort(motor: Motor, now: Moment, column: str) -> float:
 
 
 def spring_block(mechanism: SpringBlock, run: Trajectory) -> Picture:
-    """Return the block and the spring that shoots it off; `x` is the face that the spring meets.
-
-    Parameters
-    ----------
-    mechanism : SpringBlock
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets the size of what has no length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the block and the spring that shoots it off; `x` is the face that the spring meets."""
     x_0 = mechanism.compression
     side = -1.0 if x_0 < 0 else 1.0
     size = 0.35 * max(abs(x_0), 0.5 * _range(run, "x")) or 0.1
@@ -139,20 +124,7 @@ def _stops(lower: float | None, upper: float | None, left: float, size: float) -
 
 
 def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
-    """Return the block, its spring and the far end that pulls; its natural length is ours.
-
-    Parameters
-    ----------
-    mechanism : TowedBlock
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets the size of what has no length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the block, its spring and the far end that pulls; its natural length is ours."""
     stretch = mechanism.speed * run.t - run["x"]
     side = -1.0 if mechanism.speed < 0 else 1.0
     most = float(np.max(np.abs(stretch))) or 0.1
@@ -183,20 +155,7 @@ def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
 
 
 def axis(mechanism: Axis, run: Trajectory) -> Picture:
-    """Return a carriage on its rail; `x` is its middle.
-
-    Parameters
-    ----------
-    mechanism : Axis
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets the size of what has no length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return a carriage on its rail; `x` is its middle."""
     reach = float(np.max(np.abs(run["x"]), initial=0.0))
     size = 0.35 * max(_range(run, "x"), 0.3 * reach) or 0.1
     foot = -1.6 * reach - 1.5 * size
@@ -220,20 +179,7 @@ def axis(mechanism: Axis, run: Trajectory) -> Picture:
 
 
 def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
-    """Return motor and load on a rail with what joins them; its length is for the eye.
-
-    Parameters
-    ----------
-    mechanism : TwoMassAxis
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets the size of what has no length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return motor and load on a rail with what joins them; its length is for the eye."""
     reach = max(_range(run, "x"), _range(run, "other"))
     stretch = float(np.max(np.abs(run["x"] - run["other"]), initial=0.0))
     size = 0.25 * max(reach, stretch) or 0.1
@@ -281,20 +227,7 @@ def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
 
 
 def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
-    """Return the rod that hangs from its pivot at (0, 0), which rubs.
-
-    Parameters
-    ----------
-    mechanism : Pendulum
-        What is drawn, with its lengths [m].
-    _seen : Trajectory
-        The run; not used, as the mechanism has a length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the rod that hangs from its pivot at (0, 0), which rubs."""
     l, bob = mechanism.length, 0.09 * mechanism.length  # noqa: E741  # the symbol of PHYSICS
 
     def shapes(now: Moment) -> list[Shape]:
@@ -320,18 +253,6 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
 
     The wheelbase, the height of the pivot and the rod are those of the mechanism; a cart without
     wheelbase or height is given some for the eye.
-
-    Parameters
-    ----------
-    mechanism : PendulumCart
-        What is drawn, with its lengths [m].
-    _seen : Trajectory
-        The run; not used, as the mechanism has a length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
     """
     l = mechanism.length  # noqa: E741  # the symbol of PHYSICS
     rubs = mechanism.pivot_load is not None
@@ -399,20 +320,7 @@ def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]
 
 
 def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
-    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles.
-
-    Parameters
-    ----------
-    mechanism : Capsule
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets the size of what has no length.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
     places = [float(np.abs(run["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
     reach = max(places) or 0.1

@@ -11,8 +11,6 @@ from stickslip.plots.animation.scenes.fallback import bars
 from stickslip.plots.animation.scenes.mechanisms import SCENES
 from stickslip.plots.animation.scenes.shapes import Scene
 
-__all__ = ["scene_of"]
-
 GROUP = "stickslip.scenes"
 
 

@@ -30,8 +30,6 @@ from stickslip.plots.animation.scenes.shapes import (
 from stickslip.plots.core.theme import C2, C3, C4, INK, MUTED, SLIP_BACK, STICK, SURFACE
 from stickslip.trajectory import UNLOADED
 
-__all__ = ["MODE_COLOURS", "ROLE_COLOURS", "artists_of"]
-
 MODE_COLOURS: Final = MappingProxyType(
     {0: STICK, 2: STICK, -2: STICK, 1: SURFACE, -1: SLIP_BACK, UNLOADED: "none"}
 )
@@ -69,24 +67,7 @@ class _Brush:
 def artists_of(
     axes: Axes, shapes: Sequence[Shape], modes: Mapping[str, int], scales: Scales
 ) -> list[Artist]:
-    """Return shapes as matplotlib artists of axes whose limits are set, from back to front.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where they are added.
-    shapes : sequence
-        What is to be seen.
-    modes : mapping of str to int
-        Modes by contact, as in ``run["mode:elbow"]``; that of the only one under an empty name.
-    scales : Scales
-        What arrows mean.
-
-    Returns
-    -------
-    list of matplotlib.artist.Artist
-        All of them, added to the axes.
-    """
+    """Return shapes as matplotlib artists of axes whose limits are set, from back to front."""
     brush = _Brush(axes, modes, scales)
     found: list[Artist] = []
     for order, shape in enumerate(shapes):

@@ -37,8 +37,6 @@ from stickslip.plots.animation.scenes.shapes import (
 )
 from stickslip.trajectory import Trajectory
 
-__all__ = ["SEVERAL"]
-
 SIDEWAYS: Final = (0.87, 0.5, 0.0)
 """Where the axes of the ground point to the right in pictures of robots, seen from the front."""
 UPWARDS: Final = (-0.17, 0.3, 0.94)
@@ -55,18 +53,6 @@ def block_chain(mechanism: BlockChain, run: Trajectory) -> Picture:
     """Return the blocks in their row and the springs between them; distances are for the eye.
 
     Places are those on the belt, which is drawn at rest.
-
-    Parameters
-    ----------
-    mechanism : BlockChain
-        What is drawn.
-    run : Trajectory
-        The run, whose range of motion sets the size of the blocks.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
     """
     names = mechanism.coordinates
     contacts = [one.name for one in mechanism.contacts()]
@@ -93,20 +79,7 @@ def block_chain(mechanism: BlockChain, run: Trajectory) -> Picture:
 
 
 def clutch_train(mechanism: ClutchTrain, _seen: Trajectory) -> Picture:
-    """Return the rotors side by side, seen along their axes, with linings between them.
-
-    Parameters
-    ----------
-    mechanism : ClutchTrain
-        What is drawn; areas of rotors are as their inertias.
-    _seen : Trajectory
-        The run; not used.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the rotors side by side, seen along their axes, with linings between them."""
     largest = max(rotor.inertia for rotor in mechanism.rotors)
     radii = [max(math.sqrt(rotor.inertia / largest), 0.35) for rotor in mechanism.rotors]
 
@@ -151,20 +124,7 @@ def _lining(centre: Point, contact: str, now: Moment) -> list[Shape]:
 
 
 def disc_brake(mechanism: DiscBrake, _seen: Trajectory) -> Picture:
-    """Return the disc with its pads, each at its radius.
-
-    Parameters
-    ----------
-    mechanism : DiscBrake
-        What is drawn.
-    _seen : Trajectory
-        The run; not used, as the pads have their radii.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the disc with its pads, each at its radius."""
     outer = 1.25 * max(pad.radius for pad in mechanism.pads)
     several = len(mechanism.pads) > 1
     turns = [0.5 * math.pi + 2.0 * math.pi * i / len(mechanism.pads) for i in
@@ -189,20 +149,7 @@ def disc_brake(mechanism: DiscBrake, _seen: Trajectory) -> Picture:
 
 
 def two_feet(mechanism: TwoFeet, run: Trajectory) -> Picture:
-    """Return the body on its feet; the length of the spring is for the eye.
-
-    Parameters
-    ----------
-    mechanism : TwoFeet
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose range of motion sets where the spring begins.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
-    """
+    """Return the body on its feet; the length of the spring is for the eye."""
     width = mechanism.front + mechanism.rear
     centre = mechanism.height or 0.4 * width
     foot = 0.06 * width
@@ -236,18 +183,6 @@ def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
     Arms in a plane are drawn in it, with torques at their joints; robots are seen from the front,
     from above, in a parallel projection. The last link ends at twice the distance of its centre of
     mass, unless it says how long it is.
-
-    Parameters
-    ----------
-    mechanism : SerialArm, TwoLinkArm or Robot
-        What is drawn, with its lengths [m].
-    run : Trajectory
-        The run, whose motion sets the size of the joints.
-
-    Returns
-    -------
-    Picture
-        A function that gives the shapes at a moment.
     """
     bodies = mechanism.bodies()
     contacts = [one.name for one in mechanism.contacts()]

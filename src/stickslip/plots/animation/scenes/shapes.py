@@ -10,26 +10,6 @@ from stickslip.described import Described
 from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "Arrow",
-    "Ball",
-    "Box",
-    "Coil",
-    "Drawn",
-    "Fill",
-    "Ground",
-    "Moment",
-    "Picture",
-    "Point",
-    "Rod",
-    "Role",
-    "Scene",
-    "Shape",
-    "Turn",
-    "Wall",
-    "Word",
-]
-
 Point: TypeAlias = tuple[float, float]
 Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
 """``"mode"``: the colour of stick or slip, for the body that rubs."""

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 
-__all__ = ["Path", "displaced", "follow"]
-
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
@@ -66,20 +64,7 @@ class Path:
     """Contact inputs at the samples (n,), by name."""
 
     def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
-        """Return a law that sees the contact inputs of some samples (k, 1).
-
-        Parameters
-        ----------
-        law : FrictionLaw
-            The law.
-        rows : array of int (k,) or slice
-            The samples; all if not given.
-
-        Returns
-        -------
-        FrictionLaw
-            The law itself if it asks for none.
-        """
+        """Return a law that sees the contact inputs of some samples (k, 1)."""
         return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
 
     def chunks(self) -> tuple[Array, ...]:
@@ -112,24 +97,6 @@ def follow(
 
     Within a step the velocity is constant, so that laws which know displacement only see the
     measured one exactly.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
-    path : Path
-        The motion.
-    start : array (bristles, copies)
-        States at the first sample.
-    guess : array (bristles, n), optional
-        States of a similar law at the samples, near which those of this one are looked for.
-    mismatch : float
-        Mismatch at joints over the largest deflection that is none.
-
-    Returns
-    -------
-    array (bristles, n, copies)
-        States at the samples; not finite where they cannot be found.
 
     Examples
     --------
@@ -168,22 +135,6 @@ def follow(
 def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array:
     """Return bristle states after a small displacement, made so slowly that only its way counts.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
-    states : array (bristles, n, copies)
-        States before.
-    load : array (n, 1)
-        Normal forces [N].
-    way : float
-        The displacement [m].
-
-    Returns
-    -------
-    array (bristles, n, copies)
-        States after.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -198,6 +149,30 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
     if known is not None:
         return known
     found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
+    return found
+
+
+def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Array:
+    """Return the least bristle states at the first sample of a path that a force can come from.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> at_rest = Path(time=np.zeros(1), velocity=np.zeros(1), load=np.ones(1), travel=np.zeros(0))
+    >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
+    >>> balancing(law, at_rest, 0.25, 1), balancing(law, at_rest, 4.0, 1)
+    (array([[0.00025]]), array([[0.0005]]))
+    """
+    law = bound(law, {name: float(path.inputs[name][0]) for name in law.inputs})
+    v, n, size = float(path.velocity[0]), float(path.load[0]), 1e-6
+    unbent = law.force(v, n, (0.0,) * bristles)
+    moved = [
+        law.force(v, n, tuple(size * (k == i) for i in range(bristles))) for k in range(bristles)
+    ]
+    slope = np.array([np.atleast_1d((one - unbent) / size) for one in moved])
+    level = law.break_away(n)
+    wanted = np.clip(force, -level, level) - unbent
+    found: Array = slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300)
     return found
 
 
