@@ -21,18 +21,7 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
 def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
     """Return how many standard errors the losses of a candidate lie above those of another.
 
-    Parameters
-    ----------
-    other : RecordCandidate
-        A candidate.
-    best : RecordCandidate
-        The candidate it is compared with.
-
-    Returns
-    -------
-    float or None
-        As by `stickslip.selection.choice.apart`; None if the blocks cannot be paired, or all ratios
-        are equal.
+    None if the blocks cannot be paired, or all ratios are equal.
     """
     if other.validation is None or best.validation is None:
         return None
