@@ -40,20 +40,13 @@ RESULTS = "friction_tables.jsonl"
 AXIS = Axis(inertia=1.0)
 Curve: TypeAlias = Callable[[Array], Array]
 BAD = (
-    "few",
-    "sparse",
-    "repeats",
-    "decades",
-    "outlier",
-    "understated",
-    "overstated",
-    "falling",
+    "few", "sparse", "repeats", "decades", "outlier", "understated", "overstated", "falling",
     "frictionless",
-)
-"""Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are measured
-once to three times; over four decades; with one reading that is wrong by ten times the noise; with
-a stated uncertainty three times too small or too large; of the falling branch of a Stribeck curve
-alone; of noise alone."""
+)  # fmt: skip
+"""Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are
+measured once to three times; over four decades; with one reading that is wrong by ten times the
+noise; with a stated uncertainty three times too small or too large; of the falling branch of a
+Stribeck curve alone; of noise alone."""
 
 
 def _of(one: FrictionLaw) -> Curve:

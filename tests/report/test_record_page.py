@@ -225,7 +225,7 @@ def test_a_table_of_friction_has_a_map_but_nothing_in_time(table_verdict):
     assert "The record. " not in text
     assert "Prediction errors." not in text
     assert "last third" not in text
-    assert "are assigned to 8 blocks in turn" in text
+    assert "are assigned to 20 blocks in turn" in text
     assert all(math.isfinite(c.score) for c in table_verdict.candidates)
 
 

@@ -112,8 +112,8 @@ def select_rate_state(
     """Select a law for friction while a load point is pulled with steps of its speed.
 
     Each law is fitted to the whole record, and judged on every step by a fit that has not seen it;
-    on parts of the record where there is one step only. A richer law has to be established over
-    those that it contains, as for records.
+    on parts of the record where there is one step only. Of the laws that predict as well as the
+    best, the one with the fewest parameters is named, as for records.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     """Return why a fit may not be taken, in words; empty if it may.
 
     Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
-    only where the law is not established over simpler ones (`shown`): that of one of several
+    only where the law does not predict better than simpler ones (`shown`): that of one of several
     correlated parameters is wide though all of them are needed together.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []

@@ -99,7 +99,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
     if as_good(c, best):
         if more > 0:
             return f"{count(more, 'more parameter')}, no significant improvement"
-        return NOT_DISTINGUISHED
+        return f"{'reference, ' if c.name == REFERENCE else ''}{NOT_DISTINGUISHED}"
     if c.name == REFERENCE:
         return "reference"
     if best.score <= 0.0:  # numbers that a law made, without noise
@@ -112,8 +112,9 @@ def equals_of(
 ) -> list[RecordCandidate]:
     """Return the laws that held-out blocks do not tell from the one that is taken, the best first.
 
-    Not those that are this law at their values, nor those with more parameters, an objection and no
-    smaller error: with a part more that nothing asks for, any law predicts alike.
+    Not those that are this law at their values, nor those with more parameters, an objection and
+    neither a smaller error nor a smaller criterion of Akaike: with a part more that nothing asks
+    for, any law predicts alike.
     """
     found = [
         c
@@ -121,7 +122,10 @@ def equals_of(
         if c.name != best.name and c.fit and best.name not in c.is_simpler
         if not c.fit.search_failure and not c.refuted
         if as_good(c, best)
-        if not c.dropped or c.score < best.score or c.parameters < best.parameters
+        if not c.dropped
+        or c.score < best.score
+        or c.parameters < best.parameters
+        or c.aic < best.aic
     ]
     return sorted(found, key=lambda c: c.score)
 

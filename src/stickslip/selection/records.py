@@ -659,7 +659,7 @@ def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> S
 def _objected(
     candidate: RecordCandidate, scored: Sequence[RecordCandidate], uncertainty: float
 ) -> RecordCandidate:
-    """Return a candidate without objections that an F test over simpler laws has answered."""
+    """Return a candidate without objections that its predictions have answered."""
     assert candidate.fit is not None
     if (
         candidate.dropped

@@ -113,8 +113,8 @@ def _how(verdict: RecordVerdict) -> str:
     plan = verdict.plan
     if not plan.length:
         return (
-            f"The rows of the table are assigned to {plan.folds} blocks in turn, so that each"
-            " covers all speeds. Every candidate is fitted to the other blocks and predicts the"
+            f"The speeds of the table are assigned to {plan.folds} blocks in turn, all readings at"
+            " one speed to the same. Every candidate is fitted to the other blocks and predicts the"
             " friction force in the held-out block."
         )
     gap = f"with a gap of {quantity(plan.gap, 's', 2)}" if plan.gap > 0.0 else "without a gap"
@@ -142,8 +142,8 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        f"Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of those"
-        " of the law with the lowest error, or whose error is within"
+        f"Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of"
+        " those of the law with the lowest error, or whose error is within"
         f" {percent(ALIKE)} of it, the one with the"
         " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
         f" {number(APART)} standard errors are not told apart. "
