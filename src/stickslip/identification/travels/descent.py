@@ -140,4 +140,5 @@ def _steps(
     solved = np.linalg.solve(normal + added[:, :, None] * np.eye(len(low)), downhill[:, :, None])
     steps: Array = solved[:, :, 0]
     longest = np.max(np.abs(steps), axis=1, keepdims=True)
-    return steps * np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))
+    shorter: Array = steps * np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))
+    return shorter
