@@ -4,9 +4,9 @@
 a run that was killed goes on where it was. Rigs are a block on a spring that it leaves, one that
 stays fastened and swings before it rests, an axis that is pushed and a capsule, in turn; truths are
 those of `TRUTHS`, of which the last two are not among the candidates. A rig has three to eight
-settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges fastened blocks with
-Coulomb friction alone, three travels each. ``--fault 0.05`` gives selection a stiffness, inertia or
-drive that is wrong by this share.
+settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges fastened
+blocks with Coulomb friction alone, three travels each. ``--fault 0.05`` gives selection a
+stiffness, inertia or drive that is wrong by this share.
 
 A verdict is *right* if it names the true law, or says that the readings do not tell it from the one
 named, or names none, or names one that predicts as well: its error on noise-free travels at

@@ -124,7 +124,7 @@ def near_each_other():
     """Return travels that levels of 0.4, 0.4 / 3 and 0.4 / 5 give alike: 1, 3 and 5 half swings."""
     truth = Coulomb(kinetic_coefficient=0.4)
     settings = (0.036, 0.038, 0.042)
-    return readings(truth, settings, rig=FASTENED, errors=(0.0, 0.0, 0.0), uncertainty=5e-4)
+    return readings(truth, settings, rig=FASTENED, errors=(0.0, 0.0, 0.0), uncertainty=1e-4)
 
 
 def test_three_travels_of_a_fastened_block_are_given_all_levels_that_explain_them():
