@@ -138,6 +138,7 @@ def test_three_travels_of_a_fastened_block_are_given_all_levels_that_explain_the
         assert low < one < high < 1.1 * low
     assert (level.low, level.high) == (level.pieces[0][0], level.pieces[-1][1])
     assert " or " in level.range
+    assert "Other values of mu_k explain the travels as well" in found.told_apart[0]
 
 
 def test_a_level_that_is_one_of_several_is_not_stated():
