@@ -1,19 +1,19 @@
 """Random rigs with known friction: is what a selection states about a few travels true?
 
-``nice python -m benchmarks.travel_truth --rigs 200 --seed 1``; results are appended to a file line
-by line, and a run that was killed goes on where it was. Rigs are a block on a spring that it leaves,
-one that stays fastened and swings before it rests, an axis that is pushed and a capsule, in turn;
-truths are those of `TRUTHS`, of which the last two are not among the candidates. A rig has three to
-eight settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges 40
-fastened blocks with Coulomb friction alone. ``--fault 0.05`` gives selection a stiffness, inertia or
-drive that is wrong by this share.
+``nice python -m benchmarks.travel_truth --rigs 200 --seed 1``; results are appended to a file, and
+a run that was killed goes on where it was. Rigs are a block on a spring that it leaves, one that
+stays fastened and swings before it rests, an axis that is pushed and a capsule, in turn; truths are
+those of `TRUTHS`, of which the last two are not among the candidates. A rig has three to eight
+settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges fastened
+blocks with Coulomb friction alone, three travels each. ``--fault 0.05`` gives selection a
+stiffness, inertia or drive that is wrong by this share.
 
 A verdict is *right* if it names the true law, or says that the readings do not tell it from the one
 named, or names none, or names one that predicts as well: its error on noise-free travels at
 settings that were not measured, within the measured range and up to 1.5 times beyond it, is at most
 one standard error of a reading. It is a *false certainty* if the law that it names is not right, or
-if a parameter of the law that is named, which the truth has too, lies outside of the stated interval
-by more than half its width (four standard errors).
+if a parameter of the law that is named, which the truth has too, lies outside of the stated
+interval by more than half its width (four standard errors).
 """
 
 import argparse
@@ -348,7 +348,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         width = np.median([one["half"] for one in part])
         yield f"  {path:40}{share([one['held'] for one in part])}; median half width {width:.1%}"
     times = [row["seconds"] for row in rows]
-    yield f"processor time of a selection: median {np.median(times):.1f} s, largest {max(times):.1f} s"
+    yield f"processor time: median {np.median(times):.1f} s, largest {max(times):.1f} s"
     for row in rows:
         if row["false"] or not row["right"]:
             far = "; ".join(

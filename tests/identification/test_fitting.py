@@ -18,7 +18,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
-from stickslip.identification.estimation.root_search import positive_root, positive_roots
+from stickslip.identification.estimation.root_search import positive_root
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
@@ -134,7 +134,7 @@ def test_a_function_whose_values_have_a_product_of_zero_has_no_root_unless_its_s
 
 
 def test_a_root_at_a_point_of_the_search_is_found_once():
-    assert positive_roots(lambda x: x - 1.3, 1.0) == pytest.approx((1.3,))
+    assert positive_root(lambda x: x - 1.3, 1.0) == pytest.approx(1.3)
 
 
 @pytest.mark.parametrize("travel", [-1e29, 1e-29, 1e29])

@@ -111,7 +111,80 @@ def test_a_stribeck_step_that_matters_is_fitted_where_the_settings_pay_for_it():
     verdict = select(RIG, ["coulomb", "coulomb-viscous", "stribeck"], readings(truth, settings))
     assert verdict.best.name == "stribeck"
     assert verdict.best.invented == ()
-    assert len(verdict.best.fit.estimates) == 3
+    found = {e.path.rpartition(".")[2]: e for e in verdict.best.fit.estimates}
+    assert set(found) >= {"kinetic_coefficient", "static_coefficient", "stribeck_velocity"}
+    # the slope that the law has by default, 0, is not known either: six settings pay for it too
+    assert found["viscous_coefficient"].low == 0.0
+
+
+FASTENED = SpringBlock(mass=1.0, stiffness=200.0, compression=0.1, attached=True)
+
+
+def near_each_other():
+    """Return travels that levels of 0.4, 0.4 / 3 and 0.4 / 5 give alike: 1, 3 and 5 half swings."""
+    truth = Coulomb(kinetic_coefficient=0.4)
+    settings = (0.036, 0.038, 0.042)
+    return readings(truth, settings, rig=FASTENED, errors=(0.0, 0.0, 0.0), uncertainty=1e-4)
+
+
+def test_three_travels_of_a_fastened_block_are_given_all_levels_that_explain_them():
+    found = fit(FASTENED, Coulomb, near_each_other())
+    (level,) = found.estimates
+    # half swings shorten the amplitude by 2 mu m g / k each, and leave the same way for odd numbers
+    expected = sorted(0.4 / n for n in (1, 3, 5))
+    assert sorted((level.value, *found.others)) == pytest.approx(expected, rel=1e-3)
+    assert len(level.pieces) == 3
+    for one, (low, high) in zip(expected, level.pieces, strict=True):
+        assert low < one < high < 1.1 * low
+    assert (level.low, level.high) == (level.pieces[0][0], level.pieces[-1][1])
+    assert " or " in level.range
+    assert "Other values of mu_k explain the travels as well" in found.told_apart[0]
+
+
+def test_a_level_that_is_one_of_several_is_not_stated():
+    verdict = select(FASTENED, PLAIN, near_each_other())
+    assert verdict.best.name == "coulomb"
+    assert "$mu_k$ =" not in verdict.sentence
+    assert not any("mu_k" in line for line in verdict.words.settles)
+    assert any("these readings do not tell which" in line for line in verdict.words.cannot_tell)
+
+
+def test_the_interval_of_the_best_law_holds_what_laws_that_are_not_ruled_out_say():
+    verdict = select(RIG, SET_VALUED, readings(COULOMB, THREE))
+    alone = fit(RIG, Coulomb, readings(COULOMB, THREE)).estimates[0]
+    level = verdict.best.fit.estimate("kinetic_coefficient")
+    others = [c for c in verdict.candidates if not c.distinguished]
+    assert others
+    assert level.low < alone.low
+    for other in others:
+        same = other.fit.estimate("kinetic_coefficient")
+        assert level.low <= same.low
+        assert same.high <= level.high
+
+
+def test_a_slope_that_is_zero_by_default_does_not_count_as_known():
+    settings = (0.08, 0.12)
+    truth = Stribeck(
+        kinetic_coefficient=0.2,
+        static_coefficient=0.22,
+        stribeck_velocity=0.02,
+        viscous_coefficient=0.8,
+    )
+    given = dataclasses.replace(truth, viscous_coefficient=0.0)
+    verdict = select(RIG, {"stribeck": given}, readings(truth, settings))
+    (candidate,) = verdict.candidates
+    level = candidate.fit.estimate("kinetic_coefficient")
+    assert level.low <= 0.2 <= level.high
+    assert candidate.influence["viscous_coefficient"] > 1e-3
+
+
+def test_no_law_is_named_where_only_values_that_nobody_measured_explain_the_travels():
+    truth = Stribeck(kinetic_coefficient=0.15, static_coefficient=0.3, stribeck_velocity=0.4)
+    verdict = select(RIG, [*PLAIN, "stribeck"], readings(truth, THREE))
+    assert verdict.best is None
+    assert verdict.sentence == "These readings cannot tell which friction law holds."
+    assert "Stribeck friction explains them" in verdict.words.lede
+    assert "5 settings or more" in verdict.words.measure_next[0]
 
 
 def test_without_a_stated_uncertainty_it_is_estimated_with_its_degrees_of_freedom():

@@ -10,7 +10,6 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import (
     NO_VALUE,
     Scale,
-    interval,
     quantity,
     scale_of,
     significant,
@@ -149,7 +148,7 @@ def _row(
             f"{e.quantity.symbol} = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
             for e in found
         ),
-        ", ".join(interval(e.low, e.high) for e in found),
+        ", ".join(e.range for e in found),
         with_unit(significant(scale.factor * candidate.criteria.travel), scale.unit),
         *([] if first is None else [first.as_read(candidate.criteria.travel)]),
         "yes" if candidate.criteria.velocity_never_negative else "no",

@@ -1,4 +1,4 @@
-"""Roots of one unknown on a positive axis."""
+"""A root of one unknown on a positive axis."""
 
 import math
 from collections.abc import Callable
@@ -9,8 +9,6 @@ from stickslip.errors import SimulationError
 
 STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
-NEAR = 2.5
-"""How far from the start all roots are looked for, as a factor."""
 REACH = 4096.0
 """How far the search for a first root goes, as a factor. Beyond it laws only get stiff."""
 
@@ -32,41 +30,21 @@ def positive_root(
     >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
     1.414213562
     """
-    found = _search(function, start, low, high, reach, enough=1.0)
-    return found[0] if found else None
+    found = _search(function, start, low, high, reach)
+    return min(
+        found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9, default=None
+    )
 
 
-def positive_roots(
-    function: Function,
-    start: float,
-    *,
-    low: float = 0.0,
-    high: float = math.inf,
-) -> tuple[float, ...]:
-    """Return the roots near `start`, the nearest first; farther ones only if there is none near.
-
-    The search goes outwards from `start` by a factor, so it needs no scale. Points at which the
-    function cannot be evaluated are passed over.
-
-    Examples
-    --------
-    >>> [round(root, 6) for root in positive_roots(lambda x: (x - 1.0) * (x - 2.0), 1.1)]
-    [1.0, 2.0]
-    """
-    return _search(function, start, low, high, REACH, enough=NEAR)
-
-
-def _search(
-    function: Function, start: float, low: float, high: float, reach: float, *, enough: float
-) -> tuple[float, ...]:
-    """Return the roots found up to a factor of `enough`, and on to `reach` while there is none."""
+def _search(function: Function, start: float, low: float, high: float, reach: float) -> list[float]:
+    """Return the first roots that are met outwards from the start, up to a factor of `reach`."""
     start = min(max(start, low), high)
     value = _value(function, start)
     found = [start] if value == 0.0 else []
     value = value or None  # a root at the start brackets nothing
     sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
     factor = 1.0
-    while factor < reach and not (found and factor >= enough):
+    while factor < reach and not found:
         factor *= STRIDE
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)
@@ -77,7 +55,7 @@ def _search(
                 ends = sorted((before, point))
                 found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
             sides[step] = (point, f_point)
-    return tuple(sorted(found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9))
+    return found
 
 
 def _crosses(before: float, after: float) -> bool:

@@ -100,7 +100,25 @@ def slopes_of(
 ) -> Array:
     """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences.
 
-    They are 0 where bounds leave no room for a step.
+    Parameters
+    ----------
+    residuals : callable
+        Of unknowns (k, p), residuals (k, n).
+    points : array (k, p)
+        Unknowns, within bounds.
+    left : array (k, n)
+        Their residuals.
+    low, high : array (p,)
+        Bounds of the unknowns.
+    sizes : array (p,)
+        Least sizes of the unknowns, for steps where one is near 0.
+    moving : array of bool (p,)
+        By which unknowns.
+
+    Returns
+    -------
+    array (k, n, p)
+        Derivatives; 0 by what does not move, and where bounds leave no room for a step.
     """
     found = np.zeros((*left.shape, points.shape[1]))
     steps = STEP * np.maximum(np.abs(points), sizes)
@@ -140,4 +158,5 @@ def _steps(
     solved = np.linalg.solve(normal + added[:, :, None] * np.eye(len(low)), downhill[:, :, None])
     steps: Array = solved[:, :, 0]
     longest = np.max(np.abs(steps), axis=1, keepdims=True)
-    return steps * np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))
+    shorter: Array = steps * np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))
+    return shorter

@@ -83,7 +83,7 @@ class TravelFit(Fit[Law_co]):
     runs: int
     """Simulations spent."""
     others: tuple[float, ...] = ()
-    """Further values of a single free parameter that give the same travel."""
+    """Further values of a single free parameter that explain the travels as well."""
     standard_errors: tuple[float, ...] = ()
     """Standard errors of several travels [m]: as stated, or else lower bounds; with those of what
     was set for each trial by hand."""
@@ -152,7 +152,12 @@ class TravelFit(Fit[Law_co]):
 
     @property
     def told_apart(self) -> tuple[str, ...]:
-        """What the travels cannot tell where parameters of the mechanism were fitted too."""
+        """What the travels cannot tell: other values, and parameters of the mechanism."""
+        if self.others:
+            one = self.estimates[0].quantity
+            shown = joined([quantity(value, one.unit, 3) for value in self.others])
+            what = "the travels" if len(self.measured) > 1 else "the travel"
+            return (f"Other values of {one.symbol} explain {what} as well: {shown}.",)
         if not any(is_rig(e.path) for e in self.estimates):
             return ()
         said = [

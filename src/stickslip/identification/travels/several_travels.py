@@ -113,40 +113,14 @@ def fit_readings(
     problem = _Problem(model, trials)
     count = len(model.free)
     given = starting_points(model, trials) if starts is None else starts
-    ends = problem.unknowns([list(point)[:count] for point in given])
-    if starts is None or not nuisances:
-        ends = problem.ends(ends)
+    points = problem.unknowns([list(point)[:count] for point in given])
+    ends = [*points] if nuisances and starts is not None else problem.ends(points)
+    reached: list[list[float]] = []
     if nuisances:
-        wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
-        own = [path for path in wide.model.free if path in nuisances]
-        level = (problem.matrix @ ends[0]).tolist()
-        drawn = plausible(model, trials, level, own)
-        more = [list(point) for point in given if len(point) == count + len(own)]
-        more = more[: 1 if model.law.states else None]
-        slow = bool(model.law.states) or under_cycles(trials)
-        from_ = ends[: 1 if slow else 2]
-        points = wide.drawn([(problem.matrix @ end).tolist() for end in from_], drawn, more)
-        own_only = np.arange(len(wide.model.free)) < count
-        steps = REFINED if slow else BRIEF
-        found = _sorted(*wide.descend(points, steps, own_only))
-        if not slow:
-            found += wide.descend(np.array(found[:FREED]), STEPS)[0].tolist()
-            found = sorted(map(np.array, found), key=wide.cost)
-            if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
-                points = wide.scanned(points[-len(drawn) :])
-                found += _sorted(*wide.descend(points, BRIEF, own_only))
-                found.sort(key=wide.cost)
-                found += wide.descend(np.array(found[:FREED]), STEPS)[0].tolist()
-                found = sorted(map(np.array, found), key=wide.cost)
-        best_of = (wide.matrix @ found[0]).tolist()
-        model = replace(model, law=wide.model.with_values(best_of))
+        level = [(problem.matrix @ end).tolist() for end in ends]
+        model, reached = _freed(model, trials, level, given, nuisances)
         problem = _Problem(model, trials)
-        ends = [problem.free_parameters(best_of[:count])]
-        room = problem.room(problem.cost(ends[0]))
-        least = wide.cost(found[0])
-        reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= least + room]
-    else:
-        reached = []
+        ends = [problem.free_parameters(reached[0][:count])]
     best = ends[0]
     if problem.rig:
         ends += [problem.polished(start, STEPS) for start in problem.beside(best)]
@@ -167,19 +141,34 @@ def fit_readings(
     return problem.fit(best, ends, walked=True, reached=reached)
 
 
-def _sorted(found: Array, costs: Array) -> list[Array]:
-    """Return unknowns in the order of their costs."""
-    return [*found[np.argsort(costs, kind="stable")]]
+def _freed(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    ends: Sequence[Start],
+    given: Sequence[Start],
+    nuisances: Sequence[str],
+) -> tuple[TravelModel, list[list[float]]]:
+    """Return the model with the nuisances that explain most, and all values that explain as well.
 
-
-def _sorted(found: Array, costs: Array) -> list[Array]:
-    """Return unknowns in the order of their costs."""
-    return [*found[np.argsort(costs, kind="stable")]]
-
-
-def _sorted(found: Array, costs: Array) -> list[Array]:
-    """Return unknowns in the order of their costs."""
-    return [*found[np.argsort(costs, kind="stable")]]
+    `ends` are values of the free parameters, and `given` may have some of the nuisances too.
+    """
+    count = len(model.free)
+    wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
+    drawn = plausible(model, trials, ends[0], nuisances)
+    more = [point for point in given if len(point) == len(wide.model.free)]
+    slow = bool(model.law.states) or under_cycles(trials)
+    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if model.law.states else None])
+    own = np.arange(len(wide.model.free)) < count
+    found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
+    if not slow:
+        found = wide.with_free(found)
+        if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
+            scanned = wide.scanned(points[-len(drawn) :])
+            found = wide.with_free([*found, *_sorted(*wide.descend(scanned, BRIEF, own))])
+    least = wide.cost(found[0])
+    whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
+    limit = least + _Problem(whole, trials).room(least)
+    return whole, [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
 
 
 def _sorted(found: Array, costs: Array) -> list[Array]:
@@ -192,7 +181,7 @@ def law_from(model: TravelModel, trials: Sequence[Trial], start: Start) -> Frict
     problem = _Problem(model, trials)
     best = problem.free_parameters(start)
     for _ in range(1 + WEIGHINGS):
-        best = min(best, problem.polished(best, REFINED), key=problem.cost)
+        best = min(best, problem.polished(best, STEPS), key=problem.cost)
         if problem.cost(best) >= FAILED**2:
             raise ConvergenceError(f"the trials cannot be simulated with {model.law.title}.")
         if not problem.weighed(best):
@@ -397,6 +386,12 @@ class _Problem:
             if all(np.max(np.abs(one - other) / size) > APART for other in apart):
                 apart.append(one)
         return apart
+
+    def with_free(self, found: Sequence[Array]) -> list[Array]:
+        """Return unknowns with where descents from the best of them end, the best first."""
+        best = sorted(found, key=self.cost)
+        free, _ = self.descend(np.array(best[:FREED]), STEPS)
+        return sorted([*best, *free], key=self.cost)
 
     def poor(self, free_parameters: Array) -> bool:
         """Whether unknowns leave more than the errors of the readings."""

@@ -119,8 +119,8 @@ def _scanned(
     """Return values of the first parameter, and the travels with each; on where the best ends."""
     low, high = room_for(model.law, model.free[0].rpartition(".")[2], model.free)
     ratio = (span[1] / span[0]) ** (1.0 / (COUNTS[span] - 1))
-    ends = [span[0] * centre, span[1] * centre]
-    levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
+    first, last = span[0] * centre, span[1] * centre
+    levels = np.unique(np.clip(np.geomspace(first, last, COUNTS[span]), max(low, first), high))
     table = _table(model, trials, [[level, *idle] for level in levels.tolist()])
     for side in (0, -1):
         while True:
@@ -246,7 +246,7 @@ def plausible(
     count = SLOW_DRAWS if law.states else FEW_DRAWS if under_cycles(trials) else DRAWS
     shares = qmc.Sobol(len(nuisances), rng=np.random.default_rng(0)).random(count)
     shares[0] = 0.0
-    drawn = np.zeros_like(shares)
+    drawn: Array = np.zeros(shares.shape)
     level = float(values[0])
     for i, path in enumerate(nuisances):
         quantity = known[path.rpartition(".")[2]]
@@ -256,10 +256,10 @@ def plausible(
         elif quantity.scale in PLAUSIBLE:
             # bristles that are stiff and a speed that is low do least
             low, high = PLAUSIBLE[quantity.scale]
-            stiff = quantity.scale == "stiffness"
+            if quantity.scale == "stiffness":
+                low, high = high, low
             size = {"speed": speed, "stiffness": level}.get(quantity.scale, 1.0 / GRAVITY**0.5)
-            drawn[:, i] = size * 10 ** (high - share * (high - low) if stiff else
-                                        low + share * (high - low))  # fmt: skip
+            drawn[:, i] = size * 10 ** (low + share * (high - low))
         elif quantity.scale.startswith("slope"):
             drawn[:, i] = share * force / speed
         elif quantity.scale == "drag":
@@ -268,9 +268,9 @@ def plausible(
             drawn[:, i] = (1.0 + share) * float(getattr(law, path.rpartition(".")[2]) or 0.0)
     for i, path in enumerate(nuisances):  # damping goes with the root of the stiffness beside it
         if known[path.rpartition(".")[2]].scale == "damping":
-            stiff = [j for j, p in enumerate(nuisances)
-                     if known[p.rpartition(".")[2]].scale == "stiffness"]  # fmt: skip
-            drawn[:, i] *= np.sqrt(drawn[:, stiff[0]]) if stiff else 1.0
+            stiff = [known[one.rpartition(".")[2]].scale == "stiffness" for one in nuisances]
+            if any(stiff):
+                drawn[:, i] *= np.sqrt(drawn[:, stiff.index(True)])
     return drawn
 
 
