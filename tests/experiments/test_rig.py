@@ -714,6 +714,8 @@ def test_the_schema_allows_no_other_keys():
     assert schema["additionalProperties"] is False
     parts = dict(schema["$defs"])
     del parts["Friction"]  # what is no law there may be a contact of the mechanism
+    contact = parts.pop("Contact")  # and what is no input here
+    assert contact["additionalProperties"] == {"$ref": "#/$defs/Contact"}
     assert all(part["additionalProperties"] is False for part in parts.values())
 
 

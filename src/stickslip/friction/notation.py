@@ -353,7 +353,7 @@ class _Reader:
         self.at += kind == "argument"
         given = argument[1:-1].split(",") if kind == "argument" else ()
         if argument[1:2] in ("'", '"'):
-            given = (argument[1:-1],)  # the name of a file
+            given = [argument[1:-1]]  # the name of a file
         try:
             name = Name(word.replace("-", "_"), ", ".join(one.strip() for one in given))
         except UnknownNameError as error:
