@@ -19,7 +19,7 @@ from stickslip.identification import (
     cure_of,
     late_sensors,
 )
-from stickslip.selection.choice import as_good
+from stickslip.selection.choice import NEAR, as_good, errs_more
 from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.verdict import score_scale
 from stickslip.selection.wording import friction_of
@@ -92,7 +92,8 @@ def late_force(
     best = min(tried, key=lambda one: one.candidate.score)
     rival = best.candidate
     better = rival.score < closest.score and not as_good(closest, rival)
-    if not better and (rival.name == closest.name or not as_good(rival, closest)):
+    worse = rival.name == closest.name or errs_more(rival, closest, errors=NEAR)
+    if worse and not better:
         return None
     return _error(closest, best, better=better)
 
