@@ -80,7 +80,7 @@ INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 TOGETHER = 0.95
 """Correlation beyond which two parameters are told in combination only."""
-AS_WELL = 3.84
+AS_WELL = 3.841458820694124
 """Chi-square over its least value up to which other values fit as well: 95 %."""
 FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
