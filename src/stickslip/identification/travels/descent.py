@@ -98,28 +98,7 @@ def slopes_of(
     sizes: Array,
     moving: NDArray[np.bool_],
 ) -> Array:
-    """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences.
-
-    Parameters
-    ----------
-    residuals : callable
-        Of unknowns (k, p), residuals (k, n).
-    points : array (k, p)
-        Unknowns, within bounds.
-    left : array (k, n)
-        Their residuals.
-    low, high : array (p,)
-        Bounds of the unknowns.
-    sizes : array (p,)
-        Least sizes of the unknowns, for steps where one is near 0.
-    moving : array of bool (p,)
-        By which unknowns.
-
-    Returns
-    -------
-    array (k, n, p)
-        Derivatives; 0 by what does not move, and where bounds leave no room for a step.
-    """
+    """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences."""
     found = np.zeros((*left.shape, points.shape[1]))
     steps = STEP * np.maximum(np.abs(points), sizes)
     steps = np.where(points + steps <= high, steps, np.where(points - steps >= low, -steps, 0.0))
