@@ -197,8 +197,10 @@ def _axis(verdict: TravelVerdict) -> Axis | None:
     """Return the axis of the scores, logarithmic if they span more than 20 times."""
     factor = score_scale_of(verdict).factor
     scores = [factor * c.score for c in verdict.candidates if c.score is not None]
-    if not verdict.ranked or not scores or max(scores) <= 0:
+    if not verdict.ranked:
         return None
+    if not any(scores):  # none, or readings that are met exactly
+        return Axis(low=0.0, high=1.0, ticks=(0.0, 1.0), caption=ERRORS)
     low, high = max(min(scores), 1e-3 * max(scores)), max(scores)
     if high > 20 * low:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
