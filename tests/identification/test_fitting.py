@@ -119,7 +119,8 @@ def test_a_record_of_two_samples_is_refused():
 def test_progress_counts_the_runs():
     seen = []
     result = fit(RIG, Coulomb, READING, progress=seen.append)
-    assert seen == list(range(1, result.runs + 1))
+    assert seen == sorted(set(seen))  # an ensemble at a time
+    assert seen[-1] == result.runs
 
 
 @pytest.mark.parametrize("root", [1e-3, 0.3, 1.0, 7.5, 3e3])

@@ -216,7 +216,8 @@ def test_expected_intervals_are_those_of_a_filled_sheet(three):
     found = fit_trials(CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.5), trials)
     expected = [e.estimate for e in three.expectations if e.law == "coulomb-viscous" and e.fitted]
     for one, other in zip(found.estimates, expected, strict=True):
-        assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=1e-2)
+        # those of a fit end where chi-square does, which a plan takes for a parabola
+        assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=2e-2)
 
 
 def test_stated_uncertainties_count_and_are_judged():

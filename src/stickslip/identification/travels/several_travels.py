@@ -82,6 +82,8 @@ TOGETHER = 0.95
 """Correlation beyond which two parameters are told in combination only."""
 AS_WELL = 3.841458820694124
 """Chi-square over its least value up to which other values fit as well: 95 %."""
+SAME = 1e-3
+"""Share of that room within which the readings do not prefer one of two minima."""
 FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
 
@@ -121,7 +123,7 @@ def fit_readings(
         model, reached = _freed(model, trials, level, given, nuisances)
         problem = _Problem(model, trials)
         ends = [problem.free_parameters(reached[0][:count])]
-    best = ends[0]
+    best = problem.nearest(ends)
     if problem.rig:
         ends += [problem.polished(start, STEPS) for start in problem.beside(best)]
         best = min(ends, key=problem.cost)
@@ -386,6 +388,17 @@ class _Problem:
             if all(np.max(np.abs(one - other) / size) > APART for other in apart):
                 apart.append(one)
         return apart
+
+    def nearest(self, ends: Sequence[Array]) -> Array:
+        """Return the best of ends, or that near the start of those that readings do not tell apart."""
+        if self.rig or len(ends) == 1:
+            return ends[0]
+        path = self.model.free[0]
+        start = float(getattr(self.model.law, path.rpartition(".")[2]) or 0.0)
+        least = self.cost(ends[0])
+        limit = least + SAME * self.room(least)
+        alike = [end for end in ends if self.cost(end) <= limit]
+        return min(alike, key=lambda end: abs(float((self.matrix @ end)[0]) - start))
 
     def with_free(self, found: Sequence[Array]) -> list[Array]:
         """Return unknowns with where descents from the best of them end, the best first."""
