@@ -390,7 +390,7 @@ class _Problem:
         return apart
 
     def nearest(self, ends: Sequence[Array]) -> Array:
-        """Return the best of ends, or that near the start of those that readings do not tell apart."""
+        """Return the best end; of those that readings do not tell apart, that near the start."""
         if self.rig or len(ends) == 1:
             return ends[0]
         path = self.model.free[0]
