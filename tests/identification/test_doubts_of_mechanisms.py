@@ -177,7 +177,8 @@ def test_residuals_that_exceed_do_not_scale_what_trials_share():
     (one,), (other,) = rough.estimates, both.estimates
     half, total = (one.high - one.low) / 2.0, (other.high - other.low) / 2.0
     common = math.sqrt(total**2 - half**2) / NORMAL_95
-    assert common / other.value == pytest.approx(0.03, rel=1e-2)
+    # 39 times the variance would make it six times as much; wide intervals are lopsided by a tenth
+    assert common / other.value == pytest.approx(0.03, rel=0.1)
 
 
 def test_sources_are_those_of_the_scatter_that_residuals_show():

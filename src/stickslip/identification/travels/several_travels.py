@@ -621,6 +621,10 @@ class _Problem:
             reason = INSENSITIVE
             if len(self.trials) == 1:
                 reason = "no value gives the travel at one end of the range of the reading"
+        elif len(self.trials) > 1 and one.bounded and (self.spread.own or self.spread.shared):
+            # the ends bend as chi-square does, but residuals scale no uncertainty of the mechanism
+            low = one.value - (one.value - low) / half * (one.value - one.low)
+            high = one.value + (high - one.value) / half * (one.high - one.value)
         return replace(one, low=low, high=high, reason=reason)
 
     def _end(self, i: int, best: Array, along: Array, target: float) -> float:

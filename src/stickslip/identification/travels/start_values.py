@@ -304,8 +304,15 @@ def _beside(
 
 
 def _table(model: TravelModel, trials: Sequence[Trial], rows: Sequence[Start]) -> Array:
-    """Return travels (k, n); infinite where a run cannot be made."""
-    found = model.table(trials, np.array(rows, dtype=float))
+    """Return travels (k, n); infinite where a run cannot be made, levels above others as these."""
+    values = np.array(rows, dtype=float)
+    paths = [path.rpartition(".")[2] for path in model.free]
+    for column, name in enumerate(paths):
+        quantity = fields_of(type(model.law)).get(name)
+        if quantity is not None and quantity.at_least in paths:
+            least = values[:, paths.index(quantity.at_least)]
+            values[:, column] = np.maximum(values[:, column], least)
+    found = model.table(trials, values)
     return np.where(np.isfinite(found), found, math.inf)
 
 
