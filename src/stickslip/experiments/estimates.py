@@ -35,6 +35,9 @@ HARD: Final = ("rounding range", "stated interval")
 KINDS: Final = ("95 %", *HARD)
 SAME: Final = 1e-9
 """How far apart the two halves of a covariance may be, over their standard deviations."""
+EVEN = 0.9
+"""Share of the longer side of an interval from which both sides count as the same."""
+LEAST = 1e-300
 FEWEST: Final = 0.01
 """Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
 
@@ -465,9 +468,10 @@ class LawEstimates:
     def draw(self, law: FrictionLaw | Laws, count: int, *, seed: int = 0) -> dict[str, Array]:
         """Return values (count,) of the parameters that have an interval, by full path.
 
-        Normal with the covariance, and independent without one; even between the ends of a rounding
-        range or a stated interval. Draws outside the valid ranges of the law are drawn again. Other
-        parameters keep their values and are not among those returned.
+        Normal with the covariance, and independent without one; halves of two normal ones where an
+        interval is longer on one side; even between the ends of a rounding range or a stated
+        interval. Draws outside the valid ranges of the law are drawn again. Other parameters keep
+        their values and are not among those returned.
         """
         self.checked(law)
         if count < 1:
@@ -529,7 +533,11 @@ class LawEstimates:
         centre = np.array([values[name] for name in names])
         share, axes = np.linalg.eigh(self._whole(centre, ends, names))
         root = axes * np.sqrt(np.maximum(share, 0.0))
-        found: Array = centre + random.standard_normal((count, len(names))) @ root.T
+        apart = random.standard_normal((count, len(names))) @ root.T
+        sides = np.abs(ends - centre[:, None])
+        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST)
+        share[share > EVEN] = 1.0  # a covariance is that of the longer side
+        found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found
 
     def _whole(self, centre: Array, ends: Array, names: list[str]) -> Array:
