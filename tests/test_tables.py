@@ -16,7 +16,7 @@ from stickslip.tables import dataset_of
 
 PLACES = (
     "results", "adapters", "characterization", "control", "experiments", "identification",
-    "optimisation", "selection", "solver", "sweep", "trajectory",
+    "optimisation", "selection", "solver", "sweep",
 )  # fmt: skip
 
 

@@ -104,7 +104,7 @@ def test_a_trial_with_another_mass_is_not_a_setting_of_this_rig():
 
 
 def test_a_given_value_is_compared_with_the_interval_by_its_name(verdict):
-    assert verdict.words.settles[0].endswith("the given 0.25 is outside the 95 % interval.")
+    assert verdict.words.settles[0].endswith("the given 0.25 is inside the 95 % interval.")
     reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="interval")
     one = select(RIG, [COULOMB], reading)
     assert one.words.settles[-1].endswith("the given 0.25 is inside the stated interval.") or (
@@ -125,7 +125,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
         assert part._repr_html_().startswith("<p>")
         assert "$" not in repr(part)
     assert verdict.sentence in repr(verdict)
-    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.25370 (0.25341 to 0.25399)"
+    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.254 (0.217 to 0.259)"
 
 
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
@@ -133,4 +133,4 @@ def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
     assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
     assert table["score"].tolist() == [candidate.score for candidate in verdict.candidates]
-    assert table["range"][0] == "0.25341 to 0.25399"
+    assert table["range"][0] == "0.217 to 0.259"
