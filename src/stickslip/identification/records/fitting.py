@@ -321,6 +321,8 @@ def _simpler_fits(
             if key in found:
                 continue
             add(simpler, left, kept)
+            if len(left) == len(free):  # no unknown less: the same law by another name
+                continue
             asked = replace(
                 wanted,
                 law=simpler,
