@@ -73,7 +73,7 @@ def test_a_file_is_read_once_and_the_law_holds_its_points(tmp_path, text):
 WRONG = {
     "missing": (None, "cannot be read: No such file"),
     "picture": (b"\x89PNG\r\n\x1a\n\xff\xfe", "cannot be read: it is no text"),
-    "empty": (b"", "has 0 points: a curve needs 2 to 32"),
+    "empty": (b"", r"has 0 points: a curve needs 2 to 32\."),
     "one column": (b"1\n2\n", "row 1, '1', must be a speed and a level"),
     "words": (b"v,f\n0,1\n0.1,x1\n", "row 2, '0.1,x1', must be a speed and a level"),
     "unsorted": (b"0,2\n0.1,1\n0.05,1\n", r"the speed 0.05 of point 3 is not above 0.1 before"),
@@ -94,6 +94,23 @@ def test_a_file_that_is_no_curve_is_refused_with_the_reason(tmp_path, content, s
         path.write_bytes(content)
     with pytest.raises(InputError, match=said):
         law(f'table["{path}"]')
+
+
+@pytest.mark.parametrize(
+    ("header", "points"),
+    [
+        ("# speed [mm/s],level [kN]", "0: 2000, 1e-2: 1000"),  # as numpy.savetxt writes it
+        ("# rig of 2024\nspeed [mm/s];mu [-]", "0: 2, 1e-2: 1"),
+        ("speed,level [kN]", "0: 2000, 10: 1000"),
+        ("v [mm/s] F [N]", "0: 2, 1e-2: 1"),
+        ("v[mm/s] ,\tF[N]", "0: 2, 1e-2: 1"),
+        ("# made [by hand], in newtons\nv,F", "0: 2, 10: 1"),
+    ],
+)
+def test_units_of_a_curve_are_those_of_their_column(tmp_path, header, points):
+    path = tmp_path / "curve.csv"
+    path.write_text(f"{header}\n0,2\n10,1\n", encoding="utf-8")
+    assert str(law(f'table["{path}"]').composition) == f"table[{points}]"
 
 
 def test_a_table_without_a_curve_says_how_to_write_one():

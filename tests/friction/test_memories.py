@@ -426,3 +426,16 @@ def test_elasto_plastic_runs_begin_from_steady_sliding(speed, share):
     for drive in (PUSH, Sine(amplitude=0.0, frequency=1.0)):
         run = simulate(axis(drive), own, t_end=0.4, y0={"v": speed, "z": steady})
         assert run.certificate.certified
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
+def test_a_bouc_wen_bristle_comes_back_from_beyond_a_level_that_has_fallen(share):
+    kind = law("bouc_wen(level)")
+    own = kind(kinetic_coefficient=1.0, bristle_stiffness=1e3, loop_share=share)
+    z = 2e-3  # twice the level
+    for _ in range(6000):
+        assert abs(z) <= 2e-3
+        z += 1e-6 * own.rates(-1.0, 1.0, (z,))[0]
+    assert z == pytest.approx(-1e-3, rel=1e-3)
+    with pytest.raises(ValueError, match=r"loop_share .* at most 0.5"):
+        kind(kinetic_coefficient=1.0, bristle_stiffness=1e3, loop_share=0.6)

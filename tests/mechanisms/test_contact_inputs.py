@@ -20,7 +20,7 @@ from stickslip import (
 )
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Sampled
-from stickslip.errors import UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import (
     Lining,
     Link,
@@ -251,3 +251,5 @@ def test_one_contact_is_told_what_others_are_not():
         given_inputs(brake, {"pad-3": {"temperature": 20.0}})
     with pytest.raises(UnknownNameError, match="contact input 'heat'"):
         given_inputs(brake, {"pad-1": {"heat": 20.0}})
+    with pytest.raises(InputError, match=r"the contact 'pad-1' are given by name.*got 20.0"):
+        given_inputs(brake, {"pad-1": 20.0})

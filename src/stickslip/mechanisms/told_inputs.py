@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 
 from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.drives import Drive
-from stickslip.errors import UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import ContactInputs, Mechanism
 
@@ -61,6 +61,10 @@ def given_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
 def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
     """Return a mechanism that tells its laws more contact inputs.
 
+    Each is a number in the unit of its kind (a temperature in degC), a text with a unit, or a
+    drive: by its name for all contacts, by contact and name for one, which stands before those for
+    all.
+
     Examples
     --------
     >>> from stickslip.mechanisms import DiscBrake, Lining, SpringBlock
@@ -74,8 +78,14 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
     if not inputs:
         return mechanism
     told = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
-    checked_inputs(name for _, name in told)
     known = [one.name for one in mechanism.contacts()]
+    for contact in known:
+        if ("", contact) in told:
+            raise InputError(
+                f"inputs of the contact {contact!r} are given by name, such as"
+                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {told['', contact]!r}."
+            )
+    checked_inputs(name for _, name in told)
     for contact, _ in told:
         if contact and contact not in known:
             raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)

@@ -147,10 +147,9 @@ def _points(argument: str) -> tuple[tuple[float, float], ...]:
 def _checked(points: list[tuple[float, float]], said: str) -> list[tuple[float, float]]:
     """Return points, or say what is wrong with them."""
     if not 2 <= len(points) <= MOST_POINTS:
-        raise InputError(
-            f"{said} has {len(points)} points: a curve needs 2 to {MOST_POINTS}; average a finer"
-            " one."
-        )
+        count = "1 point" if len(points) == 1 else f"{len(points)} points"
+        finer = "; average a finer one" if len(points) > MOST_POINTS else ""
+        raise InputError(f"{said} has {count}: a curve needs 2 to {MOST_POINTS}{finer}.")
     for i, (x, y) in enumerate(points, 1):
         if not (math.isfinite(x) and math.isfinite(y) and x >= 0.0 and y > 0.0):
             raise InputError(
@@ -176,10 +175,13 @@ def _read(name: str) -> list[tuple[float, float]]:
         raise InputError(f"{said} cannot be read: {reason}.") from None
     if len(text) > LARGEST:
         raise InputError(f"{said} has more than {LARGEST} characters: average it.")
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    written = [line for line in text.splitlines() if line.strip()]
+    lines = [line for line in written if not line.startswith("#")]
     scales = (1.0, 1.0)
     if lines and re.search(r"[A-DF-Za-df-z]", lines[0]):
         scales = _scales(lines.pop(0), said)
+    elif headers := [line for line in written if line.startswith("#") and "[" in line]:
+        scales = _scales(headers[-1], said)
     points = []
     for i, line in enumerate(lines, 1):
         cells = [one for one in re.split(r"[;,\s]+", line.strip()) if one]
@@ -187,7 +189,8 @@ def _read(name: str) -> list[tuple[float, float]]:
             x, y = map(float, cells)
         except ValueError:
             raise InputError(
-                f"{said}: row {i}, {line.strip()[:40]!r}, must be a speed and a level."
+                f"{said}: row {i}, {line.strip()[:40]!r}, must be a speed and a level,"
+                " with decimal points."
             ) from None
         points.append((x * scales[0], y * scales[1]))
     return _checked(points, said)
@@ -195,11 +198,12 @@ def _read(name: str) -> list[tuple[float, float]]:
 
 def _scales(header: str, said: str) -> tuple[float, float]:
     """Return the factors of both columns to SI, from units in square brackets."""
-    units = re.findall(r"\[([^\]]*)\]", header)
-    if not units:
-        return 1.0, 1.0
+    cells = re.split(r"\s*[;,\t]\s*|(?<=\])\s+(?=\w)", header)
     found = []
-    for unit, allowed in zip(units, (SPEEDS, LEVELS), strict=False):
+    for cell, allowed in zip(cells, (SPEEDS, LEVELS), strict=False):
+        named = re.search(r"\[([^\]]*)\]", cell)
+        unit = named[1].strip() if named else allowed[0]
+        unit = "1" if unit == "-" else unit
         try:
             (target, *_) = [one for one in allowed if one == unit or is_of(unit, one)]
             found.append(1.0 if target == unit else factor(unit, target))

@@ -164,8 +164,11 @@ class BoucWen(Memory):
     ] = 2.0
     loop_share: Annotated[
         float,
-        Quantity("beta", low=0, high=1, scale="none", bounds=(0.0, 1.0), start=0.5),
-        Doc("Share of yielding that unloading has as well: 1/2 unloads along a straight line."),
+        Quantity("beta", low=0, high=0.5, scale="none", bounds=(0.0, 0.5), start=0.25),
+        Doc(
+            "Share of yielding on either way: 1/2 unloads along a straight line, 0 more stiffly."
+            " Above 1/2, bristles bent beyond a level that has fallen would bend on without end."
+        ),
     ] = 0.5
 
     @override

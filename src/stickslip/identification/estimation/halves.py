@@ -1,7 +1,7 @@
 """The two halves of a record: whether one law with the same parameters holds in both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -13,7 +13,6 @@ from stickslip.identification.estimation.jackknife import (
     BLOCKS,
     Inference,
     effective_size,
-    quantile_of,
 )
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -103,9 +102,7 @@ class Halves:
 def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
     """Return the inference of estimates (p,), widened to cover contradicting halves.
 
-    A law that does not hold over the whole record has no one value there: what differs between
-    halves is added to the covariance as if it were a standard error, so that the half width is the
-    root of the sum of squares of its own and of the distances of both halves.
+    A law that does not hold over the whole record has no one value there.
 
     Examples
     --------
@@ -126,11 +123,8 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
     """
     if not halves.contradicting:
         return inference
-    covariance, quantile = inference.covariance, quantile_of(inference.freedom)
-    for half in halves.values:
-        off = np.where(np.isfinite(halves.errors), half - values, 0.0) / quantile
-        covariance = covariance + np.outer(off, off)
-    return replace(inference, covariance=covariance)
+    known = np.isfinite(halves.errors)
+    return inference.including(*(np.where(known, one - values, 0.0) for one in halves.values))
 
 
 def contradiction(free_parameters: FreeParameters, halves: Halves) -> tuple[str, ...]:

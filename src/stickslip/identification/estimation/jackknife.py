@@ -131,6 +131,18 @@ class Inference:
         quantile = float(quantile_of(np.min(self.freedom[kept])))
         return math.hypot(quantile * math.sqrt(own), NORMAL_95 * math.sqrt(known))
 
+    def including(self, *offsets: Array) -> "Inference":
+        """Return the same with half widths that include other values, by how far they are off (p,).
+
+        Each is added to the covariance as if it were a standard error, so that a half width is the
+        root of the sum of squares of its own and of these.
+        """
+        covariance = self.covariance
+        for off in offsets:
+            scaled = off / quantile_of(self.freedom)
+            covariance = covariance + np.outer(scaled, scaled)
+        return replace(self, covariance=covariance)
+
     @property
     def correlation(self) -> Array:
         """Correlation of the estimates (p, p), 0 for what the record does not depend on."""

@@ -30,6 +30,7 @@ from stickslip.identification.estimation.estimates import (
     estimates_of,
     offset_left_out,
     sentences_of,
+    widened_by_starts,
 )
 from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import Inference, infer
@@ -321,6 +322,8 @@ def _simpler_fits(
             if key in found:
                 continue
             add(simpler, left, kept)
+            if len(left) == len(free):  # no unknown less: the same law by another name
+                continue
             asked = replace(
                 wanted,
                 law=simpler,
@@ -505,6 +508,7 @@ def finished(
     again = partial(ready.build.fitted, length=ready.length)
     moved = displacements(again, best, mechanism, measurement)
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
+    inference, apart = widened_by_starts(inference, free_parameters, found)
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
     fit = RecordFit(
@@ -530,7 +534,7 @@ def finished(
         *_of_one_row(ready.problem, best.residual, measurement),
         *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
         *_of_recorded_swing(mechanism),
-        *_doubtful(searched),
+        *((apart,) if apart else _doubtful(searched)),
     )
     return _with_estimates(fit, told(free_parameters, ready.mechanism, measurement), sentences)
 
