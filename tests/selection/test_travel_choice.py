@@ -11,6 +11,7 @@ from stickslip import (
     CoulombViscous,
     DirectionDependent,
     Measurement,
+    PowerViscous,
     SpringBlock,
     Stribeck,
     fit,
@@ -461,3 +462,13 @@ def test_kinds_of_friction_that_were_not_tried_are_told_and_tried_ones_are_not()
     tried = select(FASTENED, [*PLAIN, "direction-dependent", "power-viscous"], measured)
     assert tried.best.name == "direction-dependent"
     assert "Not tried" not in tried.words.lede
+
+
+def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_branch():
+    law = PowerViscous(kinetic_coefficient=0.1, viscous_coefficient=1.2, exponent=0.5)
+    settings = (0.06, 0.08, 0.1, 0.12, 0.14, 0.16)
+    # read with errors of 0.5 mm; the best fit cannot leave more than the truth does
+    errors = np.array([0.45, -0.3, 0.2, -0.6, 0.5, -0.2]) * 1e-3
+    measured = readings(law, settings, rig=FASTENED, errors=errors, uncertainty=5e-4)
+    found = fit(FASTENED, PowerViscous, measured)
+    assert found.chi_square <= float(np.sum((errors / 5e-4) ** 2))

@@ -68,6 +68,8 @@ MOST = 60
 DRAWN, AROUND = 256, 3.0
 """Points that are drawn where parameters of the mechanism are unknown, and the factor from the
 values that were given up to which they lie."""
+FRACTION = 3.0
+"""Friction over that of the branch that fits alone up to which slopes are scanned densely."""
 KEPT, MANY = 6, 48
 """Starting points that a scan returns, and a dense one."""
 
@@ -99,7 +101,11 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     }
     beside = _beside(model, best[0], centre) if others else []
     if span is LEVELS and not model.law.states and _branched(table):
-        return _dense(model, trials, levels, [idle, *(rest for _, rest in beside)])
+        rests = [rest for _, rest in beside]
+        if len(others) == 1 and quantities[others[0]].scale == "slope":
+            # the level that fits alone may be of a branch with a fraction of the friction
+            rests += [[FRACTION * value for value in rest] for rest in rests]
+        return _dense(model, trials, levels, [idle, *rests])
     rows = _rows(model, levels, idle)
     if not others:
         return _best(rows, costs)
