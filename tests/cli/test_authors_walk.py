@@ -163,7 +163,7 @@ def test_where_what_was_not_fitted_is_far_off_no_law_is_named_and_the_verdict_sa
     write_rig(TRUTHS["dahl"], velocity=0.05, stiffness=1e4)
     code, out, _ = walk("select", "block.toml")
     assert code == 3
-    assert "No law explains these readings" in out
+    assert "No candidate explains these readings" in out
     assert not Path("stickslip-report/law.toml").exists()
     verdict = json.loads(Path("stickslip-report/verdict.json").read_text())
     (line,) = [one for one in verdict["measure_next"] if "not fitted" in one]

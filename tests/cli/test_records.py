@@ -512,7 +512,7 @@ def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis
     args = ("select", "bare.toml", "--data", "wrong.csv", *COLUMNS, *FAST)
     code, out, err = run(*args)
     assert code == 3
-    assert "No law explains this record: " in out
+    assert "No candidate explains this record: " in out
     assert "Use " not in out
     assert "check the units" in " ".join(out.split())
     assert "No law is recommended" in err

@@ -118,7 +118,9 @@ def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says
 
 
 def test_a_record_that_no_law_explains_is_said_to_be_one(unexplained):
-    assert unexplained.sentence.startswith("No law explains this record: the held-out error of")
+    assert unexplained.sentence.startswith(
+        "No candidate explains this record: the held-out error of"
+    )
     assert "of the variation of the friction itself" in unexplained.sentence
     assert unexplained.words.settles == ()
     assert "check the units" in unexplained.words.measure_next[0]

@@ -9,7 +9,9 @@ import pytest
 from stickslip import (
     Coulomb,
     CoulombViscous,
+    DirectionDependent,
     Measurement,
+    PowerViscous,
     SpringBlock,
     Stribeck,
     fit,
@@ -216,7 +218,7 @@ def contradicted(verdict):
     said = verdict.to_dict()
     assert said["best"] is None
     assert said["ranked"] is False
-    assert verdict.sentence == "No law explains these readings."
+    assert verdict.sentence == "No candidate explains these readings."
     assert verdict.words.cannot_tell
     return " ".join((verdict.words.lede, *verdict.words.measure_next)).replace("$", "")
 
@@ -264,7 +266,7 @@ def test_an_uncertainty_stated_too_small_widens_intervals_and_is_said():
     errors = np.array([1.0, -1.0, 1.0, -1.0, 1.0]) * 0.002
     verdict = select(RIG, PLAIN, readings(COULOMB, errors=errors, uncertainty=0.0005))
     assert verdict.best.name == "coulomb"
-    assert "times the stated uncertainty" in verdict.words.lede
+    assert "4.4 times the stated uncertainty" in verdict.sentence
 
 
 def test_text_heading_and_marks_of_what_to_measure_next_are_one_proposal():
@@ -424,3 +426,49 @@ def test_a_law_is_said_to_fit_more_closely_only_where_readings_could_show_it(gap
     richer = candidate("Coulomb + viscous + static", "mu_s was assumed", 5e-4 - gap)
     text = _remarks([best, richer], best)
     assert (" Coulomb + viscous + static fits these readings more closely" in text) is said
+
+
+def test_one_travel_of_a_block_that_swings_gives_no_mean_force_and_no_single_value():
+    reading = Measurement(travel=0.0975, uncertainty=0.0005, uncertainty_kind="standard")
+    verdict = select(FASTENED, PLAIN, reading)
+    level = verdict.best.fit.estimates[0]
+    assert level.pieces
+    assert verdict.sentence.startswith("Coulomb friction with any of several values of")
+    assert "mean friction" not in f"{verdict.words.lede} {verdict.words.settles}".lower()
+    straight = select(RIG, PLAIN, Measurement(travel=0.2, uncertainty=0.001))
+    assert "the mean friction force of 2.5 N" in straight.words.lede
+
+
+def test_a_given_value_between_the_pieces_of_an_interval_is_outside():
+    reading = Measurement(travel=0.0975, uncertainty=0.0005, uncertainty_kind="standard")
+    pieces = select(FASTENED, ["coulomb"], reading).best.fit.estimates[0].pieces
+    between = 0.5 * (pieces[0][1] + pieces[1][0])
+    verdict = select(FASTENED, [Coulomb(kinetic_coefficient=between)], reading)
+    assert "is outside the 95 % interval" in " ".join(verdict.words.settles)
+
+
+def test_kinds_of_friction_that_were_not_tried_are_told_and_tried_ones_are_not():
+    untried = "Not tried: friction with a power of the speed or that differs by direction"
+    for backward, sentence in (0.25, "Use "), (0.3, "No candidate explains"):
+        truth = DirectionDependent(
+            forward_kinetic_coefficient=0.2 if backward == 0.3 else 0.22,
+            backward_kinetic_coefficient=backward,
+        )
+        errors = np.random.default_rng(5).normal(0.0, 5e-4, 5)
+        measured = readings(truth, rig=FASTENED, errors=errors, uncertainty=5e-4)
+        verdict = select(FASTENED, PLAIN, measured)
+        assert verdict.sentence.startswith(sentence)
+        assert untried in verdict.words.lede
+    tried = select(FASTENED, [*PLAIN, "direction-dependent", "power-viscous"], measured)
+    assert tried.best.name == "direction-dependent"
+    assert "Not tried" not in tried.words.lede
+
+
+def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_branch():
+    law = PowerViscous(kinetic_coefficient=0.1, viscous_coefficient=1.2, exponent=0.5)
+    settings = (0.06, 0.08, 0.1, 0.12, 0.14, 0.16)
+    # read with errors of 0.5 mm; the best fit cannot leave more than the truth does
+    errors = np.array([0.45, -0.3, 0.2, -0.6, 0.5, -0.2]) * 1e-3
+    measured = readings(law, settings, rig=FASTENED, errors=errors, uncertainty=5e-4)
+    found = fit(FASTENED, PowerViscous, measured)
+    assert found.chi_square <= float(np.sum((errors / 5e-4) ** 2))

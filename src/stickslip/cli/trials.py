@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.cli.console import plain, show_table, stdout
 from stickslip.experiments import condition_name
-from stickslip.formatting import interval, significant
+from stickslip.formatting import significant
 from stickslip.identification import TrialComparison
 
 
@@ -36,6 +36,6 @@ def show_trials(comparison: TrialComparison | None) -> None:
             row.append(significant(value, 4) if isinstance(value, float) else value or "")
         for one, error in zip(trial.estimates, trial.errors, strict=True):
             known = math.isfinite(error)
-            row += [significant(one.value, 4), interval(one.low, one.high) if known else "open"]
+            row += [significant(one.value, 4), one.range if known else "open"]
         rows.append([plain(cell) for cell in row])
     show_table("", heads, rows, whole=heads)

@@ -179,7 +179,7 @@ def _verdict(
     if best.refuted:
         return f"{capital(best.refuted)}. Measure the value again, or leave it out."
     if fault:
-        return f"No law explains this record: {fault}."
+        return f"No candidate explains this record: {fault}."
     if best.dropped:
         return f"No candidate passes all checks; {name} fits best."
     if on_second is not None and not on_second.holds:

@@ -6,6 +6,8 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
+import numpy as np
+
 from stickslip.formatting import (
     Scale,
     capital,
@@ -17,10 +19,12 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
+from stickslip.friction import DirectionDependent, FrictionLaw, PowerViscous, containment_of
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
+from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
-from stickslip.selection.contradictions import Contradiction
+from stickslip.selection.contradictions import Contradiction, closest_of
 from stickslip.selection.design.discriminating_settings import Proposal
 from stickslip.selection.limits import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
@@ -50,6 +54,11 @@ CURE = (
     " that it is fitted where the trials allow."
 )
 
+MANY = 6
+"""Other values of a parameter that are told one by one, at most."""
+SAMPLES, STRAIGHT = 2001, 1.001
+"""Samples of a run, and its path over its travel up to which the body went straight on."""
+
 DOUBT_NAMES = {
     "rounding range": "rounding of the measurement",
     "stated interval": "stated interval",
@@ -70,13 +79,14 @@ def wording(
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:
-        verdict, lede = "No law explains these readings.", against.reason
+        verdict = "No candidate explains these readings."
+        lede = f"{against.reason}{_untried(trials[0], candidates, closest_of(candidates))}"
     elif best is None:
         verdict, lede = _nothing_fits(candidates)
     elif ranked:
-        verdict, lede = _ranked(trials, explained, best)
+        verdict, lede = _ranked(trials, explained, candidates, best)
     else:
-        verdict, lede = _tie(explained, candidates, best)
+        verdict, lede = _tie(trials, explained, candidates, best)
     return Wording(
         verdict=verdict,
         lede=lede,
@@ -173,6 +183,7 @@ def _why(candidate: TravelCandidate) -> str:
 
 
 def _tie(
+    trials: Sequence[Trial],
     explained: Sequence[TravelCandidate],
     candidates: Sequence[TravelCandidate],
     best: TravelCandidate,
@@ -187,23 +198,28 @@ def _tie(
         rest = f"So {verb} {others} of the {len(candidates) - 1} other models."
     else:
         rest = "No other model does."
-    force = _mean_force(best)
-    first = f"{_with_estimates(best)} explains the measurement. {rest}"
+    force = _mean_force(trials[0], best)
+    what = "" if force is None else f", the mean friction force of {quantity(force, 'N')}"
+    found = best.fit.estimates if best.fit else ()
+    several = [f"${e.quantity.symbol}$" for e in found if e.pieces]
+    name = _with_estimates(best, [e.path.rpartition(".")[2] for e in found if e.pieces])
+    name += f" with any of several values of {joined(several)}" if several else ""
+    first = f"{name} explains the measurement. {rest}"
+    lede = f"One travel determines one number{what}"
     if not others:
-        return (
-            first,
-            f"One travel determines one number, the mean friction force of {quantity(force, 'N')}.",
-        )
+        return first, f"{lede}."
     return (
         first,
-        f"One travel determines one number, the mean friction force of {quantity(force, 'N')}; it"
-        f" cannot distinguish friction models. {best.title} is named because it needs the fewest"
-        " assumptions, not because it fits better.",
+        f"{lede}; it cannot distinguish friction models. {best.title} is named because it needs"
+        " the fewest assumptions, not because it fits better.",
     )
 
 
 def _ranked(
-    trials: Sequence[Trial], explained: Sequence[TravelCandidate], best: TravelCandidate
+    trials: Sequence[Trial],
+    explained: Sequence[TravelCandidate],
+    candidates: Sequence[TravelCandidate],
+    best: TravelCandidate,
 ) -> tuple[str, str]:
     equals = [c.title for c in explained if c is not best and not c.distinguished]
     doubt = f"; {not_distinguished(equals, 'these readings', most=6)}" if equals else ""
@@ -211,17 +227,40 @@ def _ranked(
     held_out = held_out_text(
         Scale(1e3, "mm"), best.score, best.score_error, f"{scored}, root mean square"
     )
+    factor, freedom = best.fit.variance if best.fit else (1.0, math.inf)
+    if best.fit and best.fit.stated and math.isfinite(freedom):
+        times = number(math.sqrt(factor), 2)
+        doubt = f", whose residuals are {times} times the stated uncertainty{doubt}"
     return (
         f"Use {_with_estimates(best, doubts(best))}{doubt}.",
-        f"{held_out}{_fit_quality(best)}{_remarks(explained, best)}",
+        f"{held_out}{_fit_quality(best)}{_remarks(explained, best)}"
+        f"{_untried(trials[0], candidates, best, '; the intervals hold for the laws that were')}",
     )
+
+
+def _untried(
+    trial: Trial,
+    candidates: Sequence[TravelCandidate],
+    best: TravelCandidate | None,
+    follows: str = "",
+) -> str:
+    """Say which kinds of friction were not tried: few travels do not tell most laws apart."""
+    kinds: dict[type[FrictionLaw], str] = {PowerViscous: "with a power of the speed"}
+    if best is not None and _mean_force(trial, best) is None:  # the body turns back
+        kinds[DirectionDependent] = "that differs by direction"
+    left = [
+        said
+        for kind, said in kinds.items()
+        if not any(c.name == kind.name or containment_of(type(c.law), kind) for c in candidates)
+    ]
+    return f" Not tried: friction {' or '.join(left)}{follows}." if left else ""
 
 
 def _fit_quality(best: TravelCandidate) -> str:
     """Say how residuals compare with the uncertainty of the readings."""
     if best.fit is None:
         return ""
-    factor, freedom = best.fit.variance
+    _, freedom = best.fit.variance
     if not best.fit.stated:
         return (
             " No measurement uncertainty was stated; it is estimated from the residuals, with"
@@ -229,8 +268,8 @@ def _fit_quality(best: TravelCandidate) -> str:
         )
     if math.isfinite(freedom):
         return (
-            f" The residuals are {number(math.sqrt(factor), 2)} times the stated uncertainty; the"
-            " intervals are widened accordingly."
+            " Readings may be less certain than stated, for which the intervals are widened; or the"
+            " law or the mechanism is another, for which they are not."
         )
     return ""
 
@@ -259,10 +298,13 @@ def _unsettled(
     return found
 
 
-def _mean_force(candidate: TravelCandidate) -> float:
-    """Return work taken by friction over the travel [N]."""
-    seen = candidate.criteria or candidate.given
-    return abs(seen.work_friction / seen.travel) if seen.travel else 0.0
+def _mean_force(trial: Trial, candidate: TravelCandidate) -> float | None:
+    """Return work taken by friction over the travel [N]; None where the body turned back."""
+    seen, run = candidate.criteria, candidate.run
+    if seen is None or run is None or not seen.travel:
+        return None
+    path = np.abs(np.diff(run.at(np.linspace(*run.span, SAMPLES))[slip_of(trial.mechanism)])).sum()
+    return abs(seen.work_friction / seen.travel) if path < STRAIGHT * abs(seen.travel) else None
 
 
 def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str, ...]:
@@ -272,10 +314,11 @@ def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str
     lines = []
     if len(trials) == 1:
         work, travel = seen.work_friction, abs(seen.travel)
-        lines.append(
-            f"Mean friction over the travel: {quantity(work, 'J')} / {quantity(travel, 'm')}"
-            f" = {quantity(_mean_force(best), 'N')}."
-        )
+        if (force := _mean_force(trials[0], best)) is not None:
+            lines.append(
+                f"Mean friction over the travel: {quantity(work, 'J')} / {quantity(travel, 'm')}"
+                f" = {quantity(force, 'N')}."
+            )
     open_ = doubts(best) if len(trials) > 1 else {}
     settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
     lines += [_range_line(one, best) + limit_of(best.fit, one) for one in settled]
@@ -288,10 +331,13 @@ def _range_line(estimate: Estimate, best: TravelCandidate) -> str:
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} is bounded on one side only: {estimate.reason}."
-    lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
+    lies = f"{symbol} lies in {estimate.range}"
+    if not estimate.pieces:
+        lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
     if best.ordinary:
         return f"{lies}."
-    inside = estimate.low <= given <= estimate.high
+    parts = estimate.pieces or ((estimate.low, estimate.high),)
+    inside = any(low <= given <= high for low, high in parts)
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
     return f"{lies}; the given {number(given)} is {'inside' if inside else 'outside'} the {doubt}."
 
@@ -309,7 +355,10 @@ def _cannot_tell(
         lines.append("Which friction model is right: no data are left for validation.")
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
-        said = joined([number(value) for value in others])
+        said = joined([number(value) for value in sorted(others)])
+        if len(others) > MANY:
+            least, most = number(min(others)), number(max(others))
+            said = f"{len(others)} others from {least} to {most}"
         verb = "gives" if len(others) == 1 else "give"
         lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)

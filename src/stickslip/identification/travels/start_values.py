@@ -68,6 +68,8 @@ MOST = 60
 DRAWN, AROUND = 256, 3.0
 """Points that are drawn where parameters of the mechanism are unknown, and the factor from the
 values that were given up to which they lie."""
+FRACTION = 3.0
+"""Friction over that of the branch that fits alone up to which slopes are scanned densely."""
 KEPT, MANY = 6, 48
 """Starting points that a scan returns, and a dense one."""
 
@@ -99,8 +101,12 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     }
     beside = _beside(model, best[0], centre) if others else []
     if span is LEVELS and not model.law.states and _branched(table):
-        return _dense(model, trials, levels, [idle, *(rest for _, rest in beside)])
-    rows = [[level, *idle] for level in levels.tolist()]
+        rests = [rest for _, rest in beside]
+        if len(others) == 1 and quantities[others[0]].scale == "slope":
+            # the level that fits alone may be of a branch with a fraction of the friction
+            rests += [[FRACTION * value for value in rest] for rest in rests]
+        return _dense(model, trials, levels, [idle, *rests])
+    rows = _rows(model, levels, idle)
     if not others:
         return _best(rows, costs)
     more = [[share * best[0], *rest] for share, rest in beside]
@@ -121,7 +127,7 @@ def _scanned(
     ratio = (span[1] / span[0]) ** (1.0 / (COUNTS[span] - 1))
     first, last = span[0] * centre, span[1] * centre
     levels = np.unique(np.clip(np.geomspace(first, last, COUNTS[span]), max(low, first), high))
-    table = _table(model, trials, [[level, *idle] for level in levels.tolist()])
+    table = _table(model, trials, _rows(model, levels, idle))
     for side in (0, -1):
         while True:
             at = int(np.argmin(_costs(table, trials)))
@@ -132,7 +138,7 @@ def _scanned(
                 break
             power = np.arange(-6, 0) if side == 0 else np.arange(1, 7)
             more = np.unique(np.clip(edge * ratio**power, max(low, 1e-12 * centre), high))
-            found = _table(model, trials, [[level, *idle] for level in more.tolist()])
+            found = _table(model, trials, _rows(model, more, idle))
             order = (more, levels) if side == 0 else (levels, more)
             levels = np.concatenate(order)
             table = np.concatenate((found, table) if side == 0 else (table, found))
@@ -303,6 +309,17 @@ def _beside(
     return [found[i] for i in sorted(chosen)]
 
 
+def _rows(model: TravelModel, levels: Array, rest: Sequence[float]) -> list[list[float]]:
+    """Return values of the first parameter, each with the others beside it, or as high as it."""
+    names = [path.rpartition(".")[2] for path in model.free]
+    known = fields_of(type(model.law))
+    above = [known[name].at_least == names[0] for name in names[1:]]
+    return [
+        [level, *(max(v, level) if up else v for v, up in zip(rest, above, strict=True))]
+        for level in levels.tolist()
+    ]
+
+
 def _table(model: TravelModel, trials: Sequence[Trial], rows: Sequence[Start]) -> Array:
     """Return travels (k, n); infinite where a run cannot be made, levels above others as these."""
     values = np.array(rows, dtype=float)
@@ -340,18 +357,7 @@ def _dense(
         chosen = np.linspace(0, len(beside) - 1, BESIDE).astype(int)
         beside = [beside[i] for i in chosen]
     found: list[tuple[float, Start]] = []
-    names = [path.rpartition(".")[2] for path in model.free]
-    known = fields_of(type(model.law))
-    above = [
-        i for i, name in enumerate(names[1:]) if known[name].at_least == names[0]
-    ]  # values beside the best level, which move with it
-    rows = []
-    for rest in beside:
-        for level in fine.tolist():
-            row = [level, *rest]
-            for i in above:
-                row[i + 1] = max(row[i + 1], level)
-            rows.append(row)
+    rows = [row for rest in beside for row in _rows(model, fine, rest)]
     costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), DENSE)
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     valleys = (costs <= padded[:, :-2]) & (costs <= padded[:, 2:]) & np.isfinite(costs)

@@ -48,8 +48,8 @@ def _estimate(best: TravelCandidate) -> Fact | None:
     names = {**DOUBT_NAMES, "stated interval": "interval stated with the measurement"}
     doubt = names.get(estimate.interval, f"{estimate.interval} interval")
     return Fact(
-        value=with_unit(value, estimate.quantity.unit),
-        aside=estimate_range(estimate) if estimate.bounded else "",
+        value=with_unit(estimate.range if estimate.pieces else value, estimate.quantity.unit),
+        aside=estimate_range(estimate) if estimate.bounded and not estimate.pieces else "",
         what=what + doubt
         if estimate.bounded
         else (f"{what}bounded on one side only: {estimate.reason}"),
