@@ -42,7 +42,7 @@ def apart(other: Sequence[float], best: Sequence[float]) -> float:
     Examples
     --------
     >>> round(apart([2.0, 4.0, 3.0], [1.0, 1.0, 1.0]), 2), apart([2.0], [1.0])
-    (5.16, 0.0)
+    (4.54, 0.0)
     """
     if len(best) < 2:
         return 0.0

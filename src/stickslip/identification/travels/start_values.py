@@ -321,15 +321,8 @@ def _rows(model: TravelModel, levels: Array, rest: Sequence[float]) -> list[list
 
 
 def _table(model: TravelModel, trials: Sequence[Trial], rows: Sequence[Start]) -> Array:
-    """Return travels (k, n); infinite where a run cannot be made, levels above others as these."""
-    values = np.array(rows, dtype=float)
-    paths = [path.rpartition(".")[2] for path in model.free]
-    for column, name in enumerate(paths):
-        quantity = fields_of(type(model.law)).get(name)
-        if quantity is not None and quantity.at_least in paths:
-            least = values[:, paths.index(quantity.at_least)]
-            values[:, column] = np.maximum(values[:, column], least)
-    found = model.table(trials, values)
+    """Return travels (k, n); infinite where a run cannot be made."""
+    found = model.table(trials, np.array(rows, dtype=float))
     return np.where(np.isfinite(found), found, math.inf)
 
 
