@@ -53,6 +53,8 @@ WEIGHINGS = 2
 """Fits by weights that follow from the fit before, where the mechanism is uncertain."""
 NEAR = 100.0
 """Cost of a starting point over that of the best one beyond which no slow search begins there."""
+LARGEST = 1e150
+"""Size of residuals whose sum of squares is a number; readings of 0 weigh as much."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
 MET = 1e-3
@@ -327,7 +329,8 @@ class _Problem:
         """Return measured less predicted travels of k unknowns, whitened (k, n)."""
         left = self.measured - self.table(points)
         made = np.all(np.isfinite(left), axis=1, keepdims=True)
-        return np.where(made, np.where(made, left, 0.0) @ self.whitening.T, FAILED)
+        found = np.clip(np.where(made, left, 0.0) @ self.whitening.T, -LARGEST, LARGEST)
+        return np.where(made, found, FAILED)
 
     def predicted(self, free_parameters: Array) -> Array:
         """Return the travels [m] (n,); NaN where a run cannot be made."""
