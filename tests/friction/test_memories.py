@@ -382,7 +382,7 @@ def test_every_memory_around_every_curve_beside_every_flow_runs_and_is_certified
 @pytest.mark.parametrize(
     ("memory", "curve", "flow"),
     [
-        ("lugre", "level", "power"),
+        pytest.param("lugre", "level", "power", marks=pytest.mark.slow),
         ("maxwell[3]", "level + stribeck", "viscous"),
         ("gms[3]", "level", "viscous"),
         ("reset", "level", "viscous"),

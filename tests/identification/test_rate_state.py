@@ -279,7 +279,7 @@ OTHERS = {
 
 @pytest.mark.parametrize(
     "name",
-    ["rate-and-state-prz", "rate-and-state-nagata",
+    [pytest.param("rate-and-state-prz", marks=pytest.mark.slow), "rate-and-state-nagata",
      pytest.param("rate-and-two-states", marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_other_forms_are_recovered_from_their_own_data(name):
