@@ -137,7 +137,7 @@ def test_ends_of_starts_widen_intervals_where_they_fit_as_closely_and_lie_apart(
     wide, said = line_fit((1.02, [9.0, 2.0]))
     assert wide.half_widths[0] > 8.0
     assert wide.half_widths[1] == pytest.approx(own.half_widths[1])
-    assert said.startswith("Values far apart fit nearly as closely: with a = 9 N in place of 1 N")
+    assert said.startswith("Other values fit nearly as closely: with a = 9 N in place of 1 N")
     assert "1 % larger" in said
     wide, _ = line_fit((1.02, [1.0, 20.0]))
     assert wide.half_widths[1] > 2.0 * math.log(10.0)

@@ -30,6 +30,8 @@ ORDERS = 30.0
 """An interval of a logarithm that goes by this factor to either side is none."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
+ALIKE = 0.05
+"""Per cent by which residuals differ that are called the same."""
 RIVALS = 0.1
 """Share of the least cost above which the end of a start is no rival, however few residuals are
 independent."""
@@ -118,11 +120,11 @@ def widened_by_starts(
             worst = int(far.argmax())
             item = free_parameters.items[worst]
             more = 100.0 * ((cost / least) ** 0.5 - 1.0)
+            larger = f"{number(more, 2)} % larger" if more >= ALIKE else "the same"
             said = (
-                f"Values far apart fit nearly as closely: with {item.quantity.symbol} ="
+                f"Other values fit nearly as closely: with {item.quantity.symbol} ="
                 f" {with_unit(end[worst], item)} in place of {with_unit(values[worst], item)}, the"
-                f" residual is {number(more, 2)} % larger. The intervals were widened to include"
-                " both."
+                f" residual is {larger}. The intervals were widened to include both."
             )
     return inference, said
 
