@@ -29,9 +29,9 @@ double slide_friction(double velocity, double load)
         normal = 0.0;
     }
     if (0.0 < velocity) {
-        force = sigma_plus*velocity + normal*mu_plus;
+        force = normal*mu_plus + sigma_plus*velocity;
     } else if (velocity < 0.0) {
-        force = -(-velocity*sigma_minus + normal*mu_minus);
+        force = -(normal*mu_minus - velocity*sigma_minus);
     } else {
         force = 0.0;
     }
@@ -71,9 +71,9 @@ static double slide_slip(double speed, double direction, double load)
         normal = 0.0;
     }
     if (0.0 < direction) {
-        force = normal*mu_plus + speed*sigma_plus;
+        force = speed*sigma_plus + normal*mu_plus;
     } else {
-        force = normal*mu_minus + speed*sigma_minus;
+        force = speed*sigma_minus + normal*mu_minus;
     }
     return force;
 }
@@ -91,10 +91,10 @@ static double slide_slide(double speed, double applied, double load, double mass
         normal = 0.0;
     }
     if (0.0 < direction) {
-        force = normal*mu_plus + speed*sigma_plus;
+        force = speed*sigma_plus + normal*mu_plus;
         force_v = sigma_plus;
     } else {
-        force = normal*mu_minus + speed*sigma_minus;
+        force = speed*sigma_minus + normal*mu_minus;
         force_v = sigma_minus;
     }
     pivot = force_v;

@@ -34,21 +34,21 @@ double slide_friction(double velocity, double z, double load)
         normal = 0.0;
     }
     if (0.0 < velocity) {
-        if (0.0 < -velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s - velocity) {
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c1 = 0.0;
         }
         c2 = z*sigma_0;
-        force = normal*(c2 + (velocity - c2*velocity/((mu_k + (mu_s - mu_k)*c1)))*sigma_1) + sigma_2*velocity;
+        force = sigma_2*velocity + normal*((-c2*velocity/(((-mu_k + mu_s)*c1 + mu_k)) + velocity)*sigma_1 + c2);
     } else if (velocity < 0.0) {
-        if (0.0 < velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s + velocity) {
             c3 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c3 = 0.0;
         }
         c4 = z*sigma_0;
-        force = normal*(c4 + (velocity + c4*velocity/((mu_k + (mu_s - mu_k)*c3)))*sigma_1) + sigma_2*velocity;
+        force = sigma_2*velocity + normal*((c4*velocity/(((-mu_k + mu_s)*c3 + mu_k)) + velocity)*sigma_1 + c4);
     } else {
         force = z*normal*sigma_0;
     }
@@ -66,19 +66,19 @@ double slide_rates(double velocity, double z, double load)
         return NAN;
     }
     if (0.0 < velocity) {
-        if (0.0 < -velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s - velocity) {
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c1 = 0.0;
         }
-        z_rate = velocity - z*sigma_0*velocity/((mu_k + (mu_s - mu_k)*c1));
+        z_rate = -z*sigma_0*velocity/(((-mu_k + mu_s)*c1 + mu_k)) + velocity;
     } else if (velocity < 0.0) {
-        if (0.0 < velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s + velocity) {
             c2 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c2 = 0.0;
         }
-        z_rate = velocity + z*sigma_0*velocity/((mu_k + (mu_s - mu_k)*c2));
+        z_rate = z*sigma_0*velocity/(((-mu_k + mu_s)*c2 + mu_k)) + velocity;
     } else {
         z_rate = 0.0;
     }
@@ -100,19 +100,19 @@ double slide_steady(double velocity, double load)
         normal = 0.0;
     }
     if (0.0 < velocity) {
-        if (0.0 < -velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s - velocity) {
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c1 = 0.0;
         }
-        force = (mu_k + (mu_s - mu_k)*c1)*normal + sigma_2*velocity;
+        force = sigma_2*velocity + ((-mu_k + mu_s)*c1 + mu_k)*normal;
     } else if (velocity < 0.0) {
-        if (0.0 < velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s + velocity) {
             c2 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c2 = 0.0;
         }
-        force = -(mu_k + (mu_s - mu_k)*c2)*normal + sigma_2*velocity;
+        force = sigma_2*velocity - ((-mu_k + mu_s)*c2 + mu_k)*normal;
     } else {
         force = 0.0;
     }
@@ -144,22 +144,22 @@ static double slide_settle(double velocity, double z, double load, double period
     double rate, drop, z_end, c1, c2, c3, c4;
     (void)load;
     if (0.0 < velocity) {
-        if (0.0 < -velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s - velocity) {
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c1 = 0.0;
         }
-        c2 = sigma_0*velocity/((mu_k + (mu_s - mu_k)*c1));
-        rate = velocity - z*c2;
+        c2 = sigma_0*velocity/(((-mu_k + mu_s)*c1 + mu_k));
+        rate = -z*c2 + velocity;
         drop = c2;
     } else if (velocity < 0.0) {
-        if (0.0 < velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s + velocity) {
             c3 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c3 = 0.0;
         }
-        c4 = sigma_0*velocity/((mu_k + (mu_s - mu_k)*c3));
-        rate = velocity + z*c4;
+        c4 = sigma_0*velocity/(((-mu_k + mu_s)*c3 + mu_k));
+        rate = z*c4 + velocity;
         drop = -c4;
     } else {
         rate = 0.0;

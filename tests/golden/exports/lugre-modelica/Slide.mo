@@ -37,21 +37,21 @@ package Slide "Friction law of the package stickslip"
             normal := 0.0;
         end if;
         if 0.0 < velocity then
-            if 0.0 < -velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s - velocity then
                 c1 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c1 := 0.0;
             end if;
             c2 := z*sigma_0;
-            force := normal*(c2 + (velocity - c2*velocity/((mu_k + (mu_s - mu_k)*c1)))*sigma_1) + sigma_2*velocity;
+            force := sigma_2*velocity + normal*((-c2*velocity/(((-mu_k + mu_s)*c1 + mu_k)) + velocity)*sigma_1 + c2);
         elseif velocity < 0.0 then
-            if 0.0 < velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s + velocity then
                 c3 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c3 := 0.0;
             end if;
             c4 := z*sigma_0;
-            force := normal*(c4 + (velocity + c4*velocity/((mu_k + (mu_s - mu_k)*c3)))*sigma_1) + sigma_2*velocity;
+            force := sigma_2*velocity + normal*((c4*velocity/(((-mu_k + mu_s)*c3 + mu_k)) + velocity)*sigma_1 + c4);
         else
             force := z*normal*sigma_0;
         end if;
@@ -71,19 +71,19 @@ package Slide "Friction law of the package stickslip"
         Real c2;
     algorithm
         if 0.0 < velocity then
-            if 0.0 < -velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s - velocity then
                 c1 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c1 := 0.0;
             end if;
-            z_rate := velocity - z*sigma_0*velocity/((mu_k + (mu_s - mu_k)*c1));
+            z_rate := -z*sigma_0*velocity/(((-mu_k + mu_s)*c1 + mu_k)) + velocity;
         elseif velocity < 0.0 then
-            if 0.0 < velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s + velocity then
                 c2 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c2 := 0.0;
             end if;
-            z_rate := velocity + z*sigma_0*velocity/((mu_k + (mu_s - mu_k)*c2));
+            z_rate := z*sigma_0*velocity/(((-mu_k + mu_s)*c2 + mu_k)) + velocity;
         else
             z_rate := 0.0;
         end if;
@@ -107,19 +107,19 @@ package Slide "Friction law of the package stickslip"
             normal := 0.0;
         end if;
         if 0.0 < velocity then
-            if 0.0 < -velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s - velocity then
                 c1 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c1 := 0.0;
             end if;
-            force := (mu_k + (mu_s - mu_k)*c1)*normal + sigma_2*velocity;
+            force := sigma_2*velocity + ((-mu_k + mu_s)*c1 + mu_k)*normal;
         elseif velocity < 0.0 then
-            if 0.0 < velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s + velocity then
                 c2 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c2 := 0.0;
             end if;
-            force := -(mu_k + (mu_s - mu_k)*c2)*normal + sigma_2*velocity;
+            force := sigma_2*velocity - ((-mu_k + mu_s)*c2 + mu_k)*normal;
         else
             force := 0.0;
         end if;

@@ -29,19 +29,19 @@ double slide_friction(double velocity, double load)
         normal = 0.0;
     }
     if (0.0 < velocity) {
-        if (0.0 < -velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s - velocity) {
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c1 = 0.0;
         }
-        force = (mu_k + (mu_s - mu_k)*c1)*normal + sigma_2*velocity;
+        force = sigma_2*velocity + ((-mu_k + mu_s)*c1 + mu_k)*normal;
     } else if (velocity < 0.0) {
-        if (0.0 < velocity + 6.0*v_s) {
+        if (0.0 < 6.0*v_s + velocity) {
             c2 = exp(-(velocity*velocity)/((v_s*v_s)));
         } else {
             c2 = 0.0;
         }
-        force = -((mu_k + (mu_s - mu_k)*c2)*normal - sigma_2*velocity);
+        force = -(-sigma_2*velocity + ((-mu_k + mu_s)*c2 + mu_k)*normal);
     } else {
         force = 0.0;
     }
@@ -76,12 +76,12 @@ static double slide_slip(double speed, double direction, double load)
     if (normal < 0.0) {
         normal = 0.0;
     }
-    if (0.0 < 6.0*v_s - speed) {
+    if (0.0 < -speed + 6.0*v_s) {
         c1 = exp(-(speed*speed)/((v_s*v_s)));
     } else {
         c1 = 0.0;
     }
-    force = speed*sigma_2 + ((-mu_k + mu_s)*c1 + mu_k)*normal;
+    force = (mu_k + (mu_s - mu_k)*c1)*normal + speed*sigma_2;
     return force;
 }
 
@@ -97,20 +97,20 @@ static double slide_slide(double speed, double applied, double load, double mass
     if (normal < 0.0) {
         normal = 0.0;
     }
-    if (0.0 < 6.0*v_s - speed) {
+    if (0.0 < -speed + 6.0*v_s) {
         c1 = exp(-(speed*speed)/((v_s*v_s)));
     } else {
         c1 = 0.0;
     }
-    if (0.0 < 6.0*v_s - speed) {
+    if (0.0 < -speed + 6.0*v_s) {
         c3 = 1.0/((v_s*v_s));
         c2 = -2.0*exp(-c3*(speed*speed))*c3*speed;
     } else {
         c2 = 0.0;
     }
-    c4 = -mu_k + mu_s;
-    force = speed*sigma_2 + normal*(c4*c1 + mu_k);
-    force_v = sigma_2 + c4*c2*normal;
+    c4 = mu_s - mu_k;
+    force = normal*(mu_k + c4*c1) + speed*sigma_2;
+    force_v = c4*c2*normal + sigma_2;
     pivot = force_v;
     if (pivot < 0.0) {
         pivot = 0.0;

@@ -33,19 +33,19 @@ function force = slide_friction(velocity, load)
         normal = 0.0;
     end
     if 0.0 < velocity
-        if 0.0 < -velocity + 6.0*v_s
+        if 0.0 < 6.0*v_s - velocity
             c1 = exp(-(velocity*velocity)/((v_s*v_s)));
         else
             c1 = 0.0;
         end
-        force = (mu_k + (mu_s - mu_k)*c1)*normal + sigma_2*velocity;
+        force = sigma_2*velocity + ((-mu_k + mu_s)*c1 + mu_k)*normal;
     elseif velocity < 0.0
-        if 0.0 < velocity + 6.0*v_s
+        if 0.0 < 6.0*v_s + velocity
             c2 = exp(-(velocity*velocity)/((v_s*v_s)));
         else
             c2 = 0.0;
         end
-        force = -((mu_k + (mu_s - mu_k)*c2)*normal - sigma_2*velocity);
+        force = -(-sigma_2*velocity + ((-mu_k + mu_s)*c2 + mu_k)*normal);
     else
         force = 0.0;
     end

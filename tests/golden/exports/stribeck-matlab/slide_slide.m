@@ -26,20 +26,20 @@ function speed_end = slide_slide(speed, applied, load, mass, period, direction)
     if normal < 0.0
         normal = 0.0;
     end
-    if 0.0 < 6.0*v_s - speed
+    if 0.0 < -speed + 6.0*v_s
         c1 = exp(-(speed*speed)/((v_s*v_s)));
     else
         c1 = 0.0;
     end
-    if 0.0 < 6.0*v_s - speed
+    if 0.0 < -speed + 6.0*v_s
         c3 = 1.0/((v_s*v_s));
         c2 = -2.0*exp(-c3*(speed*speed))*c3*speed;
     else
         c2 = 0.0;
     end
-    c4 = -mu_k + mu_s;
-    force = speed*sigma_2 + normal*(c4*c1 + mu_k);
-    force_v = sigma_2 + c4*c2*normal;
+    c4 = mu_s - mu_k;
+    force = normal*(mu_k + c4*c1) + speed*sigma_2;
+    force_v = c4*c2*normal + sigma_2;
     pivot = force_v;
     if pivot < 0.0
         pivot = 0.0;

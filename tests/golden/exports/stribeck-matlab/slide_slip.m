@@ -23,11 +23,11 @@ function force = slide_slip(speed, direction, load)
     if normal < 0.0
         normal = 0.0;
     end
-    if 0.0 < 6.0*v_s - speed
+    if 0.0 < -speed + 6.0*v_s
         c1 = exp(-(speed*speed)/((v_s*v_s)));
     else
         c1 = 0.0;
     end
-    force = speed*sigma_2 + ((-mu_k + mu_s)*c1 + mu_k)*normal;
+    force = (mu_k + (mu_s - mu_k)*c1)*normal + speed*sigma_2;
 end
 

@@ -29,19 +29,19 @@ package Slide "Friction law of the package stickslip"
             normal := 0.0;
         end if;
         if 0.0 < velocity then
-            if 0.0 < -velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s - velocity then
                 c1 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c1 := 0.0;
             end if;
-            force := (mu_k + (mu_s - mu_k)*c1)*normal + sigma_2*velocity;
+            force := sigma_2*velocity + ((-mu_k + mu_s)*c1 + mu_k)*normal;
         elseif velocity < 0.0 then
-            if 0.0 < velocity + 6.0*v_s then
+            if 0.0 < 6.0*v_s + velocity then
                 c2 := exp(-(velocity*velocity)/((v_s*v_s)));
             else
                 c2 := 0.0;
             end if;
-            force := -((mu_k + (mu_s - mu_k)*c2)*normal - sigma_2*velocity);
+            force := -(-sigma_2*velocity + ((-mu_k + mu_s)*c2 + mu_k)*normal);
         else
             force := 0.0;
         end if;
@@ -79,12 +79,12 @@ package Slide "Friction law of the package stickslip"
         if normal < 0.0 then
             normal := 0.0;
         end if;
-        if 0.0 < 6.0*v_s - speed then
+        if 0.0 < -speed + 6.0*v_s then
             c1 := exp(-(speed*speed)/((v_s*v_s)));
         else
             c1 := 0.0;
         end if;
-        force := speed*sigma_2 + ((-mu_k + mu_s)*c1 + mu_k)*normal;
+        force := (mu_k + (mu_s - mu_k)*c1)*normal + speed*sigma_2;
     end slip;
 
     function slide "Speed after slip in one direction, along which all are counted."
@@ -116,20 +116,20 @@ package Slide "Friction law of the package stickslip"
         if normal < 0.0 then
             normal := 0.0;
         end if;
-        if 0.0 < 6.0*v_s - speed then
+        if 0.0 < -speed + 6.0*v_s then
             c1 := exp(-(speed*speed)/((v_s*v_s)));
         else
             c1 := 0.0;
         end if;
-        if 0.0 < 6.0*v_s - speed then
+        if 0.0 < -speed + 6.0*v_s then
             c3 := 1.0/((v_s*v_s));
             c2 := -2.0*exp(-c3*(speed*speed))*c3*speed;
         else
             c2 := 0.0;
         end if;
-        c4 := -mu_k + mu_s;
-        force := speed*sigma_2 + normal*(c4*c1 + mu_k);
-        force_v := sigma_2 + c4*c2*normal;
+        c4 := mu_s - mu_k;
+        force := normal*(mu_k + c4*c1) + speed*sigma_2;
+        force_v := c4*c2*normal + sigma_2;
         pivot := force_v;
         if pivot < 0.0 then
             pivot := 0.0;
