@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from tools import stubs
@@ -151,18 +151,6 @@ def public_functions(tree: ast.Module) -> Iterator[tuple[str, Function, list[str
             yield f"{owner}{node.name}", node, arguments(node, is_method=is_method)
 
 
-def share_documented(trees: Sequence[ast.Module], least: int) -> str:
-    """Return how many public functions with so many arguments have a section Parameters."""
-    texts = [
-        ast.get_docstring(function) or ""
-        for tree in trees
-        for _, function, names in public_functions(tree)
-        if len(names) >= least
-    ]
-    told = sum("Parameters\n----" in text for text in texts)
-    return f"{told} of {len(texts)} ({told / len(texts):.0%})"
-
-
 def route_types(trees: dict[str, ast.Module]) -> set[str]:
     """Return the names of the classes that belong to one route."""
     classes = [
@@ -252,9 +240,6 @@ def table() -> Iterator[tuple[str, object]]:
         )
         yield f"{room}: isinstance and match on types of a route", by_type
         yield f"{room}: comparisons with the name or quantity of a route", by_text
-    for least in (2, 3):
-        shown = share_documented([*trees.values()], least)
-        yield f"public functions of {least} or more arguments with Parameters", shown
     yield "public names at the top", len(importlib.import_module(PACKAGE).__all__)
     seen = watched()
     yield "stickslip demo: modules imported", seen["imported"]

@@ -122,6 +122,21 @@ def test_draws_have_the_covariance_of_the_file():
     np.testing.assert_allclose(draws.mean(axis=1), [0.25, 0.5], rtol=0.02)
 
 
+def test_draws_of_an_interval_that_is_longer_on_one_side_keep_to_it():
+    known = LawEstimates(
+        law="coulomb",
+        intervals={"kinetic_coefficient": (0.254, 0.317)},
+        covariance_of=("kinetic_coefficient",),
+        covariance=((((0.308 - 0.254) / 1.96) ** 2,),),
+    )
+    drawn = known.draw(Coulomb(kinetic_coefficient=0.308), 4000)["friction.kinetic_coefficient"]
+    low, middle, high = np.quantile(drawn, [0.025, 0.5, 0.975])
+    # standard errors of such quantiles of 4,000 draws are a twentieth of a side
+    assert low == pytest.approx(0.254, abs=4e-3)
+    assert middle == pytest.approx(0.308, abs=1e-3)
+    assert high == pytest.approx(0.317, abs=1e-3)
+
+
 def test_draws_are_valid_values_of_the_law():
     law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.26, stribeck_velocity=0.01)
     known = LawEstimates(law="stribeck", intervals={"kinetic_coefficient": (0.2, 0.3)})
