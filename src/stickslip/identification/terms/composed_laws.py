@@ -1,0 +1,300 @@
+"""Laws of the structures that explain a force balance, with their coefficients as start values."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.evidence import SIGN, Fit, Structure, Term
+from stickslip.evidence.bristles import Shape
+from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law, laws
+from stickslip.friction.composition import Composition, Leaf
+
+DIRECTIONAL = ("viscous_dir", "power_dir", "stribeck_dir")
+"""Kinds of terms that no constant force beside friction can stand for."""
+LIKE_DAHL = 0.05
+"""Exponent of a memory, from 1, up to which it is Dahl's without one."""
+DAMPED = 0.2
+"""Damping ratio of a bristle that searches begin with; the force balance says nothing of it."""
+LEAST = 1e-9
+"""Share of the level below which no level starts: laws divide by theirs."""
+
+Sides = tuple[float, float]
+"""Values forward and backward."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ComposedLaw:
+    """The law of a structure."""
+
+    text: str
+    """Its composition."""
+    specification: CandidateSpec
+    """The candidate: the law with its start values, and which of them are looked for."""
+    beside: tuple[Term, ...]
+    """Terms that no law has: they act beside friction, or on the record."""
+
+
+def composed_law(
+    fit: Fit, load: float, inertia: float | None = None, channel: str = ""
+) -> ComposedLaw | None:
+    """Return the law of a structure under a load [N] and with a mass; None if it has no friction.
+
+    Where the notation has no such law, the nearest one without directions is returned.
+    """
+    structure = fit.structure
+    for directional in (True, False):
+        text, used = _text(structure, channel, directional=directional)
+        if not text:
+            return None
+        try:
+            kind = law(text)
+            start = _started(kind, _Coefficients.of(fit, load, inertia, channel))
+        except (InputError, ParameterError):
+            continue
+        beside = tuple(
+            one
+            for one in structure.free
+            if one.channel in (channel, "*") and one.kind not in used and one.kind != "offset"
+        )
+        spec = CandidateSpec(
+            name=_name(structure, text, channel),
+            title=_title(structure, text, channel),
+            law=start,
+            free=_free(kind, structure.shape(channel)),
+        )
+        return ComposedLaw(text=text, specification=spec, beside=beside)
+    return None
+
+
+def _of(structure: Structure, channel: str) -> dict[str, Term]:
+    return {one.kind: one for one in structure.terms if one.channel == channel}
+
+
+def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str, set[str]]:
+    """Return the composition of a structure, and the kinds of terms that it has."""
+    terms, shape = _of(structure, channel), structure.shape(channel)
+    both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
+    levels, flow = _levels(structure, channel, terms), _flow(terms)
+    used = {"level", "load", "second", *both}
+    used |= {name for name in ("stribeck", "temperature", "level_slope", "level_ripple") if name in terms}
+    used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
+    used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
+    if not levels:
+        return flow, used
+    sides = _sides(both)
+    memory = _memory(terms, shape)
+    if not memory and all(sides) and flow:
+        return f"both_ways[levels]({levels} + {flow})", used
+    levels = f"both_ways[levels]({levels})" if sides[0] else levels
+    flow = f"both_ways[levels]({flow})" if sides[1] and flow else flow
+    whole = f"{memory}({levels})" if memory else levels
+    return f"{whole} + {flow}" if flow else whole, used
+
+
+def _sides(both: set[str]) -> tuple[bool, bool]:
+    """Whether levels and flows differ by direction: levels do if anything does.
+
+    A constant force and half a difference between levels are one column, and a law by direction
+    has levels of its own.
+    """
+    return bool(both), bool(both & {"viscous_dir", "power_dir"})
+
+
+def _levels(structure: Structure, channel: str, terms: Mapping[str, Term]) -> str:
+    if not {"level", "load"} & set(terms):
+        return ""
+    level = "level"
+    level += "".join(
+        f" * linear[{one.what}]"
+        for one in structure.terms
+        if one.kind == "temperature" and one.channel == channel
+    )
+    level += " * linear[position]" if "level_slope" in terms else ""
+    level += " * ripple[position]" if "level_ripple" in terms else ""
+    fades = {"stribeck", "stribeck_dir"} & set(terms) or len(structure.shape(channel)) == 5
+    return f"{level} + stribeck" if fades else level
+
+
+def _flow(terms: Mapping[str, Term]) -> str:
+    if {"power", "power_dir"} & set(terms):
+        return "power"
+    viscous = {"viscous", "viscous_dir", "viscous_cov"} & set(terms)
+    warm = f" * linear[{terms['viscous_cov'].what}]" if "viscous_cov" in terms else ""
+    parts = [f"viscous{warm}"] if viscous else []
+    parts += ["drag"] if "quadratic" in terms else []
+    return " + ".join(parts)
+
+
+def _memory(terms: Mapping[str, Term], shape: Shape) -> str:
+    if shape == SIGN:
+        return ""
+    if len(shape) == 5:
+        return "lugre"
+    if "second" in terms:
+        return "maxwell[4]"
+    return "maxwell[1]" if shape[1] <= LIKE_DAHL else "dahl"
+
+
+def _rung(structure: Structure, channel: str) -> Rung | None:
+    """Return the default candidate that a structure is; None if it is none of them."""
+    terms, shape = _of(structure, channel), structure.shape(channel)
+    if set(terms) - {"level", "load", "offset", "stribeck", "viscous", "power", "quadratic"}.union(
+        DIRECTIONAL
+    ) - {"inertia"}:
+        return None
+    memory = _memory(terms, shape)
+    flow = "drag" if _flow(terms) == "viscous + drag" else _flow(terms)
+    exponent = memory == "dahl" and abs(shape[1] - 1.0) > LIKE_DAHL
+    both = _sides(set(DIRECTIONAL) & set(terms))
+    if memory not in ("", "dahl", "lugre") or flow not in ("viscous", "power", "drag"):
+        return None
+    if "level" not in terms and "load" not in terms:
+        return None
+    return Rung(
+        both_ways=any(both),
+        stribeck="stribeck" in _levels(structure, channel, terms),
+        flow=flow,
+        memory=memory,
+        exponent=exponent,
+    )
+
+
+def _name(structure: Structure, text: str, channel: str) -> str:
+    kind = law(text)
+    exponent = kind.made_of is not None and "yield_exponent" in _free(kind, structure.shape(channel))
+    return f"{kind.name}{', exponent fitted' if exponent and kind.name in laws() else ''}"
+
+
+def _title(structure: Structure, text: str, channel: str) -> str:
+    kind = law(text)
+    if kind.name in laws():
+        return kind.title
+    rung = _rung(structure, channel)
+    return kind.title if rung is None or rung.exponent else rung.title
+
+
+def _free(kind: type[FrictionLaw], shape: Shape) -> tuple[str, ...]:
+    """Return the fields that are looked for: an exponent of a memory where it is not Dahl's."""
+    names = kind.fit_order
+    more = ()
+    if len(shape) == 2 and shape[1] > LIKE_DAHL and abs(shape[1] - 1.0) > LIKE_DAHL:
+        made: Composition | None = kind.made_of
+        if made is not None and made.memory is not None:
+            field = made.memory.names.get("yield_exponent", "yield_exponent")
+            more = (field,) if isinstance(field, str) and field in made.fields else ()
+    return (*names, *(one for one in more if one not in names))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Coefficients:
+    """Values by part and by its own name of them: of one, or of both directions."""
+
+    values: Mapping[tuple[str, str], float | Sides]
+
+    @classmethod
+    def of(cls, fit: Fit, load: float, inertia: float | None, channel: str) -> "_Coefficients":
+        structure = fit.structure
+        terms, shape = _of(structure, channel), structure.shape(channel)
+
+        def of(kind: str, index: int = 0) -> float:
+            found = [
+                float(x)
+                for x, term in zip(fit.coef, fit.owner, strict=True)
+                if term.kind == kind and term.channel == channel
+            ]
+            return found[index] if found else 0.0
+
+        own = 1.0 if "load" in terms else load
+        level = of("load") + of("level") / (load if "load" in terms else 1.0)
+        level += of("second") / (load if "load" in terms else 1.0)
+        both = any(kind in terms for kind in DIRECTIONAL)
+        constant = (of("offset") if both else 0.0) / (load if "load" in terms else 1.0)
+        level = max(level, LEAST)
+        sides = [max(level + s * constant, LEAST) / own for s in (1.0, -1.0)]
+        steps = [max(of("stribeck") + s * of("stribeck_dir"), 0.0) for s in (1.0, -1.0)]
+        steps = [one / (load if "load" in terms else 1.0) / own for one in steps]
+        if len(shape) == 5:
+            steps = [shape[3] * one for one in sides]
+        velocity, fading = _fading(terms, shape)
+        flow = "power" if {"power", "power_dir"} & set(terms) else "viscous"
+        slopes = [max(of(flow) + s * of(f"{flow}_dir"), 0.0) for s in (1.0, -1.0)]
+        exponent = next((t.par[0] for k, t in terms.items() if k in ("power", "power_dir")), 1.0)
+        first = sides[0] if sides[0] == sides[1] else 0.5 * sum(sides)
+        values: dict[tuple[str, str], float | Sides] = {
+            ("level", "kinetic_coefficient"): (sides[0], sides[1]),
+            ("stribeck", "static_coefficient"): (sides[0] + steps[0], sides[1] + steps[1]),
+            ("stribeck", "stribeck_velocity"): velocity,
+            ("stribeck", "fading_exponent"): fading,
+            ("viscous", "viscous_coefficient"): (slopes[0], slopes[1]),
+            ("power", "viscous_coefficient"): (slopes[0], slopes[1]),
+            ("power", "viscous_exponent"): exponent,
+            ("drag", "quadratic_coefficient"): max(of("quadratic"), 0.0),
+        }
+        if shape != SIGN:
+            stiffness = first / shape[0]
+            mass = inertia if inertia else 1.0
+            values[("*", "bristle_stiffness")] = stiffness
+            values[("*", "yield_exponent")] = shape[1] or 1.0
+            values[("*", "bristle_damping")] = 2.0 * DAMPED * math.sqrt(stiffness * own * mass) / own
+        values |= _factors(terms, of, level)
+        return cls(values=values)
+
+    def field(self, leaf: Leaf, name: str) -> float | Sides | None:
+        """Return the value of a part's parameter, if the structure says it."""
+        part = leaf.part.name
+        for key in ((str(leaf), name), (part, name), ("*", name)):
+            if key in self.values:
+                return self.values[key]
+        return None
+
+
+def _fading(terms: Mapping[str, Term], shape: Shape) -> Sides:
+    """Return Stribeck velocity and exponent."""
+    if len(shape) == 5:
+        return shape[2], shape[4]
+    for kind in ("stribeck", "stribeck_dir"):
+        if kind in terms:
+            return terms[kind].par[0], terms[kind].par[1]
+    return 1.0, 2.0
+
+
+def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str, str], float]:
+    """Return the parameters of factors behind the level, relative to it."""
+    found: dict[tuple[str, str], float] = {}
+    if "temperature" in terms:
+        found[f"linear[{terms['temperature'].what}]", "slope"] = of("temperature") / level
+    if "level_slope" in terms:
+        found["linear[position]", "slope"] = of("level_slope") / level
+    if "level_ripple" in terms:
+        found["ripple[position]", "sine"] = of("level_ripple", 0) / level
+        found["ripple[position]", "cosine"] = of("level_ripple", 1) / level
+        found["ripple[position]", "harmonic"] = terms["level_ripple"].par[0]
+    return found
+
+
+def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLaw:
+    """Return a law with the values that its structure has."""
+    made: Composition = kind.made_of
+    values: dict[str, float] = {}
+    for leaf in _leaves(made):
+        for parameter in leaf.part.parameters:
+            value = coefficients.field(leaf, parameter.name)
+            if value is None:
+                continue
+            field = leaf.names.get(parameter.name, parameter.name)
+            if isinstance(field, tuple):
+                pair = value if isinstance(value, tuple) else (value, value)
+                values |= dict(zip(field, pair, strict=True))
+            else:
+                values[field] = 0.5 * sum(value) if isinstance(value, tuple) else value
+    return kind(**{name: value for name, value in values.items() if name in made.fields})
+
+
+def _leaves(made: Composition) -> Iterator[Leaf]:
+    if made.memory is not None:
+        yield made.memory
+    yield from (*made.inside, *made.outside, *made.factors.values())

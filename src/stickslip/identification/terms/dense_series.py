@@ -1,0 +1,104 @@
+"""Records as dense series, whose force balance the evidence engine explains by terms."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.evidence import Series
+from stickslip.experiments import Measurement
+from stickslip.identification.contact_inputs import recorded_inputs
+from stickslip.identification.force_map.data import load_along
+from stickslip.identification.series.applied_force import applied_force, driven, drives_itself
+from stickslip.identification.series.inverse_dynamics import (
+    LEAST,
+    known_forces,
+    positions_of,
+)
+from stickslip.identification.settings import Hold
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+Array = NDArray[np.float64]
+
+SAME = 1e-3
+"""Relative range of loads that is none."""
+
+
+def is_dense(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether the force balance of a measurement can be written down at every sample.
+
+    One coordinate, in time, with positions or velocities, and either the friction itself or a force
+    that drives.
+    """
+    if len(mechanism.coordinates) != 1 or drives_itself(mechanism, measurement):
+        return False
+    records = measurement.records()
+    if not all(isinstance(one.time, np.ndarray) and len(one.time) >= LEAST for one in records):
+        return False
+    moves = all({"position", "velocity"} & set(one.quantities()) for one in records)
+    return moves and ("friction" in measurement.quantities() or driven(measurement))
+
+
+def dense_series(
+    mechanism: Mechanism, measurement: Measurement, hold: Hold, unknown: Sequence[str]
+) -> tuple[Series, ...]:
+    """Return the records of a mechanism as series: forces but for inertia and friction.
+
+    The mass is a known one unless it is among what is to be found. A load that changes is a
+    covariate; one that does not is left to the coefficients.
+    """
+    loads = loads_of(mechanism, measurement)
+    varies = max(float(one.max()) for one in loads) > (1.0 + SAME) * min(
+        float(one.min()) for one in loads
+    )
+    return tuple(
+        _series(mechanism, record, hold, unknown, load if varies else None)
+        for record, load in zip(measurement.records(), loads, strict=True)
+    )
+
+
+def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:
+    """Return the normal forces [N] at the samples (n,) of each record."""
+    return [
+        load_along(_set_up(mechanism, one), one, len(np.asarray(one.time)))
+        for one in measurement.records()
+    ]
+
+
+def _set_up(mechanism: Mechanism, record: Measurement) -> Mechanism:
+    return vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+
+
+def _series(
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    unknown: Sequence[str],
+    load: Array | None,
+) -> Series:
+    time, x = np.asarray(record.time, dtype=float), positions_of(record)
+    known = record.quantities()
+    covariates = {} if load is None else {"load": load}
+    covariates |= {
+        name: column for name, column in recorded_inputs(record, time).items() if np.ptp(column) > 0
+    }
+    velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
+    if "friction" in known:
+        friction = np.asarray(record.values("friction"), dtype=float)
+        return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
+    mechanism = _set_up(mechanism, record)
+    v = np.gradient(x, time) if velocity is None else velocity
+    applied = applied_force(mechanism, record)
+    mass, force = known_forces(mechanism, x, v, 0.0 * x if applied is None else applied)
+    return Series(
+        time,
+        x,
+        force,
+        mass=None if any(path.endswith(("inertia", "mass")) for path in unknown) else mass,
+        covariates=covariates,
+        velocity=velocity if "position" not in known else None,
+        hold=hold == "zero" and "force" in known,
+    )
+
+
