@@ -1,0 +1,39 @@
+"""One engine for dense records: laws, nuisances and faults are terms of the force balance.
+
+A structure is a set of terms and a bristle shape. Given its nonlinear parameters, the force is
+linear in the rest, so that a hypothesis costs one small least-squares problem. A search adds, drops
+and swaps terms, and one rule judges every change on held-out blocks.
+"""
+
+from stickslip.evidence.balance import Balance
+from stickslip.evidence.bristles import SIGN, play
+from stickslip.evidence.explanation import Explanation, begin, explain, predict
+from stickslip.evidence.faults import Fault
+from stickslip.evidence.fits import Fit, fit
+from stickslip.evidence.intervals import Interval
+from stickslip.evidence.rule import Rule
+from stickslip.evidence.series import Series
+from stickslip.evidence.structure import Structure
+from stickslip.evidence.terms import TERMS, Kind, Term
+from stickslip.evidence.vocabulary import vocabulary
+
+__all__ = [
+    "SIGN",
+    "TERMS",
+    "Balance",
+    "Explanation",
+    "Fault",
+    "Fit",
+    "Interval",
+    "Kind",
+    "Rule",
+    "Series",
+    "Structure",
+    "Term",
+    "begin",
+    "explain",
+    "fit",
+    "play",
+    "predict",
+    "vocabulary",
+]

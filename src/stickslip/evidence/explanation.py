@@ -1,0 +1,213 @@
+"""The explanation of series: the structure that the evidence supports, its ties and its faults."""
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.evidence.balance import Balance
+from stickslip.evidence.faults import Fault, faults_of
+from stickslip.evidence.fits import Fit, design, matched
+from stickslip.evidence.intervals import Interval, intervals_of, refined, widened
+from stickslip.evidence.rule import Rule
+from stickslip.evidence.search import MOST_TIES, Progress, Search
+from stickslip.evidence.series import Series
+from stickslip.evidence.structure import GIVEN, Family, Structure
+from stickslip.evidence.terms import TERMS, Term
+from stickslip.evidence.vocabulary import vocabulary as usual_vocabulary
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Explanation:
+    """What explains a measurement."""
+
+    best: Fit
+    """The most usual structure that the rule does not tell apart from the best."""
+    ties: tuple[Fit, ...]
+    """Others that are not told apart from it, the most usual first."""
+    faults: tuple[Fault, ...]
+    """What is wrong with the rig or the measurement, if anything."""
+    intervals: dict[str, Interval]
+    """Value, lower and upper limit (95 %) of every parameter, by channel and kind."""
+    scale: float
+    """Standard deviation [N] of the friction."""
+    family: dict[Family, Fit]
+    """The best fit of every family that was met."""
+    trail: tuple[str, ...]
+    """The best structure of each level of the search."""
+    evaluated: int
+    """Hypotheses that were judged."""
+    seconds: float
+    """Time [s] that it took."""
+    balance: Balance = field(repr=False)
+    """The rows that were compared."""
+
+    @property
+    def left(self) -> float:
+        """Return the held-out error over the friction."""
+        return self.best.rms / self.scale
+
+
+def begin(balance: Balance) -> Structure:
+    """Return the structure that a search begins with.
+
+    Known columns, an inertia where the force drives one, and a level: in proportion to the load
+    where that is measured.
+    """
+    terms = set()
+    for one in balance.parts:
+        terms |= {Term("known", (), "*", name) for name in one.extra}
+        if one.inertia:
+            terms.add(Term("inertia", (), one.channel))
+        loaded = "load" in one.covariates
+        terms.add(
+            Term("load", (), one.channel, "load") if loaded else Term("level", (), one.channel)
+        )
+    return Structure(tuple(sorted(terms, key=str)))
+
+
+def explain(
+    series: Sequence[Series] | Balance,
+    *,
+    rule: Rule | None = None,
+    fc: float | None = None,
+    vocabulary: Iterable[Term] | None = None,
+    progress: Progress | None = None,
+) -> Explanation:
+    """Return the structure that explains series, by one search over laws, nuisances and faults.
+
+    Parameters
+    ----------
+    series : sequence of Series, or Balance
+        What was measured.
+    rule : Rule, optional
+        When a term stays.
+    fc : float, optional
+        Band [Hz] of the balance; by default that in which noise of the position costs little.
+    vocabulary : iterable of Term, optional
+        The candidates; by default all.
+    progress : callable, optional
+        Told the share that is done, from 0 to 1, and the best structure, after each level.
+
+    Returns
+    -------
+    Explanation
+        The structure with its coefficients and intervals, what is not told apart, and faults.
+
+    Raises
+    ------
+    InputError
+        If the record cannot be judged by its force balance; the message says why.
+
+    Examples
+    --------
+    >>> t = 0.002 * np.arange(5000)
+    >>> force = 2.0 * np.sign(np.cos(t)) + 0.01 * np.random.default_rng(1).normal(size=5000)
+    >>> found = explain([Series(t, np.sin(t), force, inertia=False)])
+    >>> str(found.best.structure), round(found.intervals["-/level"][0], 2)
+    ('level', 2.0)
+    """
+    began = time.perf_counter()
+    rule = rule or Rule()
+    balance = series if isinstance(series, Balance) else Balance(series, fc)
+    candidates = list(usual_vocabulary(balance) if vocabulary is None else vocabulary)
+    search = Search(balance, rule, candidates, progress)
+    start = _admissible(search, begin(balance))
+    found = search.run(start)
+    best = _refined(search, found.best)
+    if best.structure.family != found.best.structure.family:
+        best = _refined(search, best)
+    if progress is not None:
+        progress(0.9, str(best.structure))
+    intervals = widened(balance, best, intervals_of(balance, best))
+    ties = [one for one in found.ties if one.structure.family != best.structure.family]
+    faults = faults_of(search, best, ties, intervals)
+    if progress is not None:
+        progress(1.0, str(best.structure))
+    return Explanation(
+        best=best,
+        ties=tuple(ties[:MOST_TIES]),
+        faults=faults,
+        intervals=intervals,
+        scale=found.scale,
+        family=found.family,
+        trail=found.trail,
+        evaluated=search.evaluated,
+        seconds=time.perf_counter() - began,
+        balance=balance,
+    )
+
+
+def _refined(search: Search, found: Fit) -> Fit:
+    """Return a fit off its grids, without what does not earn its place there."""
+    best = refined(search.balance, found)
+    return search.prune(best) if best.ok else found
+
+
+def _admissible(search: Search, structure: Structure) -> Structure:
+    """Return a start that physics admits.
+
+    A motion may not show its inertia, and a joint may have no level that the record shows.
+    """
+    while True:
+        found = search.fit(structure)
+        if found.ok:
+            return structure
+        wrong = [
+            term
+            for term, value in zip(found.owner, found.coef, strict=True)
+            if TERMS[term.kind].positive and value < 0.0
+        ]
+        for term in wrong:
+            structure = structure.without(term)
+            viscous = Term("viscous", (), term.channel)
+            if term.kind in ("level", "load"):
+                structure = structure.having(viscous)
+        if not wrong or not any(term.kind not in GIVEN for term in structure.terms):
+            raise InputError(
+                "the force drives the motion nowhere: it acts against the velocity throughout."
+                " Check the sign of the force against that of the position."
+            )
+
+
+def predict(fitted: Fit, series: Sequence[Series], like: Balance) -> tuple[Balance, Array, Array]:
+    """Return what a fit predicts of other series.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    series : sequence of Series
+        Series of the same joints.
+    like : Balance
+        The balance of the fit, whose band, clock and resolution are taken.
+
+    Returns
+    -------
+    balance : Balance
+        The rows of the other series.
+    force : array (n,)
+        Predicted forces [N].
+    error : array (n,)
+        Errors [N]; at open rows, the distance to what the law allows.
+
+    Examples
+    --------
+    >>> t = 0.002 * np.arange(5000)
+    >>> record = [Series(t, np.sin(t), 2.0 * np.sign(np.cos(t)), inertia=False)]
+    >>> found = explain(record)
+    >>> _, _, error = predict(found.best, record, found.balance)
+    >>> bool(np.max(np.abs(error)) < 0.05)
+    True
+    """
+    there = Balance(series, like=like)
+    made = design(there, fitted.structure)
+    values = fitted.coef[matched(fitted.owner, made.owners)]
+    return there, made.columns @ values, made.residual(values)

@@ -1,0 +1,315 @@
+"""Fits of structures: linear least squares, with errors of blocks that were held out."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.evidence.balance import Balance
+from stickslip.evidence.structure import Structure
+from stickslip.evidence.terms import TERMS, Term
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Rows = slice | NDArray[np.intp]
+
+RIDGE = 1e-9
+"""What is added to the diagonal of scaled normal equations."""
+EXCESS = 3.0
+"""Least size of a saturation's force over the misfit of the other rows: its column holds the
+recorded force, and would explain the noise of that."""
+BLOCKS = 10
+"""Blocks of time that standard errors come from."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The columns of a structure along a balance."""
+
+    balance: Balance
+    structure: Structure
+    columns: Array
+    """Columns (n, p) of the terms."""
+    multipliers: Array
+    """What multiplies the state of a bristle in each of them (n, p)."""
+    owners: tuple[Term, ...]
+    """The term of each column (p,)."""
+    force: Array
+    """Forces (n,) that the columns are to explain."""
+    open: Flags
+    """Rows (n,) at which the structure leaves the force open."""
+
+    @cached_property
+    def odd(self) -> Flags:
+        """Return which columns (p,) turn with the direction."""
+        return np.array([TERMS[one.kind].contact in ("odd", "own") for one in self.owners], bool)
+
+    @cached_property
+    def even(self) -> Flags:
+        """Return which columns (p,) act through the contact alike in both directions."""
+        return np.array([TERMS[one.kind].contact == "even" for one in self.owners], bool)
+
+    @property
+    def slipping(self) -> Flags:
+        """Return the rows (n,) at which the structure says which force acts."""
+        return self.balance.use & ~self.open
+
+    def residual(self, values: Array, rows: Rows = slice(None)) -> Array:
+        """Return residuals at rows; where the force is open, its distance to what the law allows.
+
+        A law without memory allows the cone from E - F to E + F, with the difference of directions
+        E; one whose memory the path does not resolve allows what it cannot see of that.
+        """
+        columns, force = self.columns[rows], self.force[rows]
+        left = force - columns @ values
+        free = self.open[rows]
+        if not free.any() or not self.odd.any():
+            return left
+        multipliers, channel = self.multipliers[rows], self.balance.channel[rows]
+        through = self.odd | self.even
+        contact = columns[:, through] @ values[through]
+        half = np.abs(multipliers[:, self.odd] @ values[self.odd])
+        middle = multipliers[:, self.even] @ values[self.even]
+        needed = left + contact
+        low, high = middle - half, middle + half
+        for name, shape in self.structure.memories:
+            own = channel == name
+            unseen = half[own] * min(2.0 * self.balance.resolved[name] / shape[0], 1.0)
+            low[own] = np.maximum(low[own], contact[own] - unseen)
+            high[own] = np.minimum(high[own], contact[own] + unseen)
+        distance = needed - np.clip(needed, np.minimum(low, high), np.maximum(low, high))
+        return np.where(free, distance, left)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A structure with its coefficients, and how well they predict what they were not fitted to."""
+
+    structure: Structure
+    """The structure."""
+    coef: Array
+    """Coefficients (p,)."""
+    owner: tuple[Term, ...]
+    """The term of each coefficient."""
+    sse: Array
+    """Sums of squared errors of held-out blocks (folds,) [N^2]."""
+    counts: Array
+    """Rows of each block at which the structure says something (folds,), at least 1."""
+    residual: Array
+    """Residuals (n,) [N]."""
+    ok: bool
+    """Whether physics admits the coefficients."""
+
+    @cached_property
+    def folds(self) -> Array:
+        """Return mean squared errors of held-out blocks (folds,) [N^2].
+
+        A row of which the structure says nothing counts for nothing.
+        """
+        found: Array = self.sse / self.counts
+        return found
+
+    @cached_property
+    def mse(self) -> float:
+        """Return the mean squared held-out error [N^2]."""
+        return float(self.folds.mean())
+
+    @property
+    def rms(self) -> float:
+        """Return the root of the mean squared held-out error [N]."""
+        return math.sqrt(self.mse)
+
+    def of(self, kind: str, channel: str | None = None) -> list[float]:
+        """Return the coefficients of terms of a kind, in a channel or in all."""
+        return [
+            float(value)
+            for value, term in zip(self.coef, self.owner, strict=True)
+            if term.kind == kind and channel in (None, term.channel)
+        ]
+
+
+def design(balance: Balance, structure: Structure) -> Design:
+    """Return the columns of a structure."""
+    made = [
+        (term, *balance.columns(term, structure.shape(term.channel))) for term in structure.terms
+    ]
+    return Design(
+        balance=balance,
+        structure=structure,
+        columns=np.hstack([columns for _, columns, _ in made]),
+        multipliers=np.hstack([multipliers for _, _, multipliers in made]),
+        owners=tuple(term for term, columns, _ in made for _ in range(columns.shape[1])),
+        force=balance.late(structure.delay),
+        open=balance.open(structure),
+    )
+
+
+def solved(square: Array, product: Array) -> Array:
+    """Return solutions (..., p) of normal equations (..., p, p), scaled, with a small ridge."""
+    size = 1.0 / np.sqrt(np.maximum(np.diagonal(square, axis1=-2, axis2=-1), 1e-300))
+    scaled = square * size[..., :, None] * size[..., None, :] + RIDGE * np.eye(square.shape[-1])
+    return np.asarray(size * np.linalg.solve(scaled, (size * product)[..., None])[..., 0])
+
+
+def admissible(values: Array, owners: Sequence[Term]) -> bool:
+    """Return whether physics admits coefficients."""
+    for value, term in zip(values, owners, strict=True):
+        kind = TERMS[term.kind]
+        if kind.positive and value < 0.0:
+            return False
+        if kind.limits is not None and not kind.limits[0] <= value <= kind.limits[1]:
+            return False
+    return True
+
+
+def fit(balance: Balance, structure: Structure) -> Fit:
+    """Fit a structure, and judge it on each block by a fit to the others but their gaps."""
+    made = design(balance, structure)
+    known = estimated(made)
+    sse, counts = _held_out(made, known)
+    return Fit(
+        structure=structure,
+        coef=known.values,
+        owner=made.owners,
+        sse=sse,
+        counts=counts,
+        residual=made.residual(known.values),
+        ok=possible(made, known.values),
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Estimated:
+    """Coefficients, and the rows and columns that they come from."""
+
+    values: Array
+    """Coefficients (p,)."""
+    columns: Array
+    """Columns (n, p), those of open rows at the border of the cone."""
+    rows: Flags
+    """Rows (n,) that count."""
+
+
+def estimated(made: Design) -> Estimated:
+    """Return the coefficients of a design by least squares.
+
+    Rows that are open count where the needed force lies outside the cone of a first fit: it is on
+    the border then.
+    """
+    columns, rows = made.columns, made.slipping
+    values = _least_squares(columns[rows], made.force[rows])
+    if made.open.any() and made.odd.any():
+        left = made.residual(values)
+        within = 1e-12 * made.balance.scale
+        border = np.flatnonzero(made.balance.use & made.open & (np.abs(left) > within))
+        if border.size:
+            columns, rows = columns.copy(), rows.copy()
+            pushed = np.sign(left[border])[:, None] * made.multipliers[np.ix_(border, made.odd)]
+            columns[np.ix_(border, made.odd)] = pushed
+            rows[border] = True
+            values = _least_squares(columns[rows], made.force[rows])
+    return Estimated(values=values, columns=columns, rows=rows)
+
+
+def possible(made: Design, values: Array) -> bool:
+    """Return whether physics admits the coefficients of a design."""
+    return (
+        admissible(values, made.owners)
+        and made.structure.complete
+        and _excess_stands_out(made, values)
+    )
+
+
+def _least_squares(columns: Array, force: Array) -> Array:
+    return solved(columns.T @ columns, columns.T @ force)
+
+
+def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
+    """Return squared errors and rows of each block (folds,), from Gram matrices of the others."""
+    balance, force, columns, rows = made.balance, made.force, known.columns, known.rows
+    square, product = columns[rows].T @ columns[rows], columns[rows].T @ force[rows]
+    sse, counts = np.zeros(balance.folds), np.ones(balance.folds)
+    for k in range(balance.folds):
+        near = balance.near[k] & rows
+        own = columns[near]
+        values = solved(square - own.T @ own, product - own.T @ force[near])
+        held = np.flatnonzero((balance.fold == k) & balance.use)
+        left = made.residual(values, held)
+        sse[k] = left @ left
+        counts[k] = max(len(held) - np.sum(made.open[held] & (left == 0.0)), 1)
+    return sse, counts
+
+
+def _excess_stands_out(made: Design, values: Array) -> bool:
+    """Return whether the force of a saturation stands above the misfit of the other rows."""
+    for j, term in enumerate(made.owners):
+        if term.kind != "saturation":
+            continue
+        excess = made.columns[made.balance.use, j]
+        on = np.abs(excess) > 1e-3 * np.abs(excess).max(initial=0.0)
+        if not on.any() or on.all():
+            return False
+        left = (made.force - made.columns @ values)[made.balance.use]
+        if not np.mean(excess[on] ** 2) > EXCESS**2 * np.mean(left[~on] ** 2):
+            return False
+    return True
+
+
+def training_error(balance: Balance, structure: Structure) -> float:
+    """Return the mean squared error of slipping rows [N^2], infinite if it is not admissible.
+
+    It ranks values on a grid before any of them is judged.
+    """
+    made = design(balance, structure)
+    columns, force = made.columns[made.slipping], made.force[made.slipping]
+    square, product = columns.T @ columns, columns.T @ force
+    values = solved(square, product)
+    if not len(force) or not admissible(values, made.owners):
+        return math.inf
+    return float(force @ force - 2.0 * values @ product + values @ square @ values) / len(force)
+
+
+def spread(made: Design, rows: Flags, blocks: int = BLOCKS) -> tuple[Array, Array]:
+    """Return coefficients (p,) of some rows and their standard errors, from blocks of time."""
+    rows = rows & made.slipping
+    columns, force = made.columns[rows], made.force[rows]
+    values = _least_squares(columns, force)
+    return values, sandwich(columns, force - columns @ values, blocks, 1e-12)
+
+
+def sandwich(slopes: Array, left: Array, blocks: int, cutoff: float) -> Array:
+    """Return standard errors (p,) that the gradients of blocks of time give."""
+    parts = np.array_split(np.arange(len(left)), blocks)
+    gradients = np.array([slopes[one].T @ left[one] for one in parts])
+    size = 1.0 / np.sqrt(np.maximum((slopes * slopes).sum(axis=0), 1e-300))
+    scaled = slopes * size
+    inverse = size[:, None] * np.linalg.pinv(scaled.T @ scaled, rcond=cutoff) * size
+    covariance = inverse @ (gradients.T @ gradients) @ inverse * blocks / (blocks - 1)
+    return np.sqrt(np.maximum(np.diag(covariance), 0.0))
+
+
+def matched(owners: Sequence[Term], other: Sequence[Term]) -> list[int]:
+    """Return the columns of `owners` in the order of `other`, whose parameters may differ."""
+    free, found = list(range(len(owners))), []
+    for term in other:
+        name = (term.kind, term.channel, term.what)
+        own = next(i for i in free if (owners[i].kind, owners[i].channel, owners[i].what) == name)
+        found.append(own)
+        free.remove(own)
+    return found
+
+
+def friction_scale(balance: Balance, found: Fit) -> float:
+    """Return the standard deviation [N] of what the mechanism and an offset leave: the friction."""
+    made = design(balance, found.structure)
+    own = np.array([t.kind not in ("inertia", "known", "offset") for t in made.owners], bool)
+    friction = found.residual + made.columns[:, own] @ found.coef[own]
+    rows = balance.use & ~balance.at_rest
+    return max(float(np.std(friction[rows])) if rows.any() else 0.0, 1e-12 * balance.scale)

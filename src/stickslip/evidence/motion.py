@@ -1,0 +1,147 @@
+"""What a measured motion shows: its resolution, the band of the balance, directions and rests."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.signal import butter, sosfiltfilt
+
+from stickslip.evidence.series import Series
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SHARE = 0.01
+"""Share of the force that noise of the position may cost through the inertia in the band."""
+LOWEST, HIGHEST = 4.0, 60.0
+"""Limits of the band [Hz]: below, reversals are not seen; above, friction has little to say."""
+RATE = 0.2
+"""Largest band over the sampling rate."""
+TOP = 0.98
+"""Quantile of the speed that counts as the largest."""
+ABOVE = 3.0
+"""Standard deviations of its noise from which a velocity has a direction."""
+
+
+def low_pass(h: float, fc: float, most: float = 0.9) -> Array:
+    """Return the filter of fourth order with a band [Hz] at steps h [s], as sections."""
+    return np.asarray(butter(4, min(2.0 * h * fc, most), output="sos"))
+
+
+def passed(sos: Array, x: Array) -> Array:
+    """Return columns (n, ...) after the filter, forward and backward."""
+    return np.asarray(sosfiltfilt(sos, x, axis=0))
+
+
+def derivative(x: Array, h: float) -> Array:
+    """Return slopes by central differences of the fourth order.
+
+    Those of the second order bias the inertia by half a per cent.
+    """
+    found = np.gradient(x, h)
+    found[2:-2] = (x[:-4] - 8.0 * x[1:-3] + 8.0 * x[3:-1] - x[4:]) / (12.0 * h)
+    return np.asarray(found)
+
+
+def resolution(q: Array) -> float:
+    """Return the standard deviation of what positions (n,) do not resolve.
+
+    The larger of the rounding, where many samples differ by one step of an encoder, and of the
+    third differences in the quietest fifth of the record.
+
+    Examples
+    --------
+    >>> q = np.sin(0.001 * np.arange(5000.0))
+    >>> resolution(np.round(q, 2)) > 0.002, resolution(q) < 1e-8
+    (True, True)
+    """
+    unit = 1e-12 * max(float(np.ptp(q)), 1e-300)
+    levels = np.unique(np.round((q - q[0]) / unit)) * unit
+    apart = np.diff(levels)
+    apart = apart[apart > 1.5 * unit]
+    step = float(apart.min()) if apart.size else 0.0
+    steps = np.abs(np.diff(q))
+    moved = steps[steps > unit]
+    share = float(np.mean(moved < 1.5 * step)) if moved.size else 0.0
+    rounded = share > 0.02 or len(levels) < len(q) / 3
+    third = np.diff(q, 3)
+    n = max(len(third) // 20, 1)
+    blocks = [third[i * n : (i + 1) * n] for i in range(20)]
+    quiet = float(np.quantile([one.std() for one in blocks if one.size], 0.2)) / math.sqrt(20.0)
+    return max(step / math.sqrt(12.0) if rounded else 0.0, quiet)
+
+
+def top_speed(v: Array) -> float:
+    """Return the speed that few samples exceed."""
+    return float(np.quantile(np.abs(v), TOP))
+
+
+def band(series: Series) -> float:
+    """Return the band [Hz] in which noise of the position costs little of the force.
+
+    White noise s of the position, sampled every h, has an acceleration of variance
+    2 h s^2 (2 pi)^4 fc^5 / 5 up to fc; the inertia comes from a first regression.
+    """
+    h = float(series.t[1] - series.t[0])
+    top = min(RATE / h, HIGHEST)
+    if not series.inertia:
+        return top
+    sos = low_pass(h, min(10.0, top / 2.0))
+    v = np.gradient(passed(sos, series.q), h)
+    a = np.gradient(v, h)
+    f = passed(sos, series.force)
+    slow = max(0.01 * top_speed(v), 1e-300)
+    columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a)])
+    size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
+    mass = abs(float(np.linalg.lstsq(columns / size, f, rcond=None)[0][0])) / float(size[0])
+    noise = mass * resolution(series.q)
+    allowed = SHARE * float(f.std())
+    if not noise > 0.0:
+        return top
+    return float(np.clip(_frequency(allowed / noise, h), LOWEST, top))
+
+
+def _frequency(ratio: float, h: float) -> float:
+    """Return where noise of the position 1 has an acceleration of a standard deviation."""
+    return float((5.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 4)) ** 0.2)
+
+
+def directions(series: Series, v: Array, sigma: float, fc: float) -> Array:
+    """Return the direction (n,) of the motion, -1, 0 or 1.
+
+    It is the sign of the velocity in the finest of four bands in which that stands above the noise
+    of the position; where none does, the last direction holds. It is 0 before the first one.
+    """
+    h = float(series.t[1] - series.t[0])
+    found = np.zeros_like(series.q)
+    for f in (2.0 * fc, fc, fc / 2.0, fc / 4.0):
+        x = v
+        if f < 2.0 * fc and series.velocity is None:
+            x = np.gradient(passed(low_pass(h, f), series.q), h)
+        noise = sigma * math.sqrt(2.0 * h * (2.0 * math.pi) ** 2 * f**3 / 3.0)
+        shown = (found == 0.0) & (np.abs(x) > ABOVE * noise)
+        found[shown] = np.sign(x[shown])
+        if series.velocity is not None:
+            break
+    last = np.maximum.accumulate(np.where(found != 0.0, np.arange(len(found)), 0))
+    return found[last]
+
+
+def open_rows(q: Array, direction: Array, reach: float, fc: float, h: float) -> Flags:
+    """Return rows (n,) at rest or in a reversal, where a law without memory leaves a force open.
+
+    There the position stays within reach for 1/fc, or the direction changes, or the filter mixes
+    the row with such.
+    """
+    half = max(int(0.5 / fc / h), 2)
+    still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) < reach
+    turns = np.concatenate([[False], np.diff(direction) != 0.0])
+    mixed = max(int(0.5 / fc / h), 1)
+    return spread_out(still, half + mixed) | spread_out(turns, mixed)
+
+
+def spread_out(flags: Flags, rows: int) -> Flags:
+    """Return flags (n,) that also stand so many rows beside each."""
+    found: Flags = maximum_filter1d(flags.astype(np.uint8), 2 * rows + 1) > 0
+    return found

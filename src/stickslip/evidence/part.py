@@ -1,0 +1,157 @@
+"""One piece of a series in the band of the balance, and the states of bristles along it."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.evidence.bristles import SIGN, Shape, bristle_states, lugre_states, play
+from stickslip.evidence.motion import (
+    derivative,
+    directions,
+    low_pass,
+    open_rows,
+    passed,
+    resolution,
+)
+from stickslip.evidence.series import Series, even
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+RESOLVED = 4.0
+"""Displacement that the sensor resolves, over its noise."""
+CHATTER = 0.5
+"""Reach of the play that frees the path of chatter, over the noise that the filter leaves."""
+
+
+@final
+@dataclass(eq=False, kw_only=True)
+class Part:
+    """One piece of a series, filtered."""
+
+    channel: str
+    """Name of the joint."""
+    inertia: bool
+    """Whether an inertia is to be found."""
+    h: float
+    """Step [s] of its samples."""
+    every: int
+    """Samples to a row: rows are not denser than the band asks for."""
+    filter: Array | None
+    """Sections of the filter that force and columns pass; None in a table, which needs none."""
+    t: Array
+    """Times (n,) [s] of the samples."""
+    clock: Array
+    """Times (n,) from -1/2 to 1/2 over all series of the channel."""
+    q: Array
+    """Positions (n,) in twice the band."""
+    path: Array
+    """Positions (n,) in the band, without chatter, along which bristles move."""
+    v: Array
+    """Velocities (n,) in twice the band."""
+    a: Array
+    """Accelerations (n,) in the band."""
+    raw: Array
+    """Measured forces (n,)."""
+    force: Array
+    """Forces (n,) in the band, at the times at which they act."""
+    covariates: Mapping[str, Array]
+    """Covariates (n,) in the band."""
+    extra: Mapping[str, Array]
+    """Known columns (n,) in the band."""
+    references: Mapping[str, float]
+    """Values of covariates from which terms count."""
+    start: float
+    """State of bristles at the first sample: force over level."""
+    resolved: float
+    """Displacement that the sensor resolves."""
+    open: Flags
+    """Rows (m,) at which a law without memory leaves a force open."""
+    rows: slice
+    """Its rows among those of all parts."""
+    states: dict[Shape, Array] = field(default_factory=dict)
+    """States (n,) of bristles by shape, as they are asked for."""
+
+    @property
+    def count(self) -> int:
+        """Return the number of rows."""
+        return len(self.open)
+
+    def state(self, shape: Shape) -> Array:
+        """Return the state (n,) of a bristle along the path."""
+        if shape not in self.states:
+            self.make_states([shape])
+        return self.states[shape]
+
+    def make_states(self, shapes: Iterable[Shape]) -> None:
+        """Make the states of many bristles at once, which costs little more than those of one."""
+        missing = [shape for shape in shapes if shape not in self.states]
+        dahl = [shape for shape in missing if len(shape) == 2]
+        lugre = [shape for shape in missing if len(shape) != 2]
+        if dahl:
+            found = bristle_states(self.path, dahl, self.start)
+            self.states.update(zip(dahl, np.ascontiguousarray(found.T), strict=True))
+        if lugre:
+            found = lugre_states(self.path, self.v, lugre, self.start)
+            self.states.update(zip(lugre, np.ascontiguousarray(found.T), strict=True))
+
+
+def part_of(
+    piece: Series,
+    fc: float,
+    first_row: int,
+    span: tuple[float, float],
+    references: Mapping[str, float],
+) -> Part:
+    """Return a piece in a band [Hz], whose rows begin at a number.
+
+    Columns are made of motion in twice the band and pass the filter then; a bristle follows the
+    position in the band itself, freed of chatter. `span` has the first time and the length of all
+    series of the channel.
+    """
+    s = even(piece)
+    h = float(s.t[1] - s.t[0])
+    every = max(int(0.5 / (h * 3.0 * fc)), 1)
+    own, wide = low_pass(h, fc), low_pass(h, 2.0 * fc, 0.95)
+    q, slow = passed(wide, s.q), passed(own, s.q)
+    v = derivative(q, h) if s.velocity is None else passed(wide, s.velocity)
+    speed = derivative(slow, h) if s.velocity is None else passed(own, s.velocity)
+    sigma = max(resolution(piece.q), 1e-6 * float(np.ptp(q)))
+    direction = directions(s, v, sigma, fc)
+    rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
+    acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
+    return Part(
+        channel=s.channel,
+        inertia=s.inertia,
+        h=h,
+        every=every,
+        filter=own,
+        t=s.t,
+        clock=(s.t - span[0]) / span[1] - 0.5,
+        q=q,
+        path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
+        v=v,
+        a=derivative(speed, h),
+        raw=s.force,
+        force=passed(own, acting),
+        covariates={name: passed(own, x) for name, x in s.covariates.items()},
+        extra={name: passed(own, x) for name, x in s.extra.items()},
+        references=references,
+        start=_first_state(s, max(int(0.5 / fc / h), 2)),
+        resolved=RESOLVED * sigma,
+        open=rest,
+        rows=slice(first_row, first_row + len(rest)),
+        states={SIGN: direction},
+    )
+
+
+def _first_state(series: Series, half: int) -> float:
+    """Return the state of a bristle that the first forces ask for, if they are friction alone."""
+    level = float(np.quantile(np.abs(series.force), 0.8))
+    if series.extra or level <= 0.0:
+        return 0.0
+    return float(np.clip(np.median(series.force[: max(half // 2, 1)]) / level, -1.0, 1.0))

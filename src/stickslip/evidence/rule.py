@@ -1,0 +1,98 @@
+"""When a term stays: one rule for laws, nuisances and faults."""
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.stats
+from numpy.typing import NDArray
+
+from stickslip.evidence.balance import Balance
+from stickslip.evidence.fits import Fit, design, spread
+from stickslip.evidence.structure import Structure
+from stickslip.evidence.terms import Term
+
+Array = NDArray[np.float64]
+Margins = tuple[float, float, float]
+
+HALF_BLOCKS = 8
+"""Blocks of time in each half that its standard errors come from."""
+JOINT = 3.0
+"""Joint standard errors within which the coefficients of two halves agree."""
+ALIKE = 0.35
+"""Share of their mean within which they agree as well."""
+SHIFTED = ("delay", "second")
+"""Kinds whose coefficients halves are not asked for: they have none, or their memory has it."""
+
+
+@final
+@dataclass(frozen=True)
+class Rule:
+    """When a term stays in a structure.
+
+    A term has to lower the held-out error by a number of its standard errors over blocks, by a
+    share of itself, and by a share of the friction; and to repeat in both halves.
+    """
+
+    errors: float = 1.0
+    """Paired standard errors over blocks that the drop has to exceed."""
+    size: float = 0.02
+    """Share of the held-out error that the drop has to exceed."""
+    floor: float = 0.005
+    """Share of the friction that the root of the drop of the mean square has to exceed."""
+    halves: bool = True
+    """Whether a term has to repeat in both halves."""
+    ties: bool = True
+    """Whether the most usual is named of what is not told apart."""
+    fault: Margins | None = (2.0, 0.10, 0.01)
+    """The three margins of a term that accuses the rig or the measurement."""
+
+    def better(self, new: Fit, old: Fit, scale: float) -> bool:
+        """Return whether a fit is better than another, at a scale [N] of the friction.
+
+        The standard errors may hold for the drop or for its logarithm: an effect in few blocks,
+        such as saturation, is no chance.
+        """
+        errors, size, floor = self.margins(new.structure, old.structure)
+        drop = old.folds - new.folds
+        least = 1e-12 * max(old.mse, 1e-300)
+        ratio = np.log((old.folds + least) / (new.folds + least))
+        sure = any(_surely(x, errors) for x in (drop, ratio))
+        return sure and new.rms < (1.0 - size) * old.rms and drop.mean() > (floor * scale) ** 2
+
+    def margins(self, new: Structure, old: Structure) -> Margins:
+        """Return the margins that one structure has to earn over another."""
+        if self.fault is not None and any(not old.has(term.kind) for term in new.faults):
+            return self.fault
+        return self.errors, self.size, self.floor
+
+
+def _surely(drops: Array, errors: float) -> bool:
+    """Return whether the mean of paired drops (b,) exceeds so many of its standard errors."""
+    return bool(drops.mean() > errors * drops.std(ddof=1) / math.sqrt(len(drops)))
+
+
+def repeats(balance: Balance, found: Fit, term: Term) -> bool:
+    """Return whether a term has the same sign and a compatible size in both halves.
+
+    A half whose 95 % interval is wider than the term's size bears no witness.
+    """
+    if term.kind in SHIFTED:
+        return True
+    own = [i for i, one in enumerate(found.owner) if one == term]
+    size = float(np.linalg.norm(found.coef[own]))
+    wide = float(scipy.stats.t.ppf(0.975, HALF_BLOCKS - 1))
+    able = []
+    made = design(balance, found.structure)
+    for half in (0, 1):
+        values, errors = spread(made, balance.half == half, HALF_BLOCKS)
+        if wide * float(np.linalg.norm(errors[own])) < size:
+            able.append((values[own], errors[own]))
+    if len(able) < 2:
+        return len(able) == 1
+    (a, error_a), (b, error_b) = able
+    apart = float(np.linalg.norm(a - b))
+    error = math.hypot(float(np.linalg.norm(error_a)), float(np.linalg.norm(error_b)))
+    close = apart < max(JOINT * error, ALIKE * float(np.linalg.norm(a + b)) / 2.0)
+    return close and float(a @ b) > 0.0

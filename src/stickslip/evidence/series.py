@@ -1,0 +1,117 @@
+"""Dense series of one joint: what was measured, and its pieces on even grids."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+
+Array = NDArray[np.float64]
+
+GAP = 5.5
+"""Steps between two samples, over the usual one, from which a series is cut: what is interpolated
+over fewer is below the band of the balance at nearly all rates."""
+FEWEST = 64
+"""Samples of the shortest piece: filters of fourth order forward and backward need half of them."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One joint of one record."""
+
+    t: Array
+    """Times (n,) [s], which grow."""
+    q: Array
+    """Positions (n,) [m] or [rad]."""
+    force: Array
+    """Forces (n,) [N] or torques [N m] of the drive, in the direction of the position."""
+    channel: str = ""
+    """Name of the joint: series of one channel share its terms."""
+    inertia: bool = True
+    """Whether an inertia is to be found; False if the force is friction itself, or if `extra` has
+    the inertia."""
+    covariates: Mapping[str, Array] = field(default_factory=dict)
+    """What friction may depend on (n,), by name: `load` [N], `temperature` [°C], others."""
+    extra: Mapping[str, Array] = field(default_factory=dict)
+    """Known columns of the mechanism (n,), each with a free coefficient: by name, which series
+    of several channels may share."""
+    velocity: Array | None = None
+    """Measured velocities (n,) [m/s] or [rad/s], if there are any."""
+    hold: bool = False
+    """Whether each force holds until the next sample: it then acts half a sample later."""
+
+
+def pieces(series: Series) -> Iterator[Series]:
+    """Yield the pieces of a series between its gaps, as they were measured.
+
+    Examples
+    --------
+    >>> t = np.concatenate([np.arange(100.0), 200.0 + np.arange(80.0)])
+    >>> [len(one.t) for one in pieces(Series(t, np.sin(t), np.cos(t)))]
+    [100, 80]
+    """
+    checked(series)
+    grows = np.concatenate([[True], np.diff(series.t) > 0.0])
+    whole = _picked(series, np.flatnonzero(grows))
+    steps = np.diff(whole.t)
+    step = float(np.median(steps))
+    cuts = np.concatenate([[0], np.flatnonzero(steps > GAP * step) + 1, [len(whole.t)]])
+    for first, end in pairwise(cuts.tolist()):
+        if end - first >= FEWEST:
+            yield _picked(whole, np.arange(first, end))
+
+
+def checked(series: Series) -> None:
+    """Refuse a series whose columns differ in length or hold values that are not finite."""
+    columns = {
+        "q": series.q,
+        "force": series.force,
+        **series.covariates,
+        **series.extra,
+        **({} if series.velocity is None else {"velocity": series.velocity}),
+    }
+    where = f" of {series.channel}" if series.channel else ""
+    if np.ndim(series.t) != 1 or not np.isfinite(series.t).all():
+        raise InputError(f"the times{where} must be a column of finite numbers [s].")
+    for name, column in columns.items():
+        if np.shape(column) != np.shape(series.t):
+            raise InputError(
+                f"the column {name}{where} must have as many values as there are times"
+                f" ({len(series.t)}), got shape {np.shape(column)}."
+            )
+        if not np.isfinite(column).all():
+            raise InputError(
+                f"the column {name}{where} has {int((~np.isfinite(column)).sum())} values that are"
+                " not finite: leave out these samples."
+            )
+
+
+def _picked(series: Series, rows: NDArray[np.intp]) -> Series:
+    """Return some samples of a series."""
+    return _mapped(series, np.asarray(series.t, float)[rows], lambda x: np.asarray(x, float)[rows])
+
+
+def even(series: Series) -> Series:
+    """Return a piece on an even grid of its usual step, by straight lines."""
+    t = series.t
+    step = float(np.median(np.diff(t)))
+    grid = t[0] + step * np.arange(round((t[-1] - t[0]) / step) + 1)
+    return _mapped(series, grid, lambda x: np.interp(grid, t, x))
+
+
+def _mapped(series: Series, t: Array, moved: Any) -> Series:
+    """Return a series at other times, with what `moved` makes of each column."""
+    return replace(
+        series,
+        t=t,
+        q=moved(series.q),
+        force=moved(series.force),
+        velocity=None if series.velocity is None else moved(series.velocity),
+        covariates={name: moved(x) for name, x in series.covariates.items()},
+        extra={name: moved(x) for name, x in series.extra.items()},
+    )

@@ -1,0 +1,117 @@
+"""Structures: sets of terms with a bristle shape for each channel."""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.evidence.bristles import SIGN, Shape
+from stickslip.evidence.terms import TERMS, Term
+from stickslip.formatting import number
+
+Family = tuple[tuple[tuple[str, str, str], ...], tuple[tuple[str, int], ...]]
+
+GIVEN = ("known", "inertia")
+"""Kinds that no search drops or swaps: they are of the mechanism."""
+CARRIED = ("level_slope", "level_ripple", "drift", "temperature")
+"""Kinds that modify a level, and need one."""
+SHAPE_NAMES = ("r0", "n", "vs", "rho")
+"""Names of a shape's values."""
+
+
+@final
+@dataclass(frozen=True)
+class Structure:
+    """A hypothesis: terms, and the shape of the bristle they act through in each channel."""
+
+    terms: tuple[Term, ...]
+    """The terms, sorted by their text."""
+    shapes: tuple[tuple[str, Shape], ...] = ()
+    """Shapes by channel, where they are not the sign of the direction: (length, exponent) of Dahl
+    and of the elasto-plastic stop, (length, 1, v_s, rho, delta) of LuGre."""
+
+    def shape(self, channel: str) -> Shape:
+        """Return the shape of a channel."""
+        return dict(self.shapes).get(channel, SIGN)
+
+    @property
+    def memories(self) -> tuple[tuple[str, Shape], ...]:
+        """Return channels and shapes of those that remember."""
+        return tuple((channel, shape) for channel, shape in self.shapes if shape != SIGN)
+
+    def having(self, *terms: Term) -> "Structure":
+        """Return the structure with further terms."""
+        return replace(self, terms=tuple(sorted({*self.terms, *terms}, key=str)))
+
+    def without(self, term: Term) -> "Structure":
+        """Return the structure without a term."""
+        return replace(self, terms=tuple(one for one in self.terms if one != term))
+
+    def shaped(self, channel: str, shape: Shape) -> "Structure":
+        """Return the structure with another shape in a channel."""
+        shapes = {**dict(self.shapes), channel: shape}
+        return replace(self, shapes=tuple(sorted(shapes.items())))
+
+    def has(self, kind: str, channel: str | None = None) -> bool:
+        """Return whether there is a term of a kind, in a channel or in any."""
+        return any(
+            one.kind == kind and (channel is None or one.channel == channel) for one in self.terms
+        )
+
+    @property
+    def free(self) -> tuple[Term, ...]:
+        """Return the terms that are not of the mechanism."""
+        return tuple(one for one in self.terms if one.kind not in GIVEN)
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """Return the terms that accuse the rig or the measurement."""
+        return tuple(one for one in self.terms if TERMS[one.kind].fault)
+
+    @property
+    def cost(self) -> int:
+        """Return how unusual the structure is: the sum of the ranks of what it is made of."""
+        shapes = sum(2 * (len(shape) - 1) for _, shape in self.memories)
+        return shapes + sum(TERMS[one.kind].rank + 1 for one in self.terms)
+
+    @property
+    def delay(self) -> float:
+        """Return how much later [s] the force channel shows a force."""
+        return sum(one.par[0] for one in self.terms if one.kind == "delay")
+
+    @property
+    def family(self) -> Family:
+        """Return what structures with the same terms and memories share, whatever their values."""
+        kinds = tuple(sorted((one.kind, one.channel, one.what) for one in self.terms))
+        return kinds, tuple((channel, len(shape)) for channel, shape in self.memories)
+
+    @property
+    def complete(self) -> bool:
+        """Return whether every term has the one that it modifies."""
+        return not any(
+            (one.kind == "second" and self.shape(one.channel) == SIGN)
+            or (
+                one.kind in CARRIED
+                and not self.has("level", one.channel)
+                and not self.has("load", one.channel)
+            )
+            for one in self.terms
+        )
+
+    def clashes(self, term: Term) -> bool:
+        """Return whether a term of the same kind stands in the same channel already."""
+        return any(
+            (one.kind, one.channel, one.what) == (term.kind, term.channel, term.what)
+            for one in self.terms
+        )
+
+    @override
+    def __str__(self) -> str:
+        """Return the terms and memories in words."""
+        text = " + ".join(str(one) for one in self.terms)
+        for channel, shape in self.memories:
+            where = f"{channel} " if channel else ""
+            text += f" | {where}memory of {number(shape[0])}, exponent {number(shape[1], 2)}"
+            if len(shape) == 5:
+                text += f", Stribeck velocity {number(shape[2])}, step {number(shape[3], 2)}"
+        return text

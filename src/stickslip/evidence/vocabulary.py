@@ -1,0 +1,157 @@
+"""The candidates of a search: terms and bristle shapes, with nonlinear parameters on grids."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.evidence.balance import Balance
+from stickslip.evidence.bristles import Shape
+from stickslip.evidence.fits import Fit
+from stickslip.evidence.terms import Term
+
+Array = NDArray[np.float64]
+
+LAWS = ("level", "offset", "viscous", "viscous_dir", "quadratic")
+"""Kinds of laws without a nonlinear parameter."""
+DRIFTS = ("spring", "drift", "offset_drift", "viscous_drift")
+"""Faults without a nonlinear parameter."""
+EXPONENTS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.5)
+"""Exponents of viscous powers."""
+STRIBECK_EXPONENTS = (1.0, 2.0)
+LIMITS = (0.8, 0.85, 0.9, 0.94, 0.97, 0.985, 0.995)
+"""Quantiles of the force at which an amplifier may saturate."""
+LOAD_FREQUENCIES = (20.0, 40.0)
+"""Frequencies [Hz] at which a load bounces on a gap."""
+DELAYS = (0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.016, 0.025, 0.04)
+"""Delays [s] of the force channel; negative ones are those of the position."""
+SHAPE_EXPONENTS = (0.0, 0.5, 1.0, 2.0)
+"""Exponents of Dahl; 0 is the elasto-plastic stop."""
+LUGRE_STEPS = (0.25, 0.7, 1.6)
+"""Stribeck steps of LuGre over its level."""
+PERIODS = 3.0, 60.0
+"""Least and most periods of a ripple in the range of the position."""
+CELLS = 2048
+"""Cells of the range of the position over which residuals are summed for their harmonics."""
+FINE = 0.4
+"""Step of the wave number times the range of the position."""
+
+
+def grid(low: float, high: float, count: int) -> list[float]:
+    """Return values over decades; none if there is no room.
+
+    Examples
+    --------
+    >>> grid(1.0, 100.0, 3), grid(2.0, 1.0, 3)
+    ([1.0, 10.0, 100.0], [])
+    """
+    if not 0.0 < low < high:
+        return []
+    return [float(f"{x:.4g}") for x in np.geomspace(low, high, count)]
+
+
+def vocabulary(balance: Balance, *, faults: bool = True) -> list[Term]:
+    """Return every candidate term of every channel."""
+    found = [
+        term
+        for channel in balance.channels
+        for term in _of_channel(balance, channel, faults=faults and balance.dynamic)
+    ]
+    if faults and balance.dynamic:
+        found += [Term("delay", (sign * x,), "*") for x in DELAYS for sign in (1.0, -1.0)]
+    return found
+
+
+def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Term]:
+    """Yield the candidates of a channel."""
+    part, top = balance.of(channel)[0], balance.speed[channel]
+    for kind in LAWS:
+        yield Term(kind, (), channel)
+    if balance.dynamic:
+        yield Term("level_slope", (), channel)
+    for exponent in EXPONENTS:
+        yield Term("power", (exponent,), channel)
+        yield Term("power_dir", (exponent,), channel)
+    for v_s in grid(top / 300.0, top, 12):
+        for delta in STRIBECK_EXPONENTS:
+            yield Term("stribeck", (v_s, delta), channel)
+            yield Term("stribeck_dir", (v_s, delta), channel)
+    for name in part.covariates:
+        if name == "load":
+            yield Term("load", (), channel, name)
+        else:
+            yield Term("temperature", (), channel, name)
+            yield Term("viscous_cov", (), channel, name)
+    if faults:
+        yield from _faults(balance, channel)
+
+
+def _faults(balance: Balance, channel: str) -> Iterator[Term]:
+    """Yield candidates that accuse the rig; those of a drive only where an inertia is moved."""
+    for kind in DRIFTS:
+        yield Term(kind, (), channel)
+    own = balance.of(channel)
+    if not own[0].inertia:
+        return
+    force = np.concatenate([np.abs(one.raw) for one in own])
+    for limit in np.quantile(force, LIMITS):
+        if limit > 0.0:
+            yield Term("saturation", (float(f"{limit:.3g}"),), channel)
+    least, most = 3.0 * balance.resolved[channel], balance.span[channel] / 8.0
+    for gap in grid(least, most, 10):
+        yield Term("backlash", (gap,), channel)
+    for gap in grid(least, most, 12):
+        for frequency in LOAD_FREQUENCIES:
+            yield Term("loose", (gap, frequency), channel)
+    for frequency in grid(3.0, min(80.0, 2.0 * balance.fc), 9):
+        yield Term("flexible", (frequency,), channel)
+
+
+def shapes(balance: Balance, channel: str) -> list[Shape]:
+    """Return the bristle shapes of a channel; none in a table."""
+    if not balance.dynamic:
+        return []
+    resolved, span, top = balance.resolved[channel], balance.span[channel], balance.speed[channel]
+    found: list[Shape] = [
+        (length, n) for n in SHAPE_EXPONENTS for length in grid(2.0 * resolved, span / 3.0, 12)
+    ]
+    found += [
+        (length, 1.0, v_s, rho, 1.0)
+        for length in grid(2.0 * resolved, span / 10.0, 9)
+        for v_s in grid(top / 100.0, top / 2.0, 5)
+        for rho in LUGRE_STEPS
+    ]
+    return found
+
+
+def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
+    """Return ripples at the wave numbers where the residual of a fit has its largest harmonics.
+
+    Of each channel, in the force and in the level.
+    """
+    if not balance.dynamic:
+        return []
+    terms = []
+    for channel in balance.channels:
+        own = balance.of(channel)
+        rows = balance.use & ~balance.at_rest & (balance.channel == channel)
+        picked = rows[balance.channel == channel]
+        q = np.concatenate([one.q[:: one.every] for one in own])[picked]
+        span = float(np.ptp(q)) if q.size else 0.0
+        if span <= 0.0:
+            continue
+        shape = found.structure.shape(channel)
+        state = np.concatenate([one.state(shape)[:: one.every] for one in own])[picked]
+        left = found.residual[rows]
+        cell = np.minimum((q - q.min()) / span * CELLS, CELLS - 1).astype(int)
+        size = round(2.0 * math.pi * CELLS / FINE)
+        least, most = (round(2.0 * math.pi * periods / FINE) for periods in PERIODS)
+        for kind, seen in (("ripple", left), ("level_ripple", left * state)):
+            along = np.bincount(cell, seen, minlength=CELLS)
+            power = np.abs(np.fft.rfft(along, size))[least:most]
+            peaks = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] > power[2:])) + 1
+            largest = peaks[np.argsort(-power[peaks])[:top]]
+            waves = (least + largest) * FINE / span
+            terms += [Term(kind, (float(f"{wave:.4g}"),), channel) for wave in waves]
+    return terms
