@@ -130,6 +130,7 @@ class Balance:
         part = Part(
             channel="",
             inertia=False,
+            mass=None,
             h=1.0,
             every=1,
             filter=None,

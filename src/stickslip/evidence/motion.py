@@ -85,8 +85,12 @@ def band(series: Series) -> float:
     """
     h = float(series.t[1] - series.t[0])
     top = min(RATE / h, HIGHEST)
-    if not series.inertia:
+    if not series.driven:
         return top
+    if series.mass is not None:
+        noise = series.mass * resolution(series.q)
+        allowed = SHARE * float(series.force.std())
+        return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)
     a = np.gradient(v, h)

@@ -37,6 +37,8 @@ class Part:
     """Name of the joint."""
     inertia: bool
     """Whether an inertia is to be found."""
+    mass: float | None
+    """Inertia that is known, whose share is not among the forces."""
     h: float
     """Step [s] of its samples."""
     every: int
@@ -75,6 +77,11 @@ class Part:
     """Its rows among those of all parts."""
     states: dict[Shape, Array] = field(default_factory=dict)
     """States (n,) of bristles by shape, as they are asked for."""
+
+    @property
+    def driven(self) -> bool:
+        """Return whether the force moves an inertia."""
+        return self.inertia or self.mass is not None
 
     @property
     def count(self) -> int:
@@ -124,9 +131,11 @@ def part_of(
     direction = directions(s, v, sigma, fc)
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
+    a = derivative(speed, h)
     return Part(
         channel=s.channel,
         inertia=s.inertia,
+        mass=s.mass,
         h=h,
         every=every,
         filter=own,
@@ -135,9 +144,9 @@ def part_of(
         q=q,
         path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
         v=v,
-        a=derivative(speed, h),
+        a=a,
         raw=s.force,
-        force=passed(own, acting),
+        force=passed(own, acting) - (s.mass or 0.0) * a,
         covariates={name: passed(own, x) for name, x in s.covariates.items()},
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,

@@ -33,8 +33,10 @@ class Series:
     channel: str = ""
     """Name of the joint: series of one channel share its terms."""
     inertia: bool = True
-    """Whether an inertia is to be found; False if the force is friction itself, or if `extra` has
-    the inertia."""
+    """Whether an inertia is to be found; False if the force is friction itself, if `mass` is known
+    or if `extra` has the inertia."""
+    mass: float | None = None
+    """Inertia [kg] or [kg m^2] that is known, whose share of the force is taken off."""
     covariates: Mapping[str, Array] = field(default_factory=dict)
     """What friction may depend on (n,), by name: `load` [N], `temperature` [°C], others."""
     extra: Mapping[str, Array] = field(default_factory=dict)
@@ -44,6 +46,15 @@ class Series:
     """Measured velocities (n,) [m/s] or [rad/s], if there are any."""
     hold: bool = False
     """Whether each force holds until the next sample: it then acts half a sample later."""
+
+    def __post_init__(self) -> None:
+        if self.mass is not None:
+            object.__setattr__(self, "inertia", False)
+
+    @property
+    def driven(self) -> bool:
+        """Whether the force moves an inertia."""
+        return self.inertia or self.mass is not None
 
 
 def pieces(series: Series) -> Iterator[Series]:

@@ -175,7 +175,7 @@ def _missing_in_gap(part: Part, term: Term) -> Array:
 
 
 def _free_load(part: Part, term: Term) -> Array:
-    return free_load(part.q, part.v, part.h, *term.par)
+    return _beside_the_known(part, free_load(part.q, part.v, part.h, *term.par))
 
 
 def _resonant(part: Part, term: Term) -> Array:
