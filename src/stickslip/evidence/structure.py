@@ -13,7 +13,7 @@ Family = tuple[tuple[tuple[str, str, str], ...], tuple[tuple[str, int], ...]]
 
 GIVEN = ("known", "inertia")
 """Kinds that no search drops or swaps: they are of the mechanism."""
-CARRIED = ("level_slope", "level_ripple", "drift", "temperature")
+CARRIED = ("level_slope", "level_ripple", "drift", "temperature", "stribeck", "stribeck_dir")
 """Kinds that modify a level, and need one."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
 """Names of a shape's values."""

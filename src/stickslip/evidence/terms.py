@@ -185,7 +185,12 @@ def _resonant(part: Part, term: Term) -> Array:
     a = np.pad(part.a, pad, mode="reflect")
     f = np.fft.rfftfreq(len(a), part.h) / term.par[0]
     response = np.fft.rfft(a) / (1.0 - f**2 + 2j * DAMPING * f)
-    return np.asarray(np.fft.irfft(response, len(a))[pad : pad + n])
+    return _beside_the_known(part, np.fft.irfft(response, len(a))[pad : pad + n])
+
+
+def _beside_the_known(part: Part, a: Array) -> Array:
+    """Return the acceleration of a share of an inertia; relative to all of it if that is known."""
+    return a if part.mass is None else a - part.a
 
 
 def _no_column(part: Part, term: Term) -> Array:
@@ -195,6 +200,7 @@ def _no_column(part: Part, term: Term) -> Array:
 TERMS: dict[str, Kind] = {
     "known": Kind(name="known", column=_known, filtered=True),
     "inertia": Kind(name="inertia", column=_acceleration, filtered=True, rank=0, positive=True),
+    "mass": Kind(name="error of the mass", column=_acceleration, filtered=True, rank=3, fault=True),
     "level": Kind(name="level", column=_ones, contact="odd", rank=0, positive=True),
     "offset": Kind(
         name="offset or direction-dependent level", column=_ones, filtered=True, even=True

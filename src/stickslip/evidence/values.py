@@ -133,7 +133,7 @@ def sane(balance: Balance, structure: Structure) -> bool:
 def _seen(balance: Balance, channel: str, v_s: float) -> bool:
     """Return whether a Stribeck velocity is among the speeds of a channel."""
     top = balance.speed[channel]
-    return top / 1e3 < v_s < 3.0 * top
+    return top / 1e3 < v_s < top
 
 
 def slopes(

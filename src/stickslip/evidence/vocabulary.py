@@ -73,7 +73,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)
-    for v_s in grid(top / 300.0, top, 12):
+    for v_s in grid(top / 300.0, top / 2.0, 12):
         for delta in STRIBECK_EXPONENTS:
             yield Term("stribeck", (v_s, delta), channel)
             yield Term("stribeck_dir", (v_s, delta), channel)
@@ -92,8 +92,10 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     for kind in DRIFTS:
         yield Term(kind, (), channel)
     own = balance.of(channel)
-    if not own[0].inertia:
+    if not own[0].driven:
         return
+    if own[0].mass is not None:
+        yield Term("mass", (), channel)
     force = np.concatenate([np.abs(one.raw) for one in own])
     for limit in np.quantile(force, LIMITS):
         if limit > 0.0:

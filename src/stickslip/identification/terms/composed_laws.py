@@ -45,13 +45,15 @@ def composed_law(
     Where the notation has no such law, the nearest one without directions is returned.
     """
     structure = fit.structure
+    coefficients = _Coefficients.of(fit, load, inertia, channel)
     for directional in (True, False):
         text, used = _text(structure, channel, directional=directional)
         if not text:
             return None
         try:
-            kind = law(text)
-            start = _started(kind, _Coefficients.of(fit, load, inertia, channel))
+            spec = _specification(structure, text, channel, directional=directional)
+            kind = spec.law if isinstance(spec.law, type) else type(spec.law)
+            start = _started(kind, coefficients)
         except (InputError, ParameterError):
             continue
         beside = tuple(
@@ -59,14 +61,21 @@ def composed_law(
             for one in structure.free
             if one.channel in (channel, "*") and one.kind not in used and one.kind != "offset"
         )
-        spec = CandidateSpec(
-            name=_name(structure, text, channel),
-            title=_title(structure, text, channel),
-            law=start,
-            free=_free(kind, structure.shape(channel)),
+        free = kind.fit_order if spec.free is None else spec.free
+        return ComposedLaw(
+            text=text, specification=replace(spec, law=start, free=free), beside=beside
         )
-        return ComposedLaw(text=text, specification=spec, beside=beside)
     return None
+
+
+def _specification(
+    structure: Structure, text: str, channel: str, *, directional: bool
+) -> CandidateSpec:
+    """Return the default candidate that a structure is, or else that of its text."""
+    rung = _rung(structure, channel) if directional else None
+    if rung is not None:
+        return rung.specification
+    return CandidateSpec.of(law(text).name, law(text))
 
 
 def _of(structure: Structure, channel: str) -> dict[str, Term]:
@@ -141,51 +150,24 @@ def _memory(terms: Mapping[str, Term], shape: Shape) -> str:
 def _rung(structure: Structure, channel: str) -> Rung | None:
     """Return the default candidate that a structure is; None if it is none of them."""
     terms, shape = _of(structure, channel), structure.shape(channel)
-    if set(terms) - {"level", "load", "offset", "stribeck", "viscous", "power", "quadratic"}.union(
-        DIRECTIONAL
-    ) - {"inertia"}:
+    if {"temperature", "level_slope", "level_ripple", "viscous_cov", "second"} & set(terms):
         return None
-    memory = _memory(terms, shape)
-    flow = "drag" if _flow(terms) == "viscous + drag" else _flow(terms)
-    exponent = memory == "dahl" and abs(shape[1] - 1.0) > LIKE_DAHL
-    both = _sides(set(DIRECTIONAL) & set(terms))
+    memory, flow = _memory(terms, shape), _flow(terms)
+    flow = {"": "viscous" if memory else "", "viscous + drag": "drag"}.get(flow, flow)
+    levels = _levels(structure, channel, terms)
+    both = set(DIRECTIONAL) & set(terms)
     if memory not in ("", "dahl", "lugre") or flow not in ("viscous", "power", "drag"):
         return None
-    if "level" not in terms and "load" not in terms:
+    if not levels or (both and not all(_sides(both)) and flow != "power"):
         return None
-    return Rung(
-        both_ways=any(both),
-        stribeck="stribeck" in _levels(structure, channel, terms),
+    rung = Rung(
+        both_ways=bool(both),
+        stribeck="stribeck" in levels,
         flow=flow,
         memory=memory,
-        exponent=exponent,
+        exponent=memory == "dahl" and abs(shape[1] - 1.0) > LIKE_DAHL,
     )
-
-
-def _name(structure: Structure, text: str, channel: str) -> str:
-    kind = law(text)
-    exponent = kind.made_of is not None and "yield_exponent" in _free(kind, structure.shape(channel))
-    return f"{kind.name}{', exponent fitted' if exponent and kind.name in laws() else ''}"
-
-
-def _title(structure: Structure, text: str, channel: str) -> str:
-    kind = law(text)
-    if kind.name in laws():
-        return kind.title
-    rung = _rung(structure, channel)
-    return kind.title if rung is None or rung.exponent else rung.title
-
-
-def _free(kind: type[FrictionLaw], shape: Shape) -> tuple[str, ...]:
-    """Return the fields that are looked for: an exponent of a memory where it is not Dahl's."""
-    names = kind.fit_order
-    more = ()
-    if len(shape) == 2 and shape[1] > LIKE_DAHL and abs(shape[1] - 1.0) > LIKE_DAHL:
-        made: Composition | None = kind.made_of
-        if made is not None and made.memory is not None:
-            field = made.memory.names.get("yield_exponent", "yield_exponent")
-            more = (field,) if isinstance(field, str) and field in made.fields else ()
-    return (*names, *(one for one in more if one not in names))
+    return rung if not rung.exponent or rung == Rung(memory="dahl", exponent=True) else None
 
 
 @final
@@ -238,7 +220,8 @@ class _Coefficients:
             stiffness = first / shape[0]
             mass = inertia if inertia else 1.0
             values[("*", "bristle_stiffness")] = stiffness
-            values[("*", "yield_exponent")] = shape[1] or 1.0
+            dahl = abs(shape[1] - 1.0) <= LIKE_DAHL or len(shape) == 5
+            values[("*", "yield_exponent")] = 1.0 if dahl else shape[1]
             values[("*", "bristle_damping")] = 2.0 * DAMPED * math.sqrt(stiffness * own * mass) / own
         values |= _factors(terms, of, level)
         return cls(values=values)
