@@ -1,5 +1,6 @@
 """Candidates that the force balance of a record asks for, and what it says of them."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
@@ -7,7 +8,7 @@ from typing import final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.evidence import Explanation, Fit, Rule, explain
+from stickslip.evidence import TERMS, Explanation, Fit, Rule, Structure, explain
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, specification
 from stickslip.identification import ModelError, RecordSettings
@@ -18,8 +19,12 @@ from stickslip.identification.terms.findings import model_errors
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import REFERENCE, Watch
 
-MOST = 3
-"""Laws of other structures that are fitted beside that of the best."""
+SPECIAL = ("level_slope", "level_ripple", "ripple", "second")
+"""Kinds of terms that only a record which asks for them brings in."""
+MOST = 2
+"""Rivals that are fitted beside the law of the best structure."""
+FEWEST = 3
+"""Laws that are fitted, if there are so many."""
 
 
 @final
@@ -63,34 +68,60 @@ def explained(
         return None
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
     mass = mass_of(mechanism)
-    own = [c.value for c in ()] or mass
-    specs: dict[str, CandidateSpec] = {}
     fits: dict[str, Fit] = {}
-    for one in [found.best, *found.ties, *found.family.values()]:
-        law = composed_law(one, load, own)
-        if law is None or not one.ok:
-            continue
-        name = law.specification.name
-        if name not in fits or one.rms < fits[name].rms:
-            fits.setdefault(name, one)
-        wanted = one is found.best or (
-            any(one is tie for tie in found.ties) and not one.structure.faults
-        )
-        if wanted and name not in specs and len(specs) <= MOST:
-            specs[name] = law.specification
+    specs: dict[str, CandidateSpec] = {}
+    for one in [found.best, *found.ties, *sorted(found.family.values(), key=lambda f: f.rms)]:
+        law = composed_law(one, load, mass) if one.ok else None
+        if law is not None and fits.setdefault(law.specification.name, one) is one:
+            specs[law.specification.name] = law.specification
     if not specs:
         return None
-    specs.setdefault(REFERENCE, specification(REFERENCE))
     return Explained(
         explanation=found,
-        specs=tuple(specs.values()),
+        specs=_compared(found, fits, specs),
         fits=fits,
         errors=model_errors(found, measurement),
     )
 
 
+def _compared(
+    found: Explanation, fits: Mapping[str, Fit], specs: Mapping[str, CandidateSpec]
+) -> tuple[CandidateSpec, ...]:
+    """Return the laws to fit: that of the best structure, its rivals and the usual choice.
+
+    A structure with a part more than the best is no rival, as with a part that nothing asks for any
+    law predicts alike; one such, without memory, stands beside a law that has no rival.
+    """
+    best, rule = found.best, Rule()
+    alike = [
+        name
+        for name, one in fits.items()
+        if one is not best and not _accuses(one, best) and not rule.better(best, one, found.scale)
+    ]
+    richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
+    chosen = [name for name in alike if name not in richer][:MOST]
+    names = [next(iter(fits)), *chosen, *([] if REFERENCE in specs else [REFERENCE])]
+    names += [REFERENCE] if REFERENCE not in names else []
+    plain = [name for name in richer if not fits[name].structure.memories]
+    names += plain[: max(FEWEST - len(set(names)), 0)]
+    return tuple(specs.get(name) or specification(name) for name in dict.fromkeys(names))
+
+
+def _accuses(one: Fit, best: Fit) -> bool:
+    """Whether a structure has a fault, or a special term, that the best one has not."""
+    known = {term.kind for term in best.structure.free}
+    new = {term.kind for term in one.structure.free} - known
+    return any(TERMS[kind].fault or kind in SPECIAL for kind in new)
+
+
+def _contains(rich: Structure, simple: Structure) -> bool:
+    kinds = [{(term.kind, term.channel) for term in one.terms} for one in (rich, simple)]
+    shapes = [{(c, len(shape)) for c, shape in one.memories} for one in (rich, simple)]
+    return kinds[1] <= kinds[0] and shapes[1] <= shapes[0]
+
+
 def _told(watch: Watch) -> Callable[[float, str], None]:
     def told(share: float, structure: str) -> None:
-        watch(f"force balance, {100.0 * share:.0f} %: {structure}", float("nan"))
+        watch(f"force balance, {100.0 * share:.0f} %: {structure}", math.nan)
 
     return told

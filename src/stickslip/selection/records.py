@@ -18,7 +18,6 @@ from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
     FittedLaw,
-    ModelError,
     Parameters,
     RecordFit,
     RecordRouteName,
@@ -54,9 +53,9 @@ from stickslip.selection.choice import (
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
+from stickslip.selection.explained import Explained, explained
 from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.ladder import Climbed, climbed
-from stickslip.selection.late_forces import late_force
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import takes_long
 from stickslip.selection.record_admissibility import (
@@ -74,7 +73,6 @@ from stickslip.selection.record_verdict import (
 )
 from stickslip.selection.record_wording import equals_of, outcomes, record_wording
 
-LateForce: TypeAlias = Callable[[RecordCandidate, Sequence[RecordCandidate]], ModelError | None]
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
@@ -141,14 +139,17 @@ def select_records(
     mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
     route = route or way_for(purpose, measurement)
-    chosen = _laws(laws, measurement)
     choice = (
         choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
         if route is None
         else choice_of(route, measurement, settings)
     ).with_hold(mechanism, measurement)
-    climb = partial(_tried, parameters, measurement, choice, usual=laws is None)
-    fitted, found = climb(chosen, progress, executor)
+    asked = explained(mechanism, measurement, choice.settings, parameters.unknown, progress)
+    usual = laws is None and asked is None
+    chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
+    if asked and laws is None and "starts" not in choice.settings.changed:
+        choice = replace(choice, settings=replace(choice.settings, starts=1))
+    fitted, found = _tried(parameters, measurement, choice, chosen, progress, executor, usual=usual)
     chosen, tried = found.specs, found.tried
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
@@ -158,20 +159,8 @@ def select_records(
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     judged = with_contained(judged, chosen)
 
-    def refit(one: RecordCandidate, settings: RecordSettings) -> RecordCandidate:
-        own = next(spec for spec in chosen if spec.name == one.name)
-        return work(
-            _candidate(
-                own,
-                parameters=parameters,
-                measurement=measurement,
-                route=replace(choice, reason="", settings=settings),
-            )
-        )
-
-    late = partial(late_force, settings=choice.settings, refit=refit)
     verdict = verdict_on(
-        mechanism, measurement, judged, without, plan, purpose, checks, validate, late=late
+        mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
     return replace(
         verdict,
@@ -513,7 +502,7 @@ def verdict_on(
     fault: str = "",
     material: float = 0.0,
     shown: Scale | None = None,
-    late: LateForce | None = None,
+    asked: Explained | None = None,
 ) -> RecordVerdict:
     """Return the verdict on candidates that were judged."""
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
@@ -525,10 +514,13 @@ def verdict_on(
     scored = [_objected(c, scored, least) for c in scored]
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
     sound = [c for c in searched if not c.refuted]
-    closest = _doubted(choose(sound or searched or scored, uncertainty=least))
-    closest = with_curve(closest, uncertainty=least)
-    if late is not None:
-        closest = _with_error(closest, late(closest, scored))
+    among = sound or searched or scored
+    closest = choose(among, uncertainty=least)
+    if asked is not None:
+        closest = _agreed(closest, among, asked, uncertainty=least)
+    closest = with_curve(_doubted(closest), uncertainty=least)
+    if asked is not None and closest.fit is not None:
+        closest = replace(closest, fit=replace(closest.fit, model_errors=asked.errors))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
@@ -583,12 +575,23 @@ def verdict_on(
     )
 
 
-def _with_error(candidate: RecordCandidate, error: ModelError | None) -> RecordCandidate:
-    """Return a candidate whose fit names a further error of the model first."""
-    if error is None or candidate.fit is None:
-        return candidate
-    errors = (error, *candidate.fit.model_errors)
-    return replace(candidate, fit=replace(candidate.fit, model_errors=errors))
+def _agreed(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return the law that both predictions and the force balance allow.
+
+    The balance sees every row, a prediction what the errors of all rows add up to: a law that the
+    balance rejects is named only if those that it allows predict worse.
+    """
+    allowed = [c for c in among if not asked.rejects(c.name)]
+    if not allowed:
+        return closest
+    best = choose(allowed, uncertainty=uncertainty)
+    return closest if errs_more(best, closest, uncertainty=uncertainty) else best
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:

@@ -154,7 +154,7 @@ def execute(
     spent = 0.0
     while True:
         most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
-        start = thread_time()
+        start = 0.0 if runner.compiled else thread_time()
         log, events = runner.run(
             w, whole, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
         )

@@ -137,7 +137,7 @@ def fit_records(
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
     refuse_faults(measurement, chosen.mechanism)
     with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
-        return fit_record(
+        found = fit_record(
             chosen.mechanism,
             chosen.law,
             measurement,
@@ -149,6 +149,7 @@ def fit_records(
             held=chosen.held,
             watch=progress,
         )
+        return tested(found, found.hold.hold if found.hold else "zero")
 
 
 def fit_record(
@@ -218,7 +219,7 @@ def _fitted_by(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.holding)
+    fit = finished(way, measurement, ready, found, first)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
     return replace(
         fit,
@@ -392,7 +393,7 @@ def _best_of(
     return found
 
 
-def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
+def tested(fit: RecordFit, hold: Hold) -> RecordFit:
     """Return a fit with the errors of the model that its residuals show.
 
     Residuals that are the noise of the sensor show none, whatever a test finds in them.
