@@ -309,7 +309,9 @@ def matched(owners: Sequence[Term], other: Sequence[Term]) -> list[int]:
 def friction_scale(balance: Balance, found: Fit) -> float:
     """Return the standard deviation [N] of what the mechanism and an offset leave: the friction."""
     made = design(balance, found.structure)
-    own = np.array([t.kind not in ("inertia", "mass", "known", "offset") for t in made.owners], bool)
+    own = np.array(
+        [t.kind not in ("inertia", "mass", "known", "offset") for t in made.owners], bool
+    )
     friction = found.residual + made.columns[:, own] @ found.coef[own]
     rows = balance.use & ~balance.at_rest
     return max(float(np.std(friction[rows])) if rows.any() else 0.0, 1e-12 * balance.scale)

@@ -157,6 +157,8 @@ def select_records(
     work = partial(_judged, plan=plan, validate=validate)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
+    errors = asked.errors if asked else ()
+    judged = [replace(c, fit=replace(c.fit, known_errors=errors)) if c.fit else c for c in judged]
     judged = with_contained(judged, chosen)
 
     verdict = verdict_on(
@@ -519,8 +521,6 @@ def verdict_on(
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=least)
     closest = with_curve(_doubted(closest), uncertainty=least)
-    if asked is not None and closest.fit is not None:
-        closest = replace(closest, fit=replace(closest.fit, model_errors=asked.errors))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))

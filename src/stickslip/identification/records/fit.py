@@ -1,5 +1,6 @@
 """A fit to records in time, and what it says of records it has not seen."""
 
+import functools
 import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
@@ -42,6 +43,7 @@ from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
+from stickslip.identification.terms.findings import errors_of
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
@@ -266,8 +268,22 @@ class RecordFit(Fit[AnyLaw_co]):
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
     displaced: tuple[Displaced, ...] = ()
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
-    model_errors: tuple[ModelError, ...] = ()
-    """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
+    known_errors: tuple[ModelError, ...] | None = None
+    """What is wrong with model, rig or record, where that is known; None where nobody asked."""
+
+    @functools.cached_property
+    def model_errors(self) -> tuple[ModelError, ...]:
+        """What the force balance shows to be wrong with model, rig or record.
+
+        Looked for when it is asked for, which takes seconds; intervals leave it out.
+        """
+        if self.known_errors is not None:
+            return self.known_errors
+        if self.at_noise:
+            return ()
+        hold = self.hold.hold if self.hold else "zero"
+        unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
+        return errors_of(self.mechanism, self.law, self.measurement, hold, unknown)
 
     @property
     def friction_was_measured(self) -> bool:

@@ -55,10 +55,9 @@ from stickslip.identification.records.route_choice import (
     choose_route,
     to_compare,
 )
-from stickslip.identification.residuals.tests import model_errors
-from stickslip.identification.series.applied_force import driven, drives_itself, inside
+from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
-from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
@@ -137,7 +136,7 @@ def fit_records(
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
     refuse_faults(measurement, chosen.mechanism)
     with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
-        found = fit_record(
+        return fit_record(
             chosen.mechanism,
             chosen.law,
             measurement,
@@ -149,7 +148,6 @@ def fit_records(
             held=chosen.held,
             watch=progress,
         )
-        return tested(found, found.hold.hold if found.hold else "zero")
 
 
 def fit_record(
@@ -391,32 +389,6 @@ def _best_of(
         better = min(found, again, key=lambda one: one.best.cost)
         found = replace(better, evaluations=found.evaluations + again.evaluations)
     return found
-
-
-def tested(fit: RecordFit, hold: Hold) -> RecordFit:
-    """Return a fit with the errors of the model that its residuals show.
-
-    Residuals that are the noise of the sensor show none, whatever a test finds in them.
-    """
-    if drives_itself(fit.mechanism, fit.measurement):  # no force that was recorded
-        return fit
-    if fit.at_noise:
-        return fit
-    errors = model_errors(
-        fit.mechanism,
-        fit.law,
-        fit.measurement,
-        fit.free_parameters,
-        fit.estimates,
-        hold=hold,
-        measured=_force_map(fit) if fit.friction_was_measured else None,
-    )
-    return replace(fit, model_errors=errors)
-
-
-def _force_map(fit: RecordFit) -> ForceMap:
-    assert isinstance(fit.problem, ForceMap)
-    return fit.problem
 
 
 def widened_search(

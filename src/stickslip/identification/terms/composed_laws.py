@@ -8,7 +8,7 @@ from typing import Any, final
 from stickslip.errors import InputError, ParameterError
 from stickslip.evidence import SIGN, Fit, Structure, Term
 from stickslip.evidence.bristles import Shape
-from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law, laws
+from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law
 from stickslip.friction.composition import Composition, Leaf
 
 DIRECTIONAL = ("viscous_dir", "power_dir", "stribeck_dir")
@@ -88,7 +88,7 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
     levels, flow = _levels(structure, channel, terms), _flow(terms)
     used = {"level", "load", "second", *both}
-    used |= {name for name in ("stribeck", "temperature", "level_slope", "level_ripple") if name in terms}
+    used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
     if not levels:
@@ -219,10 +219,11 @@ class _Coefficients:
         if shape != SIGN:
             stiffness = first / shape[0]
             mass = inertia if inertia else 1.0
-            values[("*", "bristle_stiffness")] = stiffness
+            values["*", "bristle_stiffness"] = stiffness
             dahl = abs(shape[1] - 1.0) <= LIKE_DAHL or len(shape) == 5
-            values[("*", "yield_exponent")] = 1.0 if dahl else shape[1]
-            values[("*", "bristle_damping")] = 2.0 * DAMPED * math.sqrt(stiffness * own * mass) / own
+            values["*", "yield_exponent"] = 1.0 if dahl else shape[1]
+            critical = 2.0 * math.sqrt(stiffness * own * mass)
+            values["*", "bristle_damping"] = DAMPED * critical / own
         values |= _factors(terms, of, level)
         return cls(values=values)
 

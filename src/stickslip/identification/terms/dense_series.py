@@ -100,5 +100,3 @@ def _series(
         velocity=velocity if "position" not in known else None,
         hold=hold == "zero" and "force" in known,
     )
-
-

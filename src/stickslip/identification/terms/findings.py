@@ -1,16 +1,22 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 
-from stickslip.evidence import Explanation, Fault, Term
+from stickslip.errors import InputError
+from stickslip.evidence import Explanation, Fault, Fit, Rule, Term, explain
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.settings import Hold
+from stickslip.identification.terms.composed_laws import composed_law
+from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
+from stickslip.mechanisms import Mechanism
 
 LATE: Final = ("delay", "backlash", "loose", "flexible")
 """Kinds of faults that all shift force against motion near reversals."""
@@ -47,9 +53,61 @@ class _Sized:
     """Whether friction itself was measured."""
 
 
+def errors_of(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    measurement: Measurement,
+    hold: Hold,
+    unknown: Sequence[str],
+) -> tuple[ModelError, ...]:
+    """Return what the force balance of a record says of a fitted law, of the rig and the record.
+
+    Nothing where no force balance can be written down, or none that can be judged.
+    """
+    if isinstance(law, Laws) or not is_dense(mechanism, measurement):
+        return ()
+    try:
+        found = explain(dense_series(mechanism, measurement, hold, unknown))
+    except InputError:
+        return ()
+    asked = _law_asked_for(mechanism, law, measurement, found)
+    return (*model_errors(found, measurement), *([asked] if asked else []))
+
+
+def _law_asked_for(
+    mechanism: Mechanism, law: FrictionLaw, measurement: Measurement, found: Explanation
+) -> ModelError | None:
+    """Return that the force balance asks for another law, if it rejects this one."""
+    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
+    wanted = composed_law(found.best, load)
+    own: Fit | None = None
+    for one in sorted((f for f in found.family.values() if f.ok), key=lambda f: f.rms):
+        known = composed_law(one, load)
+        if known is not None and known.specification.law.name == law.name:
+            own = one
+            break
+    if wanted is None or own is None or not Rule().better(found.best, own, found.scale):
+        return None
+    if wanted.specification.law.name == law.name:
+        return None
+    unit = measurement.unit("force")
+    scale = scale_of([own.rms, found.best.rms], unit)
+    return ModelError(
+        kind="law",
+        finding=(
+            f"The force balance asks for another law, {wanted.text}: held-out error"
+            f" {scale.error(found.best.rms)} instead of {scale.error(own.rms)}."
+        ),
+        consequence="Values of this law hold for motions like the recorded one only.",
+        effect=own.rms - found.best.rms,
+        interval=(math.nan, math.nan),
+        share=1.0 - (found.best.rms / own.rms) ** 2,
+    )
+
+
 def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelError, ...]:
     """Return the faults of an explanation, the largest first, and forces that no law has."""
-    errors = [_error(found, one, measurement) for one in found.faults]
+    errors = [_error(one, measurement) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
@@ -58,7 +116,7 @@ def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelErr
     return tuple(sorted(errors, key=lambda one: -one.share))
 
 
-def _error(found: Explanation, fault: Fault, measurement: Measurement) -> ModelError:
+def _error(fault: Fault, measurement: Measurement) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
     ends = fault.interval or (math.nan, math.nan)
@@ -70,10 +128,7 @@ def _error(found: Explanation, fault: Fault, measurement: Measurement) -> ModelE
         measured="friction" in measurement.quantities(),
     )
     others = [one for one in dict.fromkeys(CALLED[k] for k in fault.kinds) if one != CALLED[kind]]
-    if others:
-        finding = _undecided(fault, sized, others)
-    else:
-        finding = f"{SAID[kind](sized)}."
+    finding = _undecided(fault, sized, others) if others else f"{SAID[kind](sized)}."
     return ModelError(
         kind=_group(fault.kinds),
         finding=finding,
@@ -103,11 +158,15 @@ def _undecided(fault: Fault, sized: _Sized, others: list[str]) -> str:
             f"Something late or elastic acts between force and motion: {choice}. The record does"
             " not tell which."
         )
-    return f"Beside the friction law, the force balance asks for {choice}; the record does not tell which."
+    return (
+        f"Beside the friction law, the force balance asks for {choice}; the record does not tell"
+        " which."
+    )
 
 
 def _ripple(found: Explanation, term: Term, measurement: Measurement) -> ModelError:
-    own = [float(x) for x, one in zip(found.best.coef, found.best.owner, strict=True) if one == term]
+    pairs = zip(found.best.coef, found.best.owner, strict=True)
+    own = [float(x) for x, one in pairs if one == term]
     amplitude = math.hypot(*own)
     length = quantity(2.0 * math.pi / term.par[0], measurement.unit("position"))
     force = quantity(amplitude, measurement.unit("force"))
@@ -168,8 +227,9 @@ def _late(sized: _Sized) -> str:
 
 
 def _saturated(sized: _Sized) -> str:
-    where = "is missing from the record: the sensor" if sized.measured else "does not act: the amplifier"
-    return f"Of the force beyond {sized.text}, what is recorded {where} saturates"
+    if sized.measured:
+        return f"Force beyond {sized.text} is missing from the record: the sensor saturates"
+    return f"Force that was recorded beyond {sized.text} does not act: the amplifier saturates"
 
 
 def _missing_mass(sized: _Sized) -> str:
@@ -187,11 +247,15 @@ SAID: Final[Mapping[str, Callable[[_Sized], str]]] = {
     "backlash": lambda s: (
         f"After each reversal, inertia and friction differ over {s.text}: backlash"
     ),
-    "loose": lambda s: f"Part of the inertia follows the motion through a gap of {s.text}: backlash",
+    "loose": lambda s: (
+        f"Part of the inertia follows the motion through a gap of {s.text}: backlash"
+    ),
     "flexible": lambda s: (
         f"Part of the inertia is coupled elastically, with a resonance at {s.text}"
     ),
-    "spring": lambda s: f"A force {_rises(s)} with position by {s.text}: the mechanism lacks a spring",
+    "spring": lambda s: (
+        f"A force {_rises(s)} with position by {s.text}: the mechanism lacks a spring"
+    ),
     "drift": lambda s: f"The friction level {_rises(s)} by {s.text} over the record",
     "offset_drift": lambda s: (
         f"A force in addition to friction {_rises(s)} by {s.text} over the record"
