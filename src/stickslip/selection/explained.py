@@ -10,10 +10,11 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.evidence import TERMS, Explanation, Fit, Rule, Structure, explain
 from stickslip.experiments import Measurement
-from stickslip.friction import CandidateSpec, specification
-from stickslip.identification import ModelError, RecordSettings
+from stickslip.friction import CandidateSpec, FrictionLaw, specification
+from stickslip.identification import FittedLaw, ModelError, RecordSettings
+from stickslip.identification.estimation.containment import CONSTANTS
 from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.terms.composed_laws import composed_law
+from stickslip.identification.terms.composed_laws import ComposedLaw, composed_law
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
 from stickslip.identification.terms.findings import model_errors
 from stickslip.mechanisms import Mechanism
@@ -39,6 +40,8 @@ class Explained:
     and the usual choice."""
     fits: Mapping[str, Fit]
     """The closest structure of each law that was met, by the name of its candidate."""
+    starts: Mapping[str, FittedLaw]
+    """Where searches of candidates begin, by name."""
     errors: tuple[ModelError, ...]
     """What is wrong with the rig or the record."""
 
@@ -70,18 +73,31 @@ def explained(
     mass = mass_of(mechanism)
     fits: dict[str, Fit] = {}
     specs: dict[str, CandidateSpec] = {}
+    starts: dict[str, FittedLaw] = {}
     for one in [found.best, *found.ties, *sorted(found.family.values(), key=lambda f: f.rms)]:
         law = composed_law(one, load, mass) if one.ok else None
         if law is not None and fits.setdefault(law.specification.name, one) is one:
             specs[law.specification.name] = law.specification
+            starts[law.specification.name] = _start(law, unknown)
     if not specs:
         return None
     return Explained(
         explanation=found,
         specs=_compared(found, fits, specs),
+        starts=starts,
         fits=fits,
         errors=model_errors(found, measurement),
     )
+
+
+def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
+    """Return the coefficients of a structure as a fit from which searches begin."""
+    beside = {path: law.inertia for path in unknown if path.endswith(("inertia", "mass"))}
+    values = {**law.start, **{path: x for path, x in beside.items() if x is not None}}
+    if not law.specification.law.directional:
+        values |= dict.fromkeys(CONSTANTS, law.constant)
+    assert isinstance(law.specification.law, FrictionLaw)
+    return FittedLaw(law=law.specification.law, values=values, cost=math.inf, rows=0)
 
 
 def _compared(

@@ -147,9 +147,20 @@ def select_records(
     asked = explained(mechanism, measurement, choice.settings, parameters.unknown, progress)
     usual = laws is None and asked is None
     chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
+    if asked:
+        choice = replace(choice, alternative=None)
     if asked and laws is None and "starts" not in choice.settings.changed:
         choice = replace(choice, settings=replace(choice.settings, starts=1))
-    fitted, found = _tried(parameters, measurement, choice, chosen, progress, executor, usual=usual)
+    fitted, found = _tried(
+        parameters,
+        measurement,
+        choice,
+        chosen,
+        progress,
+        executor,
+        usual=usual,
+        starts=asked.starts if asked else {},
+    )
     chosen, tried = found.specs, found.tried
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
@@ -182,6 +193,7 @@ def _tried(
     executor: Executor | None,
     *,
     usual: bool,
+    starts: Mapping[str, FittedLaw],
 ) -> tuple[Callable[..., RecordCandidate], Climbed]:
     """Return what fits a candidate, and those that were: by the better of two open routes."""
 
@@ -191,6 +203,7 @@ def _tried(
             parameters=parameters,
             measurement=_without_stated(measurement, name),
             route=replace(choice, route=name, reason=reason, alternative=None),
+            starts=starts,
         )
 
     def at_noise(one: RecordCandidate) -> bool:
@@ -314,6 +327,7 @@ def _candidate(
     parameters: Parameters[None],
     measurement: Measurement,
     route: RouteChoice,
+    starts: Mapping[str, FittedLaw],
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
     unsuited = unsuited_by(measurement, one.law)
@@ -329,7 +343,7 @@ def _candidate(
         unknown=parameters.unknown,
         route=route,
         held=parameters.held,
-        contained=contained or None,
+        contained=[*contained, *([starts[one.name]] if one.name in starts else [])] or None,
         rival=rival,
         watch=report,
     )

@@ -35,6 +35,17 @@ class ComposedLaw:
     """The candidate: the law with its start values, and which of them are looked for."""
     beside: tuple[Term, ...]
     """Terms that no law has: they act beside friction, or on the record."""
+    constant: float
+    """Constant force [N] beside friction, as mechanisms count it."""
+    inertia: float | None
+    """Inertia of the structure; None where none was looked for."""
+
+    @property
+    def start(self) -> Mapping[str, float]:
+        """Values of what is looked for, by path; a law by direction has no constant force beside."""
+        law = self.specification.law
+        free = {f"friction.{name}": getattr(law, name) for name in self.specification.free or ()}
+        return {path: float(value) for path, value in free.items() if value is not None}
 
 
 def composed_law(
@@ -63,7 +74,11 @@ def composed_law(
         )
         free = kind.fit_order if spec.free is None else spec.free
         return ComposedLaw(
-            text=text, specification=replace(spec, law=start, free=free), beside=beside
+            text=text,
+            specification=replace(spec, law=start, free=free),
+            beside=beside,
+            constant=0.0 if kind.directional else next(iter(fit.of("offset", channel)), 0.0),
+            inertia=next(iter(fit.of("inertia", channel)), None),
         )
     return None
 
