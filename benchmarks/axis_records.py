@@ -172,7 +172,7 @@ FURTHER = (
     ),
     _truth("tp1", "level temperature power", by_temperature=-0.02, viscous=0.5, exponent=0.5),
     _truth(
-        "ddd1", "level memory offset viscous",
+        "ddd1", "level level_dir memory viscous",
         length=6e-3, forward=1.1, backward=0.8, viscous=0.3,
     ),
     _truth(

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.evidence.balance import Balance
+from stickslip.evidence.balance import RESOLVED, Balance
 from stickslip.evidence.structure import Structure
 from stickslip.evidence.terms import TERMS, Term
 
@@ -223,7 +223,21 @@ def possible(made: Design, values: Array) -> bool:
     return (
         admissible(values, made.owners)
         and made.structure.complete
+        and _memories_resolved(made)
         and _excess_stands_out(made, values)
+    )
+
+
+def _memories_resolved(made: Design) -> bool:
+    """Return whether the path resolves both memories, where there are two in a channel.
+
+    One that it does not resolve would only leave rows at rest open for the other.
+    """
+    return all(
+        min(term.par[0], made.structure.shape(term.channel)[0])
+        > RESOLVED * made.balance.resolved[term.channel]
+        for term in made.structure.terms
+        if term.kind == "second"
     )
 
 

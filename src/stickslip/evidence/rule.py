@@ -20,8 +20,9 @@ HALF_BLOCKS = 8
 """Blocks of time in each half that its standard errors come from."""
 JOINT = 3.0
 """Joint standard errors within which the coefficients of two halves agree."""
-ALIKE = 0.35
-"""Share of their mean within which they agree as well."""
+ALIKE = 0.5
+"""Share of their mean within which they agree as well: each then explains three quarters of the
+power of the term in the other half."""
 SHIFTED = ("delay", "second")
 """Kinds whose coefficients halves are not asked for: they have none, or their memory has it."""
 
