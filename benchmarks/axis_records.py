@@ -186,6 +186,8 @@ FURTHER = (
 )  # fmt: skip
 """Eight more, which the engine was not made with."""
 
+ALL = (*TRUTHS, *FAULTS, *FURTHER)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AxisRecord:
@@ -194,6 +196,8 @@ class AxisRecord:
     t: Array
     q: Array
     force: Array
+    true_position: Array
+    """Positions (n,) [rad] without steps and noise of the encoder."""
     friction: Array
     """True friction (n,) [N m], means over samples."""
     covariates: dict[str, Array] = field(default_factory=dict)
@@ -217,7 +221,7 @@ def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:
     level = 1.0 + plant.drift * t / seconds + plant.by_temperature * (temperature - ROOM)
     dither = plant.noise * random.normal(size=len(t))
     noise = plant.force_noise * random.normal(size=len(t))
-    q, command, friction = _simulated(plant, wanted, level, plant.by_load * load, dither)
+    q, x, command, friction = _simulated(plant, wanted, level, plant.by_load * load, dither)
     force = command + noise
     if plant.delay:
         force = np.interp(t - plant.delay, t, force)
@@ -226,7 +230,9 @@ def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:
         covariates["load"] = load
     if plant.by_temperature:
         covariates["temperature"] = temperature
-    return AxisRecord(t=t, q=q, force=force, friction=friction, covariates=covariates)
+    return AxisRecord(
+        t=t, q=q, force=force, true_position=x, friction=friction, covariates=covariates
+    )
 
 
 def _reference(random: np.random.Generator, t: Array, calm: float) -> Array:
@@ -254,8 +260,8 @@ def _reference(random: np.random.Generator, t: Array, calm: float) -> Array:
 
 def _simulated(
     plant: Plant, wanted: Array, level: Array, loaded: Array, dither: Array
-) -> tuple[Array, Array, Array]:
-    """Return encoder readings, commands and mean friction (n,) of the controlled axis."""
+) -> tuple[Array, Array, Array, Array]:
+    """Return encoder readings, positions, commands and mean friction (n,) of the axis."""
     h, tick = 1.0 / RATE / STEPS, 1.0 / RATE
     two = plant.gap > 0.0 or plant.coupling > 0.0
     j = plant.inertia
@@ -267,7 +273,7 @@ def _simulated(
     friction = _friction(plant, motor, h)
     link = _link(plant, h)
     x, v, reading, filtered, summed = float(wanted[0]), 0.0, float(wanted[0]), 0.0, 0.0
-    readings, commands, frictions = [], [], []
+    readings, positions, commands, frictions = [], [], [], []
     rows = zip(
         wanted.tolist(), speed.tolist(), acceleration.tolist(), level.tolist(), loaded.tolist(),
         dither.tolist(), strict=True,
@@ -276,6 +282,7 @@ def _simulated(
         q = round((x + chatter) / plant.encoder) * plant.encoder
         filtered += 0.25 * ((q - reading) * RATE - filtered)
         reading = q
+        positions.append(x)
         summed = min(max(summed + integral * (r - q) * tick, -1.5), 1.5)
         command = gain * (r - q) + damping * (dr - filtered) + summed + j * ddr
         driven = min(max(command, -plant.limit), plant.limit)
@@ -291,7 +298,8 @@ def _simulated(
         readings.append(q)
         commands.append(command)
         frictions.append(total / STEPS)
-    return np.array(readings), np.array(commands), np.array(frictions)
+    found = (np.array(one) for one in (readings, positions, commands, frictions))
+    return tuple(found)  # type: ignore[return-value]
 
 
 def _link(plant: Plant, h: float) -> Callable[[float, float], float]:

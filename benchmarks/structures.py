@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.axis_records import (
+    ALL,
     FAULTS,
     FURTHER,
     RATE,
@@ -71,7 +72,6 @@ KINDS = {
 OF_PLANT = ("inertia", "flexible", "loose", "saturation", "backlash")
 """Kinds that are not friction."""
 STRESSED = ("cv1", "pv1", "ds1", "da1", "lg1", "f_gap1", "f_flex1")
-ALL = (*TRUTHS, *FAULTS, *FURTHER)
 
 
 @dataclass(frozen=True, kw_only=True)

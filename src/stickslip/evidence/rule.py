@@ -60,7 +60,8 @@ class Rule:
         least = 1e-12 * max(old.mse, 1e-300)
         ratio = np.log((old.folds + least) / (new.folds + least))
         sure = any(_surely(x, errors) for x in (drop, ratio))
-        return sure and new.rms < (1.0 - size) * old.rms and drop.mean() > (floor * scale) ** 2
+        smaller = new.rms < (1.0 - size) * old.rms
+        return sure and smaller and float(drop.mean()) > (floor * scale) ** 2
 
     def margins(self, new: Structure, old: Structure) -> Margins:
         """Return the margins that one structure has to earn over another."""
