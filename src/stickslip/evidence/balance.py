@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.evidence.bristles import SIGN, Shape
-from stickslip.evidence.motion import RATE, band, spread_out, top_speed
+from stickslip.evidence.motion import HIGHEST, RATE, band, spread_out, top_speed
 from stickslip.evidence.part import Part, part_of
 from stickslip.evidence.series import Series, pieces
 from stickslip.evidence.structure import Structure
@@ -28,6 +28,10 @@ ENDS = 2.0
 """Ends of a piece that are not compared, over 1/fc: the filter has nothing beyond them."""
 PERIODS = 30.0
 """Least length of what is compared, over 1/fc: ten blocks and their gaps leave the most."""
+RESOLVED = 4.0
+"""Length of a bristle that the path resolves, over the displacement that the sensor resolves."""
+SLIPPING = 10.0
+"""Least time of motion between rests and reversals, over 1/fc."""
 SHORTEST = 8.0
 """Least length of a piece, over 1/fc."""
 ROOM_TEMPERATURE = 20.0
@@ -83,29 +87,14 @@ class Balance:
             parts.append(part_of(one, self.fc, first, span, self.references))
         self.dynamic = True
         self._assemble(parts, folds, like.resolved if like else {})
+        if not like:
+            self._check_motion()
 
     @classmethod
     def points(cls, v: Array, f: Array, **covariates: Array) -> Self:
-        """Return the balance of a table: steady speeds and friction, a row for each.
+        """Return the balance of a table: steady speeds (n,) and friction, a row for each.
 
-        Parameters
-        ----------
-        v : array (n,)
-            Speeds [m/s] or [rad/s], with sign.
-        f : array (n,)
-            Friction [N] or [N m], with the sign of the speed.
-        **covariates : array (n,)
-            What friction may depend on.
-
-        Returns
-        -------
-        Balance
-            Without time: no memory, no fault.
-
-        Raises
-        ------
-        InputError
-            If there are fewer than four points, or values that are not finite.
+        Without time there is no memory and no fault.
 
         Examples
         --------
@@ -186,12 +175,26 @@ class Balance:
         } | dict(resolved)
         self.speed: dict[str, float] = {}
         self.span: dict[str, float] = {}
+        self.usual_force: dict[str, float] = {}
         for c in self.channels:
             own = [one for one in parts if one.channel == c]
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
+            force = np.abs(np.concatenate([one.raw for one in own]))
+            self.usual_force[c] = float(np.quantile(force, 0.75))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[float, Array] = {}
+
+    def _check_motion(self) -> None:
+        """Refuse what rests throughout, as far as the sensor shows."""
+        moving = self.use & ~self.at_rest
+        seconds = sum(one.h * one.every * float(moving[one.rows].sum()) for one in self.parts)
+        if seconds * self.fc < SLIPPING:
+            raise InputError(
+                f"the body moves for {number(seconds)} s only, as far as the position shows: in a"
+                f" band of {number(self.fc)} Hz the force balance needs"
+                f" {number(SLIPPING / self.fc)} s of motion between rests and reversals."
+            )
 
     def of(self, channel: str) -> list[Part]:
         """Return the parts of a channel."""
@@ -210,7 +213,7 @@ class Balance:
         """
         found = self.at_rest.copy()
         for channel, shape in structure.memories:
-            if shape[0] > 4.0 * self.resolved[channel]:
+            if shape[0] > RESOLVED * self.resolved[channel]:
                 found[self.channel == channel] = False
         return found
 
@@ -286,7 +289,7 @@ def _usual_band(measured: Sequence[Series]) -> float:
         fc = float(bands[order][min(int(middle), len(own) - 1)])
         step = min(float(np.median(np.diff(one.t))) for one in own)
         wanted = (PERIODS + 2.0 * ENDS) / float(lengths.max())
-        found.append(max(fc, min(wanted, RATE / step)))
+        found.append(max(fc, min(wanted, RATE / step, HIGHEST)))
     return min(found)
 
 
@@ -312,11 +315,6 @@ def _check_length(measured: Sequence[Series], fc: float, series: Sequence[Series
                 f"the force{where} is constant: the force balance needs the force of the drive"
                 " while it changes."
             )
-    if series and not any(float(np.ptp(one.q)) > 0.0 for one in measured):
-        raise InputError(
-            "the position does not change: a record of rest only tells how large friction is at"
-            " least."
-        )
 
 
 def _spans(measured: Sequence[Series]) -> Spans:

@@ -83,28 +83,9 @@ def explain(
 ) -> Explanation:
     """Return the structure that explains series, by one search over laws, nuisances and faults.
 
-    Parameters
-    ----------
-    series : sequence of Series, or Balance
-        What was measured.
-    rule : Rule, optional
-        When a term stays.
-    fc : float, optional
-        Band [Hz] of the balance; by default that in which noise of the position costs little.
-    vocabulary : iterable of Term, optional
-        The candidates; by default all.
-    progress : callable, optional
-        Told the share that is done, from 0 to 1, and the best structure, after each level.
-
-    Returns
-    -------
-    Explanation
-        The structure with its coefficients and intervals, what is not told apart, and faults.
-
-    Raises
-    ------
-    InputError
-        If the record cannot be judged by its force balance; the message says why.
+    The band `fc` [Hz] and the candidates are chosen if they are not given; `progress` is told the
+    share that is done, from 0 to 1, and the best structure after each level. An `InputError` says
+    why a record cannot be judged by its force balance.
 
     Examples
     --------
@@ -172,31 +153,16 @@ def _admissible(search: Search, structure: Structure) -> Structure:
                 structure = structure.having(viscous)
         if not wrong or not any(term.kind not in GIVEN for term in structure.terms):
             raise InputError(
-                "the force drives the motion nowhere: it acts against the velocity throughout."
-                " Check the sign of the force against that of the position."
+                "the friction comes out negative: on average the force acts against the velocity of"
+                " the body that it moves. Check the sign of the force against that of the position."
             )
 
 
 def predict(fitted: Fit, series: Sequence[Series], like: Balance) -> tuple[Balance, Array, Array]:
-    """Return what a fit predicts of other series.
+    """Return what a fit predicts of other series of the same joints.
 
-    Parameters
-    ----------
-    fitted : Fit
-        The fit.
-    series : sequence of Series
-        Series of the same joints.
-    like : Balance
-        The balance of the fit, whose band, clock and resolution are taken.
-
-    Returns
-    -------
-    balance : Balance
-        The rows of the other series.
-    force : array (n,)
-        Predicted forces [N].
-    error : array (n,)
-        Errors [N]; at open rows, the distance to what the law allows.
+    These are the rows of the balance `like` of the fit, predicted forces (n,) [N], and errors
+    (n,) [N]: at open rows the distance to what the law allows.
 
     Examples
     --------

@@ -81,13 +81,17 @@ def _instead(search: Search, best: Fit, ties: Sequence[Fit], group: Sequence[Ter
     rest = best.structure
     for term in group:
         rest = rest.without(term)
+    alike = group[0].kind in LATE_OR_ELASTIC
     found = []
     for kind in dict.fromkeys(term.kind for term in (*search.terms, *search.delays)):
         if not TERMS[kind].fault or best.structure.has(kind):
             continue
         options = _best_with(search, rest, kind)
         options += [one for one in ties if [term.kind for term in one.structure.faults] == [kind]]
-        if any(one.ok and not search.rule.better(best, one, search.scale) for one in options):
+        equal = [one for one in options if one.ok and not search.better(best, one)]
+        if not (alike and kind in LATE_OR_ELASTIC):
+            equal = [one for one in equal if search.better(one, search.fit(rest))]
+        if equal:
             found.append(kind)
     return found
 

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.evidence.balance import Balance
+from stickslip.evidence.balance import RESOLVED, Balance
 from stickslip.evidence.structure import Structure
 from stickslip.evidence.terms import TERMS, Term
 
@@ -19,6 +19,8 @@ Rows = slice | NDArray[np.intp]
 
 RIDGE = 1e-9
 """What is added to the diagonal of scaled normal equations."""
+EMPTY = 1e-10
+"""Share of the sum of squares of a column that is rounding where the rest was taken off."""
 EXCESS = 3.0
 """Least size of a saturation's force over the misfit of the other rows: its column holds the
 recorded force, and would explain the noise of that."""
@@ -150,9 +152,14 @@ def design(balance: Balance, structure: Structure) -> Design:
     )
 
 
-def solved(square: Array, product: Array) -> Array:
-    """Return solutions (..., p) of normal equations (..., p, p), scaled, with a small ridge."""
-    size = 1.0 / np.sqrt(np.maximum(np.diagonal(square, axis1=-2, axis2=-1), 1e-300))
+def solved(square: Array, product: Array, whole: Array | None = None) -> Array:
+    """Return solutions (..., p) of normal equations (..., p, p), scaled, with a small ridge.
+
+    A column of which they hold nothing, or only rounding of the `whole`, has the coefficient 0.
+    """
+    own = np.diagonal(square, axis1=-2, axis2=-1)
+    least = 0.0 if whole is None else EMPTY * np.diagonal(whole, axis1=-2, axis2=-1)
+    size = np.where(own > np.maximum(least, 1e-290), 1.0 / np.sqrt(np.maximum(own, 1e-290)), 0.0)
     scaled = square * size[..., :, None] * size[..., None, :] + RIDGE * np.eye(square.shape[-1])
     return np.asarray(size * np.linalg.solve(scaled, (size * product)[..., None])[..., 0])
 
@@ -223,7 +230,21 @@ def possible(made: Design, values: Array) -> bool:
     return (
         admissible(values, made.owners)
         and made.structure.complete
+        and _memories_resolved(made)
         and _excess_stands_out(made, values)
+    )
+
+
+def _memories_resolved(made: Design) -> bool:
+    """Return whether the path resolves both memories, where there are two in a channel.
+
+    One that it does not resolve would only leave rows at rest open for the other.
+    """
+    return all(
+        min(term.par[0], made.structure.shape(term.channel)[0])
+        > RESOLVED * made.balance.resolved[term.channel]
+        for term in made.structure.terms
+        if term.kind == "second"
     )
 
 
@@ -239,7 +260,7 @@ def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
     for k in range(balance.folds):
         near = balance.near[k] & rows
         own = columns[near]
-        values = solved(square - own.T @ own, product - own.T @ force[near])
+        values = solved(square - own.T @ own, product - own.T @ force[near], square)
         held = np.flatnonzero((balance.fold == k) & balance.use)
         left = made.residual(values, held)
         sse[k] = left @ left

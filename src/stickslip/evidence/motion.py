@@ -139,7 +139,7 @@ def open_rows(q: Array, direction: Array, reach: float, fc: float, h: float) -> 
     the row with such.
     """
     half = max(int(0.5 / fc / h), 2)
-    still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) < reach
+    still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) <= reach
     turns = np.concatenate([[False], np.diff(direction) != 0.0])
     mixed = max(int(0.5 / fc / h), 1)
     return spread_out(still, half + mixed) | spread_out(turns, mixed)

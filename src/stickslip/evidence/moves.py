@@ -164,7 +164,11 @@ def _judged(
     half = total // 2
     held, held_product = square[:, :half], product[:, :half]
     whole, whole_product = held.sum(axis=1), held_product.sum(axis=1)
-    values = solved(whole[:, None] - square[:, half:], whole_product[:, None] - product[:, half:])
+    values = solved(
+        whole[:, None] - square[:, half:],
+        whole_product[:, None] - product[:, half:],
+        whole[:, None],
+    )
     fitted = np.einsum("ckp,ckpq,ckq->c", values, held, values, optimize=True)
     errors = grams.power[:half].sum() - 2.0 * np.einsum("ckp,ckp->c", values, held_product) + fitted
     return errors, solved(whole, whole_product)

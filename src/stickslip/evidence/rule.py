@@ -20,8 +20,9 @@ HALF_BLOCKS = 8
 """Blocks of time in each half that its standard errors come from."""
 JOINT = 3.0
 """Joint standard errors within which the coefficients of two halves agree."""
-ALIKE = 0.35
-"""Share of their mean within which they agree as well."""
+ALIKE = 0.5
+"""Share of their mean within which they agree as well: each then explains three quarters of the
+power of the term in the other half."""
 SHIFTED = ("delay", "second")
 """Kinds whose coefficients halves are not asked for: they have none, or their memory has it."""
 
@@ -59,7 +60,8 @@ class Rule:
         least = 1e-12 * max(old.mse, 1e-300)
         ratio = np.log((old.folds + least) / (new.folds + least))
         sure = any(_surely(x, errors) for x in (drop, ratio))
-        return sure and new.rms < (1.0 - size) * old.rms and drop.mean() > (floor * scale) ** 2
+        smaller = new.rms < (1.0 - size) * old.rms
+        return sure and smaller and float(drop.mean()) > (floor * scale) ** 2
 
     def margins(self, new: Structure, old: Structure) -> Margins:
         """Return the margins that one structure has to earn over another."""

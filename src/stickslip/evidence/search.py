@@ -15,7 +15,7 @@ from stickslip.evidence.rule import Rule, repeats
 from stickslip.evidence.structure import Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
-from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, ripples, shapes
+from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, ripples, shapes
 
 Progress = Callable[[float, str], None]
 Wrap = Callable[[Shape], Structure]
@@ -34,6 +34,10 @@ MOST_TIES = 6
 """Ties that are reported."""
 TEXTBOOK = ("viscous", "offset", "viscous_dir")
 """The second start beside a level: the textbook law of both directions."""
+PEAKS = (200.0, 3.0)
+"""Largest speed over the Stribeck velocities of the third start."""
+POWERS = (0.4, 0.6, 1.0)
+"""Exponents of its viscous part."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -95,17 +99,19 @@ class Search:
             self.evaluated += 1
         return self.fits[structure]
 
+    def better(self, new: Fit, old: Fit) -> bool:
+        """Return whether the rule prefers a fit to another."""
+        return self.rule.better(new, old, self.scale)
+
     def run(self, start: Structure) -> Searched:
         """Search from a structure and from the textbook law of both directions."""
         root = self.fit(start)
         self.scale = friction_scale(self.balance, root)
         beam = [root]
-        textbook = [
-            Term(kind, (), channel) for channel in self.balance.channels for kind in TEXTBOOK
-        ]
-        full = self.prune(self.fit(start.having(*textbook)))
-        if full.ok and full.structure != start:
-            beam.append(full)
+        for structure in (self._textbook(start), self._peaked(start)):
+            full = self.prune(self.fit(structure))
+            if full.ok and full.structure not in [one.structure for one in beam]:
+                beam.append(full)
         for channel, wanted in self.shapes.items():
             self.balance.make_states(channel, wanted)
         trail: list[str] = []
@@ -119,17 +125,43 @@ class Search:
                 break
         return self._chosen(beam[0], trail)
 
+    def _textbook(self, start: Structure) -> Structure:
+        """Return the textbook law of both directions."""
+        channels = self.balance.channels
+        return start.having(*(Term(kind, (), one) for one in channels for kind in TEXTBOOK))
+
+    def _peaked(self, start: Structure) -> Structure:
+        """Return a Stribeck law of both directions, with the best velocity and viscous exponent.
+
+        A step near rest and a power of the speed oppose each other: neither pays alone.
+        """
+        found = start
+        for channel in self.balance.channels:
+            options = [
+                found.having(
+                    Term("offset", (), channel),
+                    Term("stribeck", (v_s, 1.0), channel),
+                    Term("stribeck_dir", (v_s, 1.0), channel),
+                    Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
+                )
+                for v_s in grid(*(self.balance.speed[channel] / one for one in PEAKS), 6)
+                for p in POWERS
+            ]
+            errors = [training_error(self.balance, one) for one in options]
+            best = int(np.argmin(errors))
+            if math.isfinite(errors[best]):
+                found = options[best]
+        return polished(self.balance, found)
+
     def prune(self, found: Fit) -> Fit:
         """Return a fit without the terms and memories that do not earn their place."""
         while True:
             structure = found.structure
             smaller = [structure.without(term) for term in structure.free]
             smaller = smaller if len(structure.terms) > 1 else []
-            smaller += [structure.shaped(channel, SIGN) for channel, _ in structure.memories]
+            smaller += [structure.forgetting(channel) for channel, _ in structure.memories]
             fits = [self.fit(one) for one in smaller if _has_columns(one)]
-            enough = [
-                one for one in fits if one.ok and not self.rule.better(found, one, self.scale)
-            ]
+            enough = [one for one in fits if one.ok and not self.better(found, one)]
             if not enough:
                 return found
             found = min(enough, key=lambda one: one.rms)
@@ -156,7 +188,7 @@ class Search:
             return False
         if new.structure.family == old.structure.family:
             return new.rms < old.rms
-        if not self.rule.better(new, old, self.scale):
+        if not self.better(new, old):
             return False
         further = [term for term in new.structure.terms if term not in old.structure.terms]
         return not self.rule.halves or all(repeats(self.balance, new, term) for term in further)
@@ -210,9 +242,12 @@ class Search:
         stribeck = any(term.kind.startswith("stribeck") for term in structure.terms)
         found = self._scanned(structure, channel, shaped, lugre=not stribeck)
         if structure.shape(channel) != SIGN:
-            found.append(structure.shaped(channel, SIGN))
+            found.append(structure.forgetting(channel))
             if not structure.has("second"):
-                found += self._scanned(structure, channel, second, lugre=False)
+                found += [
+                    polished(self.balance, one)
+                    for one in self._scanned(structure, channel, second, lugre=False)
+                ]
         return found
 
     def _scanned(
@@ -260,15 +295,14 @@ class Search:
             sound = [
                 one
                 for one in family.values()
-                if not one.structure.faults and not self.rule.better(best, one, self.scale)
+                if not one.structure.faults and not self.better(best, one)
             ]
             best = min(sound, key=lambda one: one.rms, default=best)
         best = self.prune(best)
         ties = [
             one
             for one in sorted(family.values(), key=lambda one: one.rms)
-            if one.structure.family != best.structure.family
-            and not self.rule.better(best, one, self.scale)
+            if one.structure.family != best.structure.family and not self.better(best, one)
         ]
         simpler = [one for one in ties if one.structure.cost < best.structure.cost]
         if self.rule.ties and simpler:

@@ -95,10 +95,11 @@ def checked(series: Series) -> None:
                 f"the column {name}{where} must have as many values as there are times"
                 f" ({len(series.t)}), got shape {np.shape(column)}."
             )
-        if not np.isfinite(column).all():
+        missing = int((~np.isfinite(column)).sum())
+        if missing:
+            values = "1 value that is" if missing == 1 else f"{missing} values that are"
             raise InputError(
-                f"the column {name}{where} has {int((~np.isfinite(column)).sum())} values that are"
-                " not finite: leave out these samples."
+                f"the column {name}{where} has {values} not finite: leave out such samples."
             )
 
 

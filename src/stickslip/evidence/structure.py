@@ -13,8 +13,10 @@ Family = tuple[tuple[tuple[str, str, str], ...], tuple[tuple[str, int], ...]]
 
 GIVEN = ("known", "inertia")
 """Kinds that no search drops or swaps: they are of the mechanism."""
-CARRIED = ("level_slope", "level_ripple", "drift", "temperature", "stribeck", "stribeck_dir")
-"""Kinds that modify a level, and need one."""
+CARRIED = ("level_slope", "level_ripple", "drift", "temperature", "second", "stribeck", "stribeck_dir")
+"""Kinds that modify a level or stand beside it, and need one."""
+PARAMETER = 0.1
+"""What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
 """Names of a shape's values."""
 
@@ -68,11 +70,28 @@ class Structure:
         """Return the terms that accuse the rig or the measurement."""
         return tuple(one for one in self.terms if TERMS[one.kind].fault)
 
+    def forgetting(self, channel: str) -> "Structure":
+        """Return the structure without the memories of a channel.
+
+        A level that differs between directions is an offset then.
+        """
+        kept = []
+        for one in self.terms:
+            if one.channel == channel and one.kind == "level_dir":
+                kept.append(replace(one, kind="offset"))
+            elif one.channel != channel or one.kind != "second":
+                kept.append(one)
+        return Structure((), self.shapes).having(*kept).shaped(channel, SIGN)
+
     @property
-    def cost(self) -> int:
-        """Return how unusual the structure is: the sum of the ranks of what it is made of."""
+    def cost(self) -> float:
+        """Return how unusual the structure is: the ranks of what it is made of.
+
+        A nonlinear parameter counts a little, so that drag is more usual than a power of 2.
+        """
         shapes = sum(2 * (len(shape) - 1) for _, shape in self.memories)
-        return shapes + sum(TERMS[one.kind].rank + 1 for one in self.terms)
+        terms = sum(TERMS[one.kind].rank + 1 + PARAMETER * len(one.par) for one in self.terms)
+        return shapes + terms
 
     @property
     def delay(self) -> float:
@@ -89,7 +108,7 @@ class Structure:
     def complete(self) -> bool:
         """Return whether every term has the one that it modifies."""
         return not any(
-            (one.kind == "second" and self.shape(one.channel) == SIGN)
+            (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
             or (
                 one.kind in CARRIED
                 and not self.has("level", one.channel)

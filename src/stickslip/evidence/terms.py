@@ -205,6 +205,7 @@ TERMS: dict[str, Kind] = {
     "offset": Kind(
         name="offset or direction-dependent level", column=_ones, filtered=True, even=True
     ),
+    "level_dir": Kind(name="level, per direction", column=_ones, contact="even", even=True),
     "viscous": Kind(name="viscous", column=_velocity, rank=0, positive=True),
     "viscous_dir": Kind(name="viscous, per direction", column=_speed, rank=2, even=True),
     "power": Kind(name="viscous power", column=_power, rank=2, positive=True, par=("exponent",)),
@@ -252,7 +253,6 @@ TERMS: dict[str, Kind] = {
         rank=3,
         columns=("sin", "cos"),
         par=("wave number",),
-        fixed=(0,),
     ),
     "ripple": Kind(
         name="ripple",
@@ -260,7 +260,6 @@ TERMS: dict[str, Kind] = {
         rank=3,
         columns=("sin", "cos"),
         par=("wave number",),
-        fixed=(0,),
     ),
     "level_slope": Kind(name="level along the way", column=_position, contact="odd", rank=3),
     "spring": Kind(name="spring", column=_position, rank=2, fault=True),
@@ -275,7 +274,6 @@ TERMS: dict[str, Kind] = {
         fault=True,
         limits=(0.85, 1.15),
         par=("limit",),
-        fixed=(0,),
     ),
     "backlash": Kind(
         name="backlash",
@@ -293,7 +291,6 @@ TERMS: dict[str, Kind] = {
         positive=True,
         fault=True,
         par=("gap", "frequency"),
-        fixed=(0, 1),
     ),
     "flexible": Kind(
         name="flexible coupling",

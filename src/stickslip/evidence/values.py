@@ -127,6 +127,8 @@ def sane(balance: Balance, structure: Structure) -> bool:
             return False
         if term.kind == "delay" and abs(term.par[0]) > LATEST:
             return False
+        if term.kind == "saturation" and term.par[0] < balance.usual_force[term.channel]:
+            return False
     return True
 
 

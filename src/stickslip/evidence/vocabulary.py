@@ -30,7 +30,7 @@ SHAPE_EXPONENTS = (0.0, 0.5, 1.0, 2.0)
 """Exponents of Dahl; 0 is the elasto-plastic stop."""
 LUGRE_STEPS = (0.25, 0.7, 1.6)
 """Stribeck steps of LuGre over its level."""
-PERIODS = 3.0, 60.0
+PERIODS = 2.0, 60.0
 """Least and most periods of a ripple in the range of the position."""
 CELLS = 2048
 """Cells of the range of the position over which residuals are summed for their harmonics."""
@@ -70,6 +70,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
         yield Term(kind, (), channel)
     if balance.dynamic:
         yield Term("level_slope", (), channel)
+        yield Term("level_dir", (), channel)
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)
@@ -106,7 +107,7 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     for gap in grid(least, most, 12):
         for frequency in LOAD_FREQUENCIES:
             yield Term("loose", (gap, frequency), channel)
-    for frequency in grid(3.0, min(80.0, 2.0 * balance.fc), 9):
+    for frequency in grid(3.0, min(80.0, 2.0 * balance.fc), 30):
         yield Term("flexible", (frequency,), channel)
 
 

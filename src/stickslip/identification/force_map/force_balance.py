@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
+from stickslip.evidence import play
 from stickslip.experiments import (
     Measurement,
     between_gaps,
@@ -308,7 +309,7 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     reach = FINEST * float(np.ptp(raw))
     if tracked:
         reach = reach_of(raw, positive_noise(raw))
-        steps = np.diff(followed_beyond(raw, reach), prepend=raw[0])
+        steps = np.diff(play(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
         edges = np.concatenate([[-len(raw)], moved, [2 * len(raw)]])
@@ -346,15 +347,6 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     for first, end in runs[runs[:, 1] - runs[:, 0] > least].tolist():
         found[first:end] = True
     return found
-
-
-def followed_beyond(x: Array, reach: float) -> Array:
-    """Return positions (n,) that follow others only where these leave their reach, as play does."""
-    found, at = [], float(x[0])
-    for one in x.tolist():
-        at = min(max(at, one - reach), one + reach)
-        found.append(at)
-    return np.array(found)
 
 
 def compared(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
+from stickslip.evidence import play
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
@@ -35,7 +36,6 @@ from stickslip.identification.force_map.force_balance import (
     FilteredMotion,
     compared,
     filtered_motion,
-    followed_beyond,
     mean_force,
     mean_frequency,
     positive_noise,
@@ -322,7 +322,7 @@ def _cut_off(raw: Sequence[Array], wider: float) -> tuple[float, list[bool]]:
     sensor may miss, or in all by many times that.
     """
     reaches = [reach_of(x, positive_noise(x)) for x in raw]
-    followed = [followed_beyond(x, reach) for x, reach in zip(raw, reaches, strict=True)]
+    followed = [play(x, reach) for x, reach in zip(raw, reaches, strict=True)]
     ranges = [float(np.ptp(x)) / (2.0 * reach) for x, reach in zip(followed, reaches, strict=True)]
     moving = [one > 1.0 and np.unique(x).size > LEVELS for x, one in zip(raw, ranges, strict=True)]
 

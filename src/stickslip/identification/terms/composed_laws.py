@@ -242,10 +242,10 @@ class _Coefficients:
         values |= _factors(terms, of, level)
         return cls(values=values)
 
-    def field(self, leaf: Leaf, name: str) -> float | Sides | None:
+    def field(self, text: str, leaf: Leaf, name: str) -> float | Sides | None:
         """Return the value of a part's parameter, if the structure says it."""
         part = leaf.part.name
-        for key in ((str(leaf), name), (part, name), ("*", name)):
+        for key in ((text, name), (part, name), ("*", name)):
             if key in self.values:
                 return self.values[key]
         return None
@@ -262,16 +262,19 @@ def _fading(terms: Mapping[str, Term], shape: Shape) -> Sides:
 
 
 def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str, str], float]:
-    """Return the parameters of factors behind the level, relative to it."""
+    """Return the parameters of factors, relative to what they multiply."""
     found: dict[tuple[str, str], float] = {}
     if "temperature" in terms:
-        found[f"linear[{terms['temperature'].what}]", "slope"] = of("temperature") / level
+        found[f"level * linear[{terms['temperature'].what}]", "slope"] = of("temperature") / level
+    if "viscous_cov" in terms:
+        slope = of("viscous_cov") / max(of("viscous"), LEAST)
+        found[f"viscous * linear[{terms['viscous_cov'].what}]", "slope"] = slope
     if "level_slope" in terms:
-        found["linear[position]", "slope"] = of("level_slope") / level
+        found["level * linear[position]", "slope"] = of("level_slope") / level
     if "level_ripple" in terms:
-        found["ripple[position]", "sine"] = of("level_ripple", 0) / level
-        found["ripple[position]", "cosine"] = of("level_ripple", 1) / level
-        found["ripple[position]", "harmonic"] = terms["level_ripple"].par[0]
+        found["level * ripple[position]", "sine"] = of("level_ripple", 0) / level
+        found["level * ripple[position]", "cosine"] = of("level_ripple", 1) / level
+        found["level * ripple[position]", "harmonic"] = terms["level_ripple"].par[0]
     return found
 
 
@@ -279,9 +282,9 @@ def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLa
     """Return a law with the values that its structure has."""
     made: Composition = kind.made_of
     values: dict[str, float] = {}
-    for leaf in _leaves(made):
+    for text, leaf in _leaves(made):
         for parameter in leaf.part.parameters:
-            value = coefficients.field(leaf, parameter.name)
+            value = coefficients.field(text, leaf, parameter.name)
             if value is None:
                 continue
             field = leaf.names.get(parameter.name, parameter.name)
@@ -293,7 +296,9 @@ def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLa
     return kind(**{name: value for name, value in values.items() if name in made.fields})
 
 
-def _leaves(made: Composition) -> Iterator[Leaf]:
-    if made.memory is not None:
-        yield made.memory
-    yield from (*made.inside, *made.outside, *made.factors.values())
+def _leaves(made: Composition) -> Iterator[tuple[str, Leaf]]:
+    """Yield parts in their places, with their text: of factors with what they multiply."""
+    plain = [] if made.memory is None else [made.memory]
+    for leaf in (*plain, *made.inside, *made.outside):
+        yield str(leaf), leaf
+    yield from made.factors.items()

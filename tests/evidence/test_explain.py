@@ -1,0 +1,202 @@
+"""Structures, ties and faults of made-up axes, and the rule by which they are found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks.axis_records import ALL, record
+from benchmarks.structures import friction_error, kinds_of
+
+from stickslip.evidence import Fit, Rule, Series, Structure, Term, explain, predict
+from stickslip.evidence.structure import SIGN
+
+SECONDS = 12.0
+RANDOM = np.random.default_rng(7)
+
+
+def truth_of(name):
+    return next(one for one in ALL if one.name == name)
+
+
+@pytest.fixture(scope="module")
+def directions():
+    """A record of an axis whose level differs by 0.25 N m between directions."""
+    return record(truth_of("dd1"), 5, seconds=SECONDS).series
+
+
+@pytest.fixture(scope="module")
+def explained(directions):
+    return explain([directions])
+
+
+@pytest.mark.parametrize("name", ["cv1", "c2", "pv2", "da1", "ri2", "lo1", "coarse"])
+def test_the_structure_of_an_axis_is_found_and_nothing_is_accused(name):
+    truth = truth_of(name)
+    found = explain([record(truth, 5, seconds=SECONDS).series])
+    assert kinds_of(found.best.structure) == set(truth.kinds.split())
+    assert not found.faults
+    assert found.left < 0.06
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value"),
+    [
+        ("f_spr2", "spring", 0.5),
+        ("f_dri1", "drift", 0.3),
+        ("f_sat2", "saturation", 1.8),
+        ("f_delay2", "delay", 0.012),
+    ],
+)
+def test_a_fault_is_named_with_its_size(name, kind, value):
+    truth = truth_of(name)
+    found = explain([record(truth, 5, seconds=SECONDS).series])
+    (fault,) = found.faults
+    assert fault.kinds[0] == kind
+    assert fault.value == pytest.approx(value, rel=0.15)
+    assert fault.size == pytest.approx(fault.share * found.scale)
+    assert 0.01 < fault.share < 2.0
+
+
+def test_a_delay_is_found_between_the_steps_of_its_grid():
+    truth = truth_of("f_delay2")
+    plant = replace(truth.plant, delay=0.0095)
+    found = explain([record(replace(truth, plant=plant), 5, seconds=SECONDS).series])
+    (fault,) = found.faults
+    assert "delay" in fault.kinds
+    assert fault.value == pytest.approx(0.0095, abs=0.001)  # a sample
+    assert fault.interval[0] < fault.value < fault.interval[1]
+
+
+def test_neighbours_among_faults_are_named_as_a_group():
+    found = explain([record(truth_of("f_gap2"), 11).series])
+    (fault,) = found.faults
+    assert {"delay", "loose"} <= set(fault.kinds)
+
+
+def test_a_mirrored_record_has_the_same_structure_and_the_opposite_offset(directions, explained):
+    mirrored = replace(directions, q=-directions.q, force=-directions.force)
+    found = explain([mirrored])
+    assert found.best.structure.family == explained.best.structure.family
+    (there,), (here,) = found.best.of("offset"), explained.best.of("offset")
+    assert there == pytest.approx(-here, rel=1e-6)
+    (there,), (here,) = found.best.of("level"), explained.best.of("level")
+    assert there == pytest.approx(here, rel=1e-6)
+
+
+@pytest.mark.parametrize(("force", "position"), [(10.0, 1.0), (1.0, 1000.0), (1e-3, 1e-6)])
+def test_units_change_values_and_not_the_structure(directions, explained, force, position):
+    scaled = replace(directions, q=position * directions.q, force=force * directions.force)
+    found = explain([scaled])
+    assert found.best.structure.family == explained.best.structure.family
+    assert found.left == pytest.approx(explained.left, rel=1e-4)
+    for kind, factor in (("level", force), ("viscous", force / position)):
+        (there,), (here,) = found.best.of(kind), explained.best.of(kind)
+        assert there == pytest.approx(factor * here, rel=1e-4)
+
+
+def test_a_later_clock_changes_nothing(directions, explained):
+    found = explain([replace(directions, t=directions.t + 1e4)])
+    assert found.best.structure == explained.best.structure
+
+
+def test_a_record_cut_in_two_has_the_structure_of_the_whole(directions, explained):
+    half = len(directions.t) // 2
+    pieces = [
+        replace(
+            directions, t=directions.t[rows], q=directions.q[rows], force=directions.force[rows]
+        )
+        for rows in (slice(0, half), slice(half, None))
+    ]
+    found = explain(pieces)
+    assert found.best.structure.family == explained.best.structure.family
+    assert found.best.of("level")[0] == pytest.approx(explained.best.of("level")[0], rel=0.01)
+
+
+def test_a_term_that_changes_its_sign_between_halves_is_not_accepted():
+    t = 2e-3 * np.arange(8000)
+    offset = np.where(t < t[-1] / 2.0, 0.3, -0.3)
+    force = np.sign(np.cos(3.0 * t)) + offset + 0.02 * RANDOM.normal(size=len(t))
+    series = Series(t, np.sin(3.0 * t), force, inertia=False)
+    found = explain([series], vocabulary=[Term("offset")])
+    assert str(found.best.structure) == "level"
+
+
+def made_up(folds, *kinds):
+    structure = Structure(tuple(Term(kind) for kind in kinds))
+    folds = np.asarray(folds, float)
+    return Fit(
+        structure=structure, coef=np.ones(len(kinds)), owner=structure.terms, sse=folds,
+        counts=np.ones(len(folds)), residual=np.zeros(1), ok=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "drop", "stays"),
+    [
+        ("viscous", 0.06, True),
+        ("viscous", 0.03, False),
+        ("spring", 0.15, False),
+        ("spring", 0.3, True),
+    ],
+)
+def test_a_term_that_accuses_the_rig_has_to_earn_more(kind, drop, stays):
+    """Drops of the mean square of 4 % and of 19 % are those of the rms of 2 % and of 10 %."""
+    old = made_up(np.full(10, 1.0), "level")
+    new = made_up(np.full(10, 1.0 - drop), "level", kind)
+    assert Rule().better(new, old, 1.0) is stays
+
+
+def test_a_drop_in_one_block_only_is_chance():
+    old = made_up(np.full(10, 1.0), "level")
+    new = made_up([0.5, *np.full(9, 1.03)], "level", "viscous")
+    assert not Rule().better(new, old, 1.0)
+
+
+def test_a_drop_that_is_small_beside_the_friction_does_not_count():
+    old = made_up(np.full(10, 1.0), "level")
+    new = made_up(np.full(10, 0.9), "level", "viscous")
+    assert Rule().better(new, old, 10.0)
+    assert not Rule().better(new, old, 100.0)
+
+
+def test_blocks_without_an_error_do_not_upset_the_rule():
+    old = made_up([0.0, *np.full(9, 1.0)], "level")
+    new = made_up([0.0, *np.full(9, 0.5)], "level", "viscous")
+    assert Rule().better(new, old, 1.0)
+    assert not Rule().better(old, new, 1.0)
+
+
+def test_progress_grows_to_one_and_names_a_structure(directions):
+    told = []
+    explain([directions], progress=lambda share, text: told.append((share, text)))
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert len(shares) >= 3
+    assert all("level" in text for _, text in told)
+
+
+def test_a_fit_predicts_another_record_of_the_axis(explained):
+    second = record(truth_of("dd1"), 6, seconds=SECONDS)
+    there, force, error = predict(explained.best, [second.series], explained.balance)
+    assert there.fc == explained.balance.fc
+    slipping = there.use & ~there.at_rest
+    np.testing.assert_allclose((there.force - force)[slipping], error[slipping])
+    assert friction_error(explained.best, explained.balance, second) < 0.02
+
+
+def test_families_are_the_best_of_their_kind_and_hold_the_one_that_is_named(explained):
+    family = explained.family[explained.best.structure.family]
+    assert family.rms <= 1.02 * explained.best.rms
+    assert all(one.structure.family == key for key, one in explained.family.items())
+    assert all(one.ok for one in explained.family.values())
+
+
+def test_without_its_memory_a_level_per_direction_is_an_offset():
+    structure = Structure((Term("level"), Term("level_dir"))).shaped("", (1e-3, 1.0))
+    assert structure.complete
+    assert not structure.shaped("", SIGN).complete
+    forgetting = structure.forgetting("")
+    assert forgetting.complete
+    assert forgetting.has("offset")
+    assert forgetting.cost < structure.cost
