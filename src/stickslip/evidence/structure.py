@@ -13,7 +13,15 @@ Family = tuple[tuple[tuple[str, str, str], ...], tuple[tuple[str, int], ...]]
 
 GIVEN = ("known", "inertia")
 """Kinds that no search drops or swaps: they are of the mechanism."""
-CARRIED = ("level_slope", "level_ripple", "drift", "temperature", "second", "stribeck", "stribeck_dir")
+CARRIED = (
+    "level_slope",
+    "level_ripple",
+    "drift",
+    "temperature",
+    "second",
+    "stribeck",
+    "stribeck_dir",
+)
 """Kinds that modify a level or stand beside it, and need one."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""

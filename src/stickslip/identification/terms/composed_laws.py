@@ -42,7 +42,7 @@ class ComposedLaw:
 
     @property
     def start(self) -> Mapping[str, float]:
-        """Values of what is looked for, by path; a law by direction has no constant force beside."""
+        """Values of what is looked for, by path."""
         law = self.specification.law
         free = {f"friction.{name}": getattr(law, name) for name in self.specification.free or ()}
         return {path: float(value) for path, value in free.items() if value is not None}
@@ -173,7 +173,7 @@ def _rung(structure: Structure, channel: str) -> Rung | None:
     both = set(DIRECTIONAL) & set(terms)
     if memory not in ("", "dahl", "lugre") or flow not in ("viscous", "power", "drag"):
         return None
-    if not levels or (both and not all(_sides(both)) and flow != "power"):
+    if not levels or (both and not all(_sides(both))):
         return None
     rung = Rung(
         both_ways=bool(both),

@@ -8,7 +8,8 @@ from typing import Final, final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.evidence import Explanation, Fault, Fit, Rule, Term, explain
+from stickslip.evidence import Balance, Explanation, Fault, Fit, Rule, Term, explain
+from stickslip.evidence.motion import resolution
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw, Laws
@@ -18,6 +19,10 @@ from stickslip.identification.terms.composed_laws import composed_law
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
 from stickslip.mechanisms import Mechanism
 
+HOLDS: Final = 0.10
+"""Share of the friction that may be left unexplained ..."""
+WHITE: Final = 1.5
+"""... or so many times the noise of the force sensor in the band."""
 LATE: Final = ("delay", "backlash", "loose", "flexible")
 """Kinds of faults that all shift force against motion near reversals."""
 CALLED: Final[Mapping[str, str]] = {
@@ -106,7 +111,13 @@ def _law_asked_for(
 
 
 def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelError, ...]:
-    """Return the faults of an explanation, the largest first, and forces that no law has."""
+    """Return the faults of an explanation, the largest first, and forces that no law has.
+
+    Where much is left unexplained no cause is named: that of the nearest structure would be a
+    guess.
+    """
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
+        return (_unexplained(found, measurement),)
     errors = [_error(one, measurement) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
@@ -114,6 +125,29 @@ def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelErr
         if term.kind == "ripple"
     ]
     return tuple(sorted(errors, key=lambda one: -one.share))
+
+
+def _noise(balance: Balance) -> float:
+    """Return the noise of the force sensor in the band [N]."""
+    found = [
+        resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
+    ]
+    return max(found)
+
+
+def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
+    force = quantity(found.best.rms, measurement.unit("force"))
+    return ModelError(
+        kind="unexplained",
+        finding=(
+            f"No law, and no fault that is looked for, explains {force} of the force,"
+            f" {percent(found.left)} of the friction."
+        ),
+        consequence="The 95 % intervals do not account for it.",
+        effect=found.best.rms,
+        interval=(math.nan, math.nan),
+        share=1.0,
+    )
 
 
 def _error(fault: Fault, measurement: Measurement) -> ModelError:
