@@ -137,6 +137,7 @@ class Search:
         """
         found = start
         for channel in self.balance.channels:
+            top = self.balance.speed[channel]
             options = [
                 found.having(
                     Term("offset", (), channel),
@@ -144,7 +145,7 @@ class Search:
                     Term("stribeck_dir", (v_s, 1.0), channel),
                     Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
                 )
-                for v_s in grid(*(self.balance.speed[channel] / one for one in PEAKS), 6)
+                for v_s in grid(top / PEAKS[0], top / PEAKS[1], 6)
                 for p in POWERS
             ]
             errors = [training_error(self.balance, one) for one in options]

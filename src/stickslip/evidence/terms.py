@@ -154,6 +154,10 @@ def _ripple(part: Part, term: Term) -> Array:
     return np.column_stack([np.sin(phase), np.cos(phase)])
 
 
+def _imbalance(part: Part, term: Term) -> Array:
+    return _ripple(part, term) * part.v[:, None] ** 2
+
+
 def _clock(part: Part, term: Term) -> Array:
     return part.clock
 
@@ -258,6 +262,13 @@ TERMS: dict[str, Kind] = {
         name="ripple",
         column=_ripple,
         rank=3,
+        columns=("sin", "cos"),
+        par=("wave number",),
+    ),
+    "imbalance": Kind(
+        name="imbalance",
+        column=_imbalance,
+        rank=4,
         columns=("sin", "cos"),
         par=("wave number",),
     ),

@@ -30,8 +30,10 @@ SHAPE_EXPONENTS = (0.0, 0.5, 1.0, 2.0)
 """Exponents of Dahl; 0 is the elasto-plastic stop."""
 LUGRE_STEPS = (0.25, 0.7, 1.6)
 """Stribeck steps of LuGre over its level."""
-PERIODS = 2.0, 60.0
-"""Least and most periods of a ripple in the range of the position."""
+LEAST_PERIODS = {"ripple": 2.0, "level_ripple": 1.0, "imbalance": 2.0}
+"""Least periods in the range of the position: a force of longer waves is like a spring ..."""
+MOST_PERIODS = 60.0
+"""... and most."""
 CELLS = 2048
 """Cells of the range of the position over which residuals are summed for their harmonics."""
 FINE = 0.4
@@ -131,7 +133,7 @@ def shapes(balance: Balance, channel: str) -> list[Shape]:
 def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
     """Return ripples at the wave numbers where the residual of a fit has its largest harmonics.
 
-    Of each channel, in the force and in the level.
+    Of each channel, in the force, in the level, and in a force that grows with the speed squared.
     """
     if not balance.dynamic:
         return []
@@ -146,12 +148,15 @@ def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
             continue
         shape = found.structure.shape(channel)
         state = np.concatenate([one.state(shape)[:: one.every] for one in own])[picked]
+        squared = np.concatenate([one.v[:: one.every] for one in own])[picked] ** 2
         left = found.residual[rows]
         cell = np.minimum((q - q.min()) / span * CELLS, CELLS - 1).astype(int)
         size = round(2.0 * math.pi * CELLS / FINE)
-        least, most = (round(2.0 * math.pi * periods / FINE) for periods in PERIODS)
-        for kind, seen in (("ripple", left), ("level_ripple", left * state)):
-            along = np.bincount(cell, seen, minlength=CELLS)
+        most = round(2.0 * math.pi * MOST_PERIODS / FINE)
+        seen = {"ripple": left, "level_ripple": left * state, "imbalance": left * squared}
+        for kind, periods in LEAST_PERIODS.items():
+            least = round(2.0 * math.pi * periods / FINE)
+            along = np.bincount(cell, seen[kind], minlength=CELLS)
             power = np.abs(np.fft.rfft(along, size))[least:most]
             peaks = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] > power[2:])) + 1
             largest = peaks[np.argsort(-power[peaks])[:top]]

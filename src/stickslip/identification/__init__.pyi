@@ -65,8 +65,6 @@ from stickslip.identification.records.joint_fitting import JointFitter as JointF
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
 from stickslip.identification.records.joint_views import joint_record as joint_record
 from stickslip.identification.records.joint_views import joint_view as joint_view
-from stickslip.identification.records.late_sensors import LateSensor as LateSensor
-from stickslip.identification.records.late_sensors import late_sensors as late_sensors
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior

@@ -8,19 +8,19 @@ from typing import final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.evidence import TERMS, Explanation, Fit, Rule, Structure, explain
+from stickslip.evidence import TERMS, Fit, Structure, explain
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
 from stickslip.identification import FittedLaw, ModelError, RecordSettings
 from stickslip.identification.estimation.containment import CONSTANTS
 from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.terms.composed_laws import ComposedLaw, composed_law
+from stickslip.identification.terms.composed_laws import Asked, ComposedLaw
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
-from stickslip.identification.terms.findings import model_errors
+from stickslip.identification.terms.findings import law_asked_for, model_errors
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import REFERENCE, Watch
 
-SPECIAL = ("level_slope", "level_ripple", "ripple", "second")
+SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
@@ -33,24 +33,29 @@ FEWEST = 3
 class Explained:
     """What the force balance of a record asks for."""
 
-    explanation: Explanation
-    """The search over structures."""
+    asked: Asked
+    """Laws of the structures that were compared."""
     specs: tuple[CandidateSpec, ...]
     """Candidates: the law of the best structure first, then those that are not told apart from it,
     and the usual choice."""
-    fits: Mapping[str, Fit]
-    """The closest structure of each law that was met, by the name of its candidate."""
     starts: Mapping[str, FittedLaw]
     """Where searches of candidates begin, by name."""
     errors: tuple[ModelError, ...]
     """What is wrong with the rig or the record."""
+    measurement: Measurement
+    """What was explained."""
 
     def rejects(self, name: str) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
-        own, best = self.fits.get(name), self.explanation.best
-        if own is None or own is best or name == self.specs[0].name:
-            return False
-        return Rule().better(best, own, self.explanation.scale)
+        return self.asked.rejects(name)
+
+    def errors_of(self, name: str) -> tuple[ModelError, ...]:
+        """Return what is wrong with a law, the rig or the record."""
+        if not self.rejects(name):
+            return self.errors
+        own, found = self.asked.fits[name], self.asked.explanation
+        asked = law_asked_for(self.asked.best.text, own, found, self.measurement)
+        return (*self.errors, asked)
 
 
 def explained(
@@ -70,23 +75,15 @@ def explained(
     except InputError:
         return None
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    mass = mass_of(mechanism)
-    fits: dict[str, Fit] = {}
-    specs: dict[str, CandidateSpec] = {}
-    starts: dict[str, FittedLaw] = {}
-    for one in [found.best, *found.ties, *sorted(found.family.values(), key=lambda f: f.rms)]:
-        law = composed_law(one, load, mass) if one.ok else None
-        if law is not None and fits.setdefault(law.specification.name, one) is one:
-            specs[law.specification.name] = law.specification
-            starts[law.specification.name] = _start(law, unknown)
-    if not specs:
+    asked = Asked.of(found, load, mass_of(mechanism))
+    if not asked.laws:
         return None
     return Explained(
-        explanation=found,
-        specs=_compared(found, fits, specs),
-        starts=starts,
-        fits=fits,
+        asked=asked,
+        specs=_compared(asked),
+        starts={name: _start(law, unknown) for name, law in asked.laws.items()},
         errors=model_errors(found, measurement),
+        measurement=measurement,
     )
 
 
@@ -100,27 +97,25 @@ def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
     return FittedLaw(law=law.specification.law, values=values, cost=math.inf, rows=0)
 
 
-def _compared(
-    found: Explanation, fits: Mapping[str, Fit], specs: Mapping[str, CandidateSpec]
-) -> tuple[CandidateSpec, ...]:
+def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     """Return the laws to fit: that of the best structure, its rivals and the usual choice.
 
     A structure with a part more than the best is no rival, as with a part that nothing asks for any
-    law predicts alike; one such, without memory, stands beside a law that has no rival.
+    law predicts alike; such ones, without memory, stand beside laws that have too few rivals.
     """
-    best, rule = found.best, Rule()
+    best, fits = asked.explanation.best, asked.fits
     alike = [
         name
         for name, one in fits.items()
-        if one is not best and not _accuses(one, best) and not rule.better(best, one, found.scale)
+        if one is not best and not _accuses(one, best) and not asked.rejects(name)
     ]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
-    chosen = [name for name in alike if name not in richer][:MOST]
-    names = [next(iter(fits)), *chosen, *([] if REFERENCE in specs else [REFERENCE])]
-    names += [REFERENCE] if REFERENCE not in names else []
+    rivals = [name for name in alike if name not in richer][:MOST]
+    names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     plain = [name for name in richer if not fits[name].structure.memories]
-    names += plain[: max(FEWEST - len(set(names)), 0)]
-    return tuple(specs.get(name) or specification(name) for name in dict.fromkeys(names))
+    names |= dict.fromkeys(plain[: max(FEWEST - len(names), 0)])
+    known = {name: law.specification for name, law in asked.laws.items()}
+    return tuple(known.get(name) or specification(name) for name in names)
 
 
 def _accuses(one: Fit, best: Fit) -> bool:

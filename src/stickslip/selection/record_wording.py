@@ -23,7 +23,6 @@ from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import settled_estimates
-from stickslip.selection.late_forces import PRESLIDING
 from stickslip.selection.limits import limit_of
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
@@ -151,7 +150,7 @@ def record_wording(
     curve = _closer_curve(best, scale)
     alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
     alike += [c.title for c in equal]
-    least = all(best.score <= other.score for other in equal)
+    least = all(best.score <= c.score for c in candidates if c.validation and not c.dropped)
     verdict = _verdict(best, alike, candidates, fault, on_second, trials, scale, least=least)
     lede = _lede(candidates, best, alike, without, scored, on_second, scale, said=verdict)
     return Wording(
@@ -195,8 +194,6 @@ def _verdict(
         return f"{found}, but {lower_first(outcome)}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
-        if best.fit.model_errors[0].kind == PRESLIDING:
-            return f"{found}, but {lower_first(finding)}"
         return f"{found}, but the model does not hold: {lower_first(finding)}"
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:

@@ -599,13 +599,15 @@ def _agreed(
     """Return the law that both predictions and the force balance allow.
 
     The balance sees every row, a prediction what the errors of all rows add up to: a law that the
-    balance rejects is named only if those that it allows predict worse.
+    balance rejects is named only if those that it allows predict worse, and nothing is wrong beside
+    the law.
     """
     allowed = [c for c in among if not asked.rejects(c.name)]
     if not allowed:
         return closest
     best = choose(allowed, uncertainty=uncertainty)
-    return closest if errs_more(best, closest, uncertainty=uncertainty) else best
+    foretold = not asked.errors and errs_more(best, closest, uncertainty=uncertainty)
+    return closest if foretold else best
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:

@@ -250,7 +250,7 @@ def _searched(
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, wanted.settings, watch, rival)
     if kind.states and not found.hopeless:
-        found = _to_the_end(ready, found, watch)
+        found = _to_the_end(ready, found, watch, rounds=min(CONTINUED, wanted.settings.starts))
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -360,12 +360,14 @@ def _fitted_law(
     )
 
 
-def _to_the_end(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> OptimizeResult:
+def _to_the_end(
+    ready: FitSetup, found: OptimizeResult, watch: Watch | None, *, rounds: int
+) -> OptimizeResult:
     """Return a search that goes on from its best end as long as that is worth it.
 
     Parameters of memories make long and bent valleys, in which a descent comes slowly.
     """
-    for _ in range(CONTINUED):
+    for _ in range(rounds):
         again = _best_of(ready, found, [found.best.values], watch)
         gained = again.best.cost < (1.0 - LEFT) * found.best.cost
         found = replace(again, costs=found.costs, values=found.values)

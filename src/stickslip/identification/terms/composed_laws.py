@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.evidence import SIGN, Fit, Structure, Term
+from stickslip.evidence import SIGN, Explanation, Fit, Rule, Structure, Term
 from stickslip.evidence.bristles import Shape
 from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law
 from stickslip.friction.composition import Composition, Leaf
@@ -41,11 +41,51 @@ class ComposedLaw:
     """Inertia of the structure; None where none was looked for."""
 
     @property
+    def name(self) -> str:
+        """Key of the candidate."""
+        return self.specification.name
+
+    @property
     def start(self) -> Mapping[str, float]:
         """Values of what is looked for, by path."""
         law = self.specification.law
         free = {f"friction.{name}": getattr(law, name) for name in self.specification.free or ()}
         return {path: float(value) for path, value in free.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """The laws of all structures that an explanation met."""
+
+    explanation: Explanation
+    laws: Mapping[str, ComposedLaw]
+    """By name, that of the best structure first, then those that are not told apart from it."""
+    fits: Mapping[str, Fit]
+    """The closest structure of each law, by the same names."""
+
+    @classmethod
+    def of(cls, found: Explanation, load: float, inertia: float | None = None) -> "Asked":
+        """Return the laws of an explanation under a load [N] and with a mass."""
+        laws: dict[str, ComposedLaw] = {}
+        fits: dict[str, Fit] = {}
+        for one in [found.best, *found.ties, *sorted(found.family.values(), key=lambda f: f.rms)]:
+            law = composed_law(one, load, inertia) if one.ok else None
+            if law is not None and law.name not in laws:
+                laws[law.name], fits[law.name] = law, one
+        return cls(explanation=found, laws=laws, fits=fits)
+
+    @property
+    def best(self) -> ComposedLaw:
+        """The law of the best structure."""
+        return next(iter(self.laws.values()))
+
+    def rejects(self, name: str) -> bool:
+        """Whether the force balance tells a law from that of the best structure."""
+        own, best = self.fits.get(name), self.explanation.best
+        if own is None or name == self.best.name:
+            return False
+        return Rule().better(best, own, self.explanation.scale)
 
 
 def composed_law(

@@ -8,14 +8,14 @@ from typing import Final, final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.evidence import Balance, Explanation, Fault, Fit, Rule, Term, explain
+from stickslip.evidence import Balance, Explanation, Fault, Fit, Term, explain
 from stickslip.evidence.motion import resolution
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.settings import Hold
-from stickslip.identification.terms.composed_laws import composed_law
+from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
 from stickslip.mechanisms import Mechanism
 
@@ -75,32 +75,24 @@ def errors_of(
         found = explain(dense_series(mechanism, measurement, hold, unknown))
     except InputError:
         return ()
-    asked = _law_asked_for(mechanism, law, measurement, found)
-    return (*model_errors(found, measurement), *([asked] if asked else []))
-
-
-def _law_asked_for(
-    mechanism: Mechanism, law: FrictionLaw, measurement: Measurement, found: Explanation
-) -> ModelError | None:
-    """Return that the force balance asks for another law, if it rejects this one."""
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    wanted = composed_law(found.best, load)
-    own: Fit | None = None
-    for one in sorted((f for f in found.family.values() if f.ok), key=lambda f: f.rms):
-        known = composed_law(one, load)
-        if known is not None and known.specification.law.name == law.name:
-            own = one
-            break
-    if wanted is None or own is None or not Rule().better(found.best, own, found.scale):
-        return None
-    if wanted.specification.law.name == law.name:
-        return None
-    unit = measurement.unit("force")
-    scale = scale_of([own.rms, found.best.rms], unit)
+    asked = Asked.of(found, load)
+    errors = model_errors(found, measurement)
+    own = asked.fits.get(law.name)
+    if own is None or not asked.rejects(law.name):
+        return errors
+    return (*errors, law_asked_for(asked.best.text, own, found, measurement))
+
+
+def law_asked_for(
+    wanted: str, own: Fit, found: Explanation, measurement: Measurement
+) -> ModelError:
+    """Return that the force balance asks for another law, given as a composition."""
+    scale = scale_of([own.rms, found.best.rms], measurement.unit("force"))
     return ModelError(
         kind="law",
         finding=(
-            f"The force balance asks for another law, {wanted.text}: held-out error"
+            f"The force balance asks for another law, {wanted}: held-out error"
             f" {scale.error(found.best.rms)} instead of {scale.error(own.rms)}."
         ),
         consequence="Values of this law hold for motions like the recorded one only.",
@@ -122,7 +114,7 @@ def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelErr
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
-        if term.kind == "ripple"
+        if term.kind in {"ripple", "imbalance"}
     ]
     return tuple(sorted(errors, key=lambda one: -one.share))
 
@@ -199,19 +191,28 @@ def _undecided(fault: Fault, sized: _Sized, others: list[str]) -> str:
 
 
 def _ripple(found: Explanation, term: Term, measurement: Measurement) -> ModelError:
+    """Return a force along the way that no law of friction has."""
     pairs = zip(found.best.coef, found.best.owner, strict=True)
-    own = [float(x) for x, one in pairs if one == term]
-    amplitude = math.hypot(*own)
+    amplitude = math.hypot(*(float(x) for x, one in pairs if one == term))
     length = quantity(2.0 * math.pi / term.par[0], measurement.unit("position"))
-    force = quantity(amplitude, measurement.unit("force"))
+    if term.kind == "imbalance":
+        amplitude *= found.balance.speed[term.channel] ** 2
+        finding = (
+            "A force depends on position and grows with the square of speed, to"
+            f" {quantity(amplitude, measurement.unit('force'))} at the largest speed, with"
+            f" wavelength {length}: imbalance."
+        )
+    else:
+        finding = (
+            "A force in addition to friction depends on position, with amplitude"
+            f" {quantity(amplitude, measurement.unit('force'))} and wavelength {length}: cogging,"
+            " a cable or gravity."
+        )
     share = amplitude / math.sqrt(2.0) / found.scale
     return ModelError(
-        kind="position force",
-        finding=(
-            f"A force in addition to friction depends on position, with amplitude {force} and"
-            f" wavelength {length}: cogging, a cable or gravity."
-        ),
-        consequence=f"It is {percent(share)} of the friction, and no law of friction has it.",
+        kind="position force" if term.kind == "ripple" else term.kind,
+        finding=finding,
+        consequence="No law of friction has it; the 95 % intervals do not account for it.",
         effect=amplitude,
         interval=(math.nan, math.nan),
         share=share**2,
