@@ -86,7 +86,6 @@ INSIDE = {
     "compile_for": "travels.fit",
     "covariance_of": "travels.propagation",
     "covers": "validation",
-    "cure_of": "residuals.wording",
     "cycle_features": "features.problem",
     "difference": "estimation.halves",
     "doubling_slope": "travels.start_values",

@@ -81,7 +81,6 @@ from stickslip.identification.records.route_choice import to_compare as to_compa
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
-from stickslip.identification.residuals.wording import cure_of as cure_of
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
 from stickslip.identification.results import READINGS as READINGS

@@ -82,7 +82,7 @@ def explained(
         asked=asked,
         specs=_compared(asked),
         starts={name: _start(law, unknown) for name, law in asked.laws.items()},
-        errors=model_errors(found, measurement),
+        errors=model_errors(found, measurement, settings.holding),
         measurement=measurement,
     )
 

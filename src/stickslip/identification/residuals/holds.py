@@ -21,7 +21,6 @@ from stickslip.formulation import JointTorques
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
 from stickslip.identification.force_map.joint_balance import joint_stretches
-from stickslip.identification.residuals.balance import autoregression, whitened, with_rows_before
 from stickslip.identification.residuals.gains import (
     BLOCKS,
     FEWEST,
@@ -269,3 +268,35 @@ def _joined(found: Sequence[tuple[float, float]]) -> tuple[float, float]:
         return math.nan, math.inf
     values = np.array([value if math.isfinite(value) else 0.0 for value, _ in found])
     return float(weights @ values / weights.sum()), float(weights.sum()) ** -0.5
+
+
+def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
+    """Return rows (m, ...) less what an autoregression (order,) says of them from rows before.
+
+    Examples
+    --------
+    >>> whitened(np.array([1.0, 0.5, 0.25, 1.0]), np.array([1, 2, 3]), np.array([0.5]))
+    array([0.   , 0.   , 0.875])
+    """
+    found = columns[rows].copy()
+    for k, coefficient in enumerate(memory.tolist(), 1):
+        found -= coefficient * columns[rows - k]
+    return np.asarray(found)
+
+
+def with_rows_before(
+    picked: NDArray[np.intp], edges: Sequence[int], every: int, order: int
+) -> NDArray[np.intp]:
+    """Return which picked samples have `order` picked ones right before them in their stretch."""
+    stretch = np.searchsorted(edges, picked, side="right")
+    near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
+    run = np.arange(len(picked)) - np.maximum.accumulate(np.where(near, 0, np.arange(len(picked))))
+    return np.flatnonzero(run >= order)
+
+
+def autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
+    """Return the coefficients (order,) that predict rows from those before them."""
+    if not order or not len(rows):
+        return np.zeros(order)
+    past = np.stack([residual[rows - k] for k in range(1, order + 1)], axis=1)
+    return np.asarray(np.linalg.lstsq(past, residual[rows], rcond=1e-8)[0])

@@ -19,6 +19,19 @@ from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
 from stickslip.mechanisms import Mechanism
 
+NAMES: Final[Mapping[str, str]] = {
+    "loose": "backlash",
+    "flexible": "flexibility",
+    "drift": "drift of the level",
+    "offset_drift": "drift of the offset",
+    "viscous_drift": "drift of the viscous part",
+    "saturation": "force limit",
+    "mass": "inertia",
+    "ripple": "position force",
+}
+"""Names of findings, where these are not those of the terms."""
+HALF: Final = (0.35, 0.65)
+"""Delays over the step of time which are those of a wrong setting of hold."""
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
@@ -52,8 +65,8 @@ class _Sized:
     """That, without a sign, with its unit and interval."""
     force: str
     """Root mean square of the force that it explains, with its unit."""
-    scale: str
-    """Its nonlinear parameter, where the size is another."""
+    half: str
+    """What follows a delay: a colon, or that it may be a wrong setting of hold."""
     measured: bool
     """Whether friction itself was measured."""
 
@@ -77,7 +90,7 @@ def errors_of(
         return ()
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
     asked = Asked.of(found, load)
-    errors = model_errors(found, measurement)
+    errors = model_errors(found, measurement, hold)
     own = asked.fits.get(law.name)
     if own is None or not asked.rejects(law.name):
         return errors
@@ -102,7 +115,9 @@ def law_asked_for(
     )
 
 
-def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelError, ...]:
+def model_errors(
+    found: Explanation, measurement: Measurement, hold: Hold
+) -> tuple[ModelError, ...]:
     """Return the faults of an explanation, the largest first, and forces that no law has.
 
     Where much is left unexplained no cause is named: that of the nearest structure would be a
@@ -110,7 +125,7 @@ def model_errors(found: Explanation, measurement: Measurement) -> tuple[ModelErr
     """
     if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
         return (_unexplained(found, measurement),)
-    errors = [_error(one, measurement) for one in found.faults]
+    errors = [_error(one, measurement, hold) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
@@ -125,6 +140,28 @@ def _noise(balance: Balance) -> float:
         resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
     ]
     return max(found)
+
+
+def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
+    """Return that a delay [s] may be a wrong setting: a held force is half a sample late."""
+    other: Hold = "zero" if delay < 0.0 else "first"
+    if "friction" in measurement.quantities() or other == hold:
+        return ":"
+    step = max(float(np.median(np.diff(np.asarray(r.time)))) for r in measurement.records())
+    if not HALF[0] <= abs(delay) / step <= HALF[1]:
+        return ":"
+    meant = "a held command" if other == "zero" else "a sampled sensor signal"
+    return f'. This is half a sample: either set hold to "{other}" ({meant}), or there is'
+
+
+def _cure(kind: str, value: float, measurement: Measurement) -> str:
+    """Return how to fit friction that a sensor shows late."""
+    if kind != "delay" or "friction" not in measurement.quantities():
+        return ""
+    return (
+        " If the channel is late, correct for it:"
+        f" RecordSettings(friction_delay={value:.3g}), or --friction-delay {value:.3g}."
+    )
 
 
 def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
@@ -142,7 +179,7 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
     )
 
 
-def _error(fault: Fault, measurement: Measurement) -> ModelError:
+def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
     ends = fault.interval or (math.nan, math.nan)
@@ -150,7 +187,7 @@ def _error(fault: Fault, measurement: Measurement) -> ModelError:
         value=value,
         text=_size(value, ends, _unit(kind, measurement)),
         force=quantity(fault.size, measurement.unit("force")),
-        scale="",
+        half=_half_sample(value, measurement, hold) if kind == "delay" else ":",
         measured="friction" in measurement.quantities(),
     )
     others = [one for one in dict.fromkeys(CALLED[k] for k in fault.kinds) if one != CALLED[kind]]
@@ -160,7 +197,7 @@ def _error(fault: Fault, measurement: Measurement) -> ModelError:
         finding=finding,
         consequence=(
             f"It explains {sized.force} of the force, {percent(fault.share)} of the friction."
-            " The 95 % intervals do not account for it."
+            f" The 95 % intervals do not account for it.{_cure(kind, value, measurement)}"
         ),
         effect=value,
         interval=(float(ends[0]), float(ends[1])),
@@ -170,7 +207,7 @@ def _error(fault: Fault, measurement: Measurement) -> ModelError:
 
 def _group(kinds: tuple[str, ...]) -> str:
     """Return the name of a finding: of several kinds that are all late or elastic, the group."""
-    names = dict.fromkeys("backlash" if one == "loose" else one for one in kinds)
+    names = dict.fromkeys(NAMES.get(one, one) for one in kinds)
     if len(names) == 1:
         return next(iter(names))
     return "late or elastic" if set(kinds) <= set(LATE) else " or ".join(names)
@@ -210,7 +247,7 @@ def _ripple(found: Explanation, term: Term, measurement: Measurement) -> ModelEr
         )
     share = amplitude / math.sqrt(2.0) / found.scale
     return ModelError(
-        kind="position force" if term.kind == "ripple" else term.kind,
+        kind=NAMES.get(term.kind, term.kind),
         finding=finding,
         consequence="No law of friction has it; the 95 % intervals do not account for it.",
         effect=amplitude,
@@ -252,12 +289,12 @@ def _rises(sized: _Sized) -> str:
 def _late(sized: _Sized) -> str:
     if sized.value > 0.0:
         return (
-            f"The recorded force lags the motion by {sized.text}: a delay or filter of the force"
-            " sensor, or two unsynchronised clocks"
+            f"The recorded force lags the motion by {sized.text}{sized.half} a delay or filter of"
+            " the force sensor, or two unsynchronised clocks"
         )
     return (
-        f"The motion lags the recorded force by {sized.text}: a delay of the amplifier or of the"
-        " position sensor, or two unsynchronised clocks"
+        f"The motion lags the recorded force by {sized.text}{sized.half} a delay of the amplifier"
+        " or of the position sensor, or two unsynchronised clocks"
     )
 
 
