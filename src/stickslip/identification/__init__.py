@@ -82,6 +82,7 @@ INSIDE = {
     "check_rest": "travels.fit",
     "choice_of": "records.fitting",
     "choose_route": "records.route_choice",
+    "decided": "records.route_choice",
     "compared": "trials.comparison",
     "compile_for": "travels.fit",
     "covariance_of": "travels.propagation",

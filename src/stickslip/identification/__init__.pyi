@@ -77,6 +77,7 @@ from stickslip.identification.records.route_choice import RouteName as RouteName
 from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import better_route as better_route
 from stickslip.identification.records.route_choice import choose_route as choose_route
+from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import to_compare as to_compare
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box

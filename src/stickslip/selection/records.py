@@ -29,6 +29,7 @@ from stickslip.identification import (
     choice_of,
     choose_route,
     compared,
+    decided,
     fit_record,
     to_compare,
 )
@@ -148,7 +149,8 @@ def select_records(
     usual = laws is None and asked is None
     chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
     if asked:
-        choice = replace(choice, alternative=None)
+        law, start = asked.specs[0].law, asked.starts[asked.specs[0].name].values
+        choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
     if asked and laws is None and "starts" not in choice.settings.changed:
         choice = replace(choice, settings=replace(choice.settings, starts=1))
     fitted, found = _tried(

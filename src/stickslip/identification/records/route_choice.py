@@ -16,7 +16,7 @@ import numpy as np
 from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, parameter_words, percent
-from stickslip.friction import CoulombViscous
+from stickslip.friction import CoulombViscous, FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.problems import (
@@ -305,6 +305,39 @@ def serves_inverse_dynamics(
             for record in measurement.records()
         )
     )
+
+
+def decided(
+    choice: RouteChoice,
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    start: Mapping[str, float],
+    measurement: Measurement,
+    unknown: Sequence[str],
+) -> RouteChoice:
+    """Return a choice without an alternative, by what the law of the force balance leaves.
+
+    With the values that the balance gives it, so that nothing needs to be fitted by both routes.
+    """
+    if choice.alternative is None:
+        return choice
+    try:
+        asked = replace(_plain_fit(mechanism, measurement, unknown, choice.settings), law=law)
+        problem = simulated(asked).problem
+        items = problem.free_parameters.items
+        values = np.array([start.get(item.path, item.start) for item in items])
+        left = math.sqrt(settled(problem, values).cost / max(problem.variation, 1e-300))
+    except StickslipError:
+        left = math.inf
+    if left <= SUSPECT:
+        return replace(choice, alternative=None)
+    why = (
+        f"the law that the force balance asks for leaves {percent(left)} of the motion within"
+        f" {number(choice.settings.segment)} s unexplained"
+        if math.isfinite(left)
+        else f"the motion cannot be simulated over {number(choice.settings.segment)} s"
+    )
+    return replace(choice, route=choice.alternative, reason=why, alternative=None)
 
 
 def _motion_left(problem: Shooting) -> _Simulated:

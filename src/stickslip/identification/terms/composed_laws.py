@@ -13,7 +13,7 @@ from stickslip.friction.composition import Composition, Leaf
 
 DIRECTIONAL = ("viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
-LIKE_DAHL = 0.05
+LIKE_DAHL = 0.15
 """Exponent of a memory, from 1, up to which it is Dahl's without one."""
 DAMPED = 0.2
 """Damping ratio of a bristle that searches begin with; the force balance says nothing of it."""
