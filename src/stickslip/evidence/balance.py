@@ -79,12 +79,14 @@ class Balance:
         measured = [one for one in measured if _length(one) * self.fc > SHORTEST]
         _check_length(measured, self.fc, [] if like else series)
         self.spans: Spans = like.spans if like else _spans(measured)
+        self.centres: Mapping[str, float] = like.centres if like else _centres(measured)
         self.references: Mapping[str, float] = like.references if like else _references(measured)
         parts: list[Part] = []
         for one in measured:
             first = parts[-1].rows.stop if parts else 0
             span = self.spans.get(one.channel, (0.0, 1.0))
-            parts.append(part_of(one, self.fc, first, span, self.references))
+            centre = self.centres.get(one.channel, 0.0)
+            parts.append(part_of(one, self.fc, first, span, centre, self.references))
         self.dynamic = True
         self._assemble(parts, folds, like.resolved if like else {})
         if not like:
@@ -113,7 +115,7 @@ class Balance:
             )
         found = cls.__new__(cls)
         found.series, found.fc, found.dynamic = (), 1.0, False
-        found.spans = {"": (0.0, 1.0)}
+        found.spans, found.centres = {"": (0.0, 1.0)}, {"": 0.0}
         found.references = {name: _reference(name, x) for name, x in columns.items()}
         still = np.zeros(len(v))
         part = Part(
@@ -125,6 +127,7 @@ class Balance:
             filter=None,
             t=np.arange(len(v), dtype=float),
             clock=still,
+            centre=0.0,
             q=still,
             path=still,
             v=v,
@@ -324,6 +327,21 @@ def _spans(measured: Sequence[Series]) -> Spans:
         own = [one for one in measured if one.channel == channel]
         first = min(float(one.t[0]) for one in own)
         found[channel] = (first, max(float(one.t[-1]) for one in own) - first)
+    return found
+
+
+def _centres(measured: Sequence[Series]) -> Mapping[str, float]:
+    """Return the position of each channel from which terms along the way count.
+
+    It is 0 where that is within reach, else the middle: seen from afar a spring is an offset.
+    """
+    found = {}
+    for channel in dict.fromkeys(one.channel for one in measured):
+        own = [one for one in measured if one.channel == channel]
+        low = min(float(one.q.min()) for one in own)
+        high = max(float(one.q.max()) for one in own)
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        found[channel] = middle if abs(middle) > 2.0 * half else 0.0
     return found
 
 

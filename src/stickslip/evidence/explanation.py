@@ -1,7 +1,8 @@
 """The explanation of series: the structure that the evidence supports, its ties and its faults."""
 
+import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
@@ -18,9 +19,13 @@ from stickslip.evidence.search import MOST_TIES, Progress, Search
 from stickslip.evidence.series import Series
 from stickslip.evidence.structure import GIVEN, Family, Structure
 from stickslip.evidence.terms import TERMS, Term
+from stickslip.evidence.values import key_of
 from stickslip.evidence.vocabulary import vocabulary as usual_vocabulary
 
 Array = NDArray[np.float64]
+
+UNUSUAL = 3
+"""Rank from which a term has to differ from 0 surely."""
 
 
 @final
@@ -108,6 +113,9 @@ def explain(
     if progress is not None:
         progress(0.9, str(best.structure))
     intervals = widened(balance, best, intervals_of(balance, best))
+    while (rest := _surer(best, intervals)) is not None:
+        best = _refined(search, search.fit(rest))
+        intervals = widened(balance, best, intervals_of(balance, best))
     ties = [one for one in found.ties if one.structure.family != best.structure.family]
     faults = faults_of(search, best, ties, intervals)
     if progress is not None:
@@ -130,6 +138,26 @@ def _refined(search: Search, found: Fit) -> Fit:
     """Return a fit off its grids, without what does not earn its place there."""
     best = refined(search.balance, found)
     return search.prune(best) if best.ok else found
+
+
+def _surer(found: Fit, intervals: Mapping[str, Interval]) -> Structure | None:
+    """Return the structure without the unusual term that is the least sure, if any is not.
+
+    One whose interval holds 0 lowers the error, but not in one way: it stands for something else.
+    """
+    doubts = {}
+    for term in found.structure.free:
+        names = TERMS[term.kind].columns
+        keys = [f"{key_of(term)}.{name}" for name in names] or [key_of(term)]
+        if TERMS[term.kind].rank < UNUSUAL or keys[0] not in intervals:
+            continue
+        size = math.hypot(*(intervals[key][0] for key in keys))
+        half = math.hypot(*(0.5 * (intervals[key][2] - intervals[key][1]) for key in keys))
+        if half >= size:
+            doubts[term] = half / max(size, 1e-300)
+    if not doubts:
+        return None
+    return found.structure.without(max(doubts, key=lambda term: doubts[term]))
 
 
 def _admissible(search: Search, structure: Structure) -> Structure:

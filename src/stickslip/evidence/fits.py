@@ -24,6 +24,12 @@ EMPTY = 1e-10
 EXCESS = 3.0
 """Least size of a saturation's force over the misfit of the other rows: its column holds the
 recorded force, and would explain the noise of that."""
+PLACED = ("ripple", "level_ripple", "level_slope", "spring")
+"""Kinds that depend on position."""
+APART = 2.0
+"""Least ratio of the lengths of two bristles of a channel."""
+STROKES = 10.0
+"""Least range of the position over the length of a bristle, where such terms stand beside one."""
 BLOCKS = 10
 """Blocks of time that standard errors come from."""
 
@@ -231,21 +237,24 @@ def possible(made: Design, values: Array) -> bool:
         admissible(values, made.owners)
         and made.structure.complete
         and _memories_resolved(made)
+        and _places_told(made)
         and _excess_stands_out(made, values)
     )
 
 
 def _memories_resolved(made: Design) -> bool:
-    """Return whether the path resolves both memories, where there are two in a channel.
+    """Return whether two memories of a channel differ, and the path resolves both.
 
     One that it does not resolve would only leave rows at rest open for the other.
     """
-    return all(
-        min(term.par[0], made.structure.shape(term.channel)[0])
-        > RESOLVED * made.balance.resolved[term.channel]
-        for term in made.structure.terms
-        if term.kind == "second"
-    )
+    for term in made.structure.terms:
+        if term.kind == "second":
+            lengths = sorted([term.par[0], made.structure.shape(term.channel)[0]])
+            if lengths[0] < RESOLVED * made.balance.resolved[term.channel]:
+                return False
+            if lengths[1] < APART * lengths[0]:
+                return False
+    return True
 
 
 def _least_squares(columns: Array, force: Array) -> Array:
@@ -266,6 +275,23 @@ def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
         sse[k] = left @ left
         counts[k] = max(len(held) - np.sum(made.open[held] & (left == 0.0)), 1)
     return sse, counts
+
+
+def _places_told(made: Design) -> bool:
+    """Return whether the range of each channel tells what depends on position from memory.
+
+    In a range of a few lengths of a bristle, every stroke shows both alike.
+    """
+    structure, balance = made.structure, made.balance
+    longest = {channel: shape[0] for channel, shape in structure.memories}
+    for term in structure.terms:
+        if term.kind == "second":
+            longest[term.channel] = max(longest.get(term.channel, 0.0), term.par[0])
+    return not any(
+        term.kind in PLACED
+        and STROKES * longest.get(term.channel, 0.0) > balance.span[term.channel]
+        for term in structure.terms
+    )
 
 
 def _excess_stands_out(made: Design, values: Array) -> bool:

@@ -51,6 +51,8 @@ class Part:
     """Times (n,) from -1/2 to 1/2 over all series of the channel."""
     q: Array
     """Positions (n,) in twice the band."""
+    centre: float
+    """Position from which terms along the way count."""
     path: Array
     """Positions (n,) in the band, without chatter, along which bristles move."""
     v: Array
@@ -112,6 +114,7 @@ def part_of(
     fc: float,
     first_row: int,
     span: tuple[float, float],
+    centre: float,
     references: Mapping[str, float],
 ) -> Part:
     """Return a piece in a band [Hz], whose rows begin at a number.
@@ -142,6 +145,7 @@ def part_of(
         t=s.t,
         clock=(s.t - span[0]) / span[1] - 0.5,
         q=q,
+        centre=centre,
         path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
         v=v,
         a=a,

@@ -14,15 +14,17 @@ Family = tuple[tuple[tuple[str, str, str], ...], tuple[tuple[str, int], ...]]
 GIVEN = ("known", "inertia")
 """Kinds that no search drops or swaps: they are of the mechanism."""
 CARRIED = (
-    "level_slope",
-    "level_ripple",
     "drift",
-    "temperature",
+    "level_ripple",
+    "level_slope",
     "second",
     "stribeck",
     "stribeck_dir",
+    "temperature",
 )
 """Kinds that modify a level or stand beside it, and need one."""
+SHIFTS = ("offset", "level_dir")
+"""Kinds of which a channel has one."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
@@ -126,9 +128,13 @@ class Structure:
         )
 
     def clashes(self, term: Term) -> bool:
-        """Return whether a term of the same kind stands in the same channel already."""
+        """Return whether a term of the same kind stands in the same channel already.
+
+        An offset and a level that differs between directions are one in all but presliding.
+        """
+        kinds = SHIFTS if term.kind in SHIFTS else (term.kind,)
         return any(
-            (one.kind, one.channel, one.what) == (term.kind, term.channel, term.what)
+            one.kind in kinds and (one.channel, one.what) == (term.channel, term.what)
             for one in self.terms
         )
 

@@ -108,7 +108,7 @@ def _acceleration(part: Part, term: Term) -> Array:
 
 
 def _position(part: Part, term: Term) -> Array:
-    return part.q
+    return part.q - part.centre
 
 
 def _velocity(part: Part, term: Term) -> Array:
@@ -150,7 +150,7 @@ def _viscous_covariate(part: Part, term: Term) -> Array:
 
 
 def _ripple(part: Part, term: Term) -> Array:
-    phase = term.par[0] * part.q
+    phase = term.par[0] * (part.q - part.centre)
     return np.column_stack([np.sin(phase), np.cos(phase)])
 
 

@@ -25,6 +25,10 @@ LONGEST = 0.5
 """Largest step of a logarithm."""
 EXPONENTS = (0.1, 2.5)
 """Limits of the exponent of a viscous power."""
+SLOW = 0.5
+"""Largest Stribeck velocity over the largest speed, at which the step has gone."""
+LEAST_PERIODS = 1.8
+"""Least periods of a ripple in the range of the position."""
 LATEST = 0.06
 """Largest delay [s]."""
 
@@ -125,6 +129,10 @@ def sane(balance: Balance, structure: Structure) -> bool:
             return False
         if term.kind.startswith("stribeck") and not _seen(balance, term.channel, term.par[0]):
             return False
+        if term.kind in ("ripple", "level_ripple"):
+            periods = term.par[0] * balance.span[term.channel] / (2.0 * math.pi)
+            if not periods > LEAST_PERIODS:
+                return False
         if term.kind == "delay" and abs(term.par[0]) > LATEST:
             return False
         if term.kind == "saturation" and term.par[0] < balance.usual_force[term.channel]:
@@ -135,7 +143,7 @@ def sane(balance: Balance, structure: Structure) -> bool:
 def _seen(balance: Balance, channel: str, v_s: float) -> bool:
     """Return whether a Stribeck velocity is among the speeds of a channel."""
     top = balance.speed[channel]
-    return top / 1e3 < v_s < top
+    return top / 1e3 < v_s < 1.2 * SLOW * top
 
 
 def slopes(

@@ -10,6 +10,7 @@ from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import Shape
 from stickslip.evidence.fits import Fit
 from stickslip.evidence.terms import Term
+from stickslip.evidence.values import SLOW
 
 Array = NDArray[np.float64]
 
@@ -76,7 +77,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)
-    for v_s in grid(top / 300.0, top / 2.0, 12):
+    for v_s in grid(top / 300.0, SLOW * top, 12):
         for delta in STRIBECK_EXPONENTS:
             yield Term("stribeck", (v_s, delta), channel)
             yield Term("stribeck_dir", (v_s, delta), channel)
