@@ -11,7 +11,7 @@ from stickslip.evidence.bristles import Shape
 from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law
 from stickslip.friction.composition import Composition, Leaf
 
-DIRECTIONAL = ("viscous_dir", "power_dir", "stribeck_dir")
+DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
 LIKE_DAHL = 0.15
 """Exponent of a memory, from 1, up to which it is Dahl's without one."""
@@ -249,7 +249,8 @@ class _Coefficients:
         level = of("load") + of("level") / (load if "load" in terms else 1.0)
         level += of("second") / (load if "load" in terms else 1.0)
         both = any(kind in terms for kind in DIRECTIONAL)
-        constant = (of("offset") if both else 0.0) / (load if "load" in terms else 1.0)
+        constant = of("level_dir") + (of("offset") if both else 0.0)
+        constant /= load if "load" in terms else 1.0
         level = max(level, LEAST)
         sides = [max(level + s * constant, LEAST) / own for s in (1.0, -1.0)]
         steps = [max(of("stribeck") + s * of("stribeck_dir"), 0.0) for s in (1.0, -1.0)]
