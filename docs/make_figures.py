@@ -232,11 +232,11 @@ BOXES = (
     (430, 180, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
     (130, 300, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
      " with the mass and level of\ninverse dynamics within 1.5?", True),
-    (430, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\n"
-     "law leaves over 5 % of the motion", False),
+    (430, 262, "Simulated segments of 1 s, unless\nthe law of the force balance\n"
+     "leaves over 5 % of the motion", False),
     (430, 345, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
-    (733, 107, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
-     "decades and from simpler fits", False),
+    (733, 107, "Fit the laws that the force balance\nasks for, from its coefficients; without\n"
+     "a balance all, the simplest first", False),
     (733, 202, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
      " above it", False),
     (733, 290, "Which laws predict held-out blocks\nas well as the best, within 1.1\nstandard"
@@ -301,7 +301,8 @@ def choices() -> None:
         (840, 420),
         "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
         " driven records to simulated segments or, where these do not predict the motion, to"
-        " inverse dynamics; then all laws are fitted, compared and one is named",
+        " inverse dynamics; then the laws that the force balance asks for are fitted, compared and"
+        " one is named",
     )
 
 
