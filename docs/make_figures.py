@@ -235,8 +235,8 @@ BOXES = (
     (430, 262, "Simulated segments of 1 s, unless\nthe law of the force balance\n"
      "leaves over 5 % of the motion", False),
     (430, 345, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
-    (733, 107, "Fit the laws that the force balance\nasks for, from its coefficients; without\n"
-     "a balance all, the simplest first", False),
+    (733, 107, "Fit the laws that the force balance\nasks for; where there is none,\n"
+     "all laws, the simplest first", False),
     (733, 202, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
      " above it", False),
     (733, 290, "Which laws predict held-out blocks\nas well as the best, within 1.1\nstandard"

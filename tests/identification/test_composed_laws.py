@@ -1,0 +1,139 @@
+"""Structures of a force balance become laws that one can simulate, with their coefficients."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Measurement, SpringBlock
+from stickslip.evidence import SIGN, Fit, Structure, Term
+from stickslip.identification.terms.composed_laws import composed_law
+from stickslip.identification.terms.dense_series import dense_series, is_dense
+
+DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
+
+
+def fitted(shape=SIGN, par=None, **coefficients):
+    """Return a fit of terms with these coefficients, in a channel without a name."""
+    par = par or {}
+    terms = {kind: Term(kind, par.get(kind, ())) for kind in coefficients}
+    owner = [one for one in terms.values() for _ in range(np.size(coefficients[one.kind]))]
+    structure = Structure(tuple(sorted(terms.values(), key=str)))
+    return Fit(
+        structure=structure if shape == SIGN else structure.shaped("", shape),
+        coef=np.concatenate([np.atleast_1d(one) for one in coefficients.values()]).astype(float),
+        owner=tuple(owner),
+        sse=np.ones(10),
+        counts=np.ones(10),
+        residual=np.zeros(10),
+        ok=True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("fit", "text", "name"),
+    [
+        (fitted(level=2.0), "level", "coulomb"),
+        (fitted(viscous=2.0), "viscous", "viscous"),
+        (fitted(level=2.0, viscous=3.0, inertia=1.0), "level + viscous", "coulomb-viscous"),
+        (
+            fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)}),
+            "level + stribeck + viscous",
+            "stribeck",
+        ),
+        (fitted(level=2.0, power=3.0, par={"power": (0.5,)}), "level + power", "power-viscous"),
+        (fitted(level=2.0, viscous=3.0, quadratic=4.0), "level + viscous + drag", "quadratic-drag"),
+        (
+            fitted(level=2.0, offset=0.2, viscous=3.0, viscous_dir=0.5),
+            "both_ways[levels](level + viscous)",
+            "direction-dependent",
+        ),
+        (fitted(level=2.0, viscous=3.0, shape=DAHL), "dahl(level) + viscous", "dahl"),
+        (fitted(level=2.0, viscous=3.0, shape=LUGRE), "lugre(level + stribeck) + viscous", "lugre"),
+        (fitted(level=2.0, shape=STOP), "maxwell[1](level)", "maxwell[1](level)"),
+        (
+            fitted(level=2.0, level_slope=0.1),
+            "level * linear[position]",
+            "level * linear[position]",
+        ),
+    ],
+)
+def test_a_structure_is_a_law_in_the_notation(fit, text, name):
+    found = composed_law(fit, 1.0)
+    assert (found.text, found.name) == (text, name)
+
+
+def test_coefficients_are_those_of_the_law_over_the_load():
+    fit = fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)})
+    law = composed_law(fit, 4.0).specification.law
+    assert law.kinetic_coefficient == pytest.approx(0.5)
+    assert law.static_coefficient == pytest.approx(0.75)
+    assert (law.stribeck_velocity, law.exponent) == (0.1, 2.0)
+    assert law.viscous_coefficient == 3.0
+    # the same friction, at a speed where the surplus has faded to 1/e
+    assert law.force(0.1, 4.0) == pytest.approx(2.0 + np.exp(-1.0) + 0.3)
+
+
+def test_directions_share_what_a_constant_force_cannot_stand_for():
+    fit = fitted(level=2.0, offset=0.2, viscous=3.0, viscous_dir=0.5)
+    found = composed_law(fit, 1.0)
+    law = found.specification.law
+    assert law.force(1.0, 1.0) == pytest.approx(2.2 + 3.5)
+    assert law.force(-1.0, 1.0) == pytest.approx(-(1.8 + 2.5))
+    assert found.constant == 0.0
+
+
+def test_an_offset_alone_is_a_force_beside_the_law():
+    found = composed_law(fitted(level=2.0, offset=0.2, inertia=1.5), 1.0)
+    assert (found.text, found.constant, found.inertia) == ("level", 0.2, 1.5)
+
+
+def test_the_length_of_a_memory_is_that_over_which_its_force_rises():
+    law = composed_law(fitted(level=2.0, viscous=3.0, shape=DAHL), 4.0).specification.law
+    # over the load: level 0.5, reached along 2 mm
+    assert law.bristle_stiffness == pytest.approx(0.5 / 2e-3)
+
+
+def test_factors_are_relative_to_what_they_multiply():
+    fit = fitted(level=2.0, level_ripple=[0.4, 0.2], par={"level_ripple": (8.0,)})
+    law = composed_law(fit, 1.0).specification.law
+    assert law.level_position_sine == pytest.approx(0.2)
+    assert law.level_position_cosine == pytest.approx(0.1)
+    assert law.level_position_harmonic == 8.0
+
+
+def test_what_no_law_has_stands_beside_it():
+    fit = fitted(level=2.0, spring=5.0, ripple=[0.1, 0.2], par={"ripple": (8.0,)})
+    found = composed_law(fit, 1.0)
+    assert found.text == "level"
+    assert sorted(one.kind for one in found.beside) == ["ripple", "spring"]
+
+
+T = 0.01 * np.arange(400.0)
+RECORD = Measurement(time=T, position=np.sin(T), force=np.cos(T))
+
+
+def test_known_springs_and_dampers_are_taken_off_the_force():
+    (one,) = dense_series(Axis(inertia=2.0, stiffness=3.0), RECORD, "first", [])
+    np.testing.assert_allclose(one.force, np.cos(T) - 3.0 * np.sin(T), atol=1e-6)
+    assert one.mass == 2.0
+    (free,) = dense_series(Axis(inertia=2.0), RECORD, "zero", ["mechanism.inertia"])
+    assert free.mass is None
+    assert free.inertia
+    assert free.hold
+
+
+def test_a_load_that_does_not_change_is_no_covariate():
+    record = Measurement(time=T, position=np.sin(T), friction=np.cos(T), load=2.0)
+    (one,) = dense_series(Axis(inertia=2.0), record, "zero", [])
+    assert not one.covariates
+    changing = Measurement(time=T, position=np.sin(T), friction=np.cos(T), load=2.0 + np.cos(T))
+    (other,) = dense_series(Axis(inertia=2.0), changing, "zero", [])
+    np.testing.assert_allclose(other.covariates["load"], 2.0 + np.cos(T))
+
+
+def test_tables_and_free_decays_have_no_balance_at_every_sample():
+    table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1])
+    decay = Measurement(time=T, position=np.sin(T))
+    axis = Axis(inertia=1.0)
+    assert is_dense(axis, RECORD)
+    assert not is_dense(axis, table)
+    assert not is_dense(SpringBlock(mass=1.0, stiffness=1.0), decay)
