@@ -56,6 +56,21 @@ class SensorResponse:
         weights = [last, (1.0 - a) - last]
         return np.asarray(force[:1] + lfilter(weights, [1.0, -a], force - force[:1], axis=0))
 
+    def acted(self, time: Array, force: Array) -> Array:
+        """Return the forces that a channel shows, when they acted.
+
+        Examples
+        --------
+        >>> t = 0.01 * np.arange(100)
+        >>> late = SensorResponse(delay=0.02, lag=0.03)
+        >>> ramp = late.acted(t, late.shown(t, t))
+        >>> bool(np.max(np.abs(ramp - t)[30:90]) < 1e-3)
+        True
+        """
+        if self.lag:
+            force = force + self.lag * np.gradient(force, time)
+        return _at(time + self.delay, time, force) if self.delay else force
+
     def known(self, time: Array) -> NDArray[np.bool_]:
         """Return at which samples of a force the motion that came with it was measured."""
         shown = time - self.delay

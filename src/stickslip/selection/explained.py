@@ -70,7 +70,7 @@ def explained(
         return None
     told = None if watch is None else _told(watch)
     try:
-        series = dense_series(mechanism, measurement, settings.holding, unknown)
+        series = dense_series(mechanism, measurement, settings.holding, unknown, settings.response)
         found = explain(series, progress=told)
     except InputError:
         return None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -163,6 +164,11 @@ class RecordProblem(Problem):
     def samples(self) -> tuple[FrictionSamples, ...]:
         """Friction along the measured motion, by stretch; empty where motion is simulated."""
         return ()
+
+    @property
+    def response(self) -> SensorResponse:
+        """How the channel of measured friction shows a force."""
+        return PROMPT
 
     @property
     def joints(self) -> NDArray[np.str_] | None:

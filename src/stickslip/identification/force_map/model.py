@@ -20,6 +20,7 @@ from stickslip.identification.estimation.problem import (
     ResidualJacobian,
 )
 from stickslip.identification.force_map.data import MotionSegment
+from stickslip.identification.sensor_response import SensorResponse
 
 Array = NDArray[np.float64]
 
@@ -144,6 +145,11 @@ class ForceMap(RecordProblem):
         columns = [one.applied if self.of_applied else one.friction for one in self.stretches]
         rows = [one.rows_of(None) for one in self.stretches]
         return np.concatenate([c[r] for c, r in zip(columns, rows, strict=True) if c is not None])
+
+    @property
+    @override
+    def response(self) -> SensorResponse:
+        return self.stretches[0].response
 
     @property
     @override

@@ -283,7 +283,8 @@ class RecordFit(Fit[AnyLaw_co]):
             return ()
         hold = self.hold.hold if self.hold else "zero"
         unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
-        return errors_of(self.mechanism, self.law, self.measurement, hold, unknown)
+        response = self.problem.response
+        return errors_of(self.mechanism, self.law, self.measurement, hold, unknown, response)
 
     @property
     def friction_was_measured(self) -> bool:

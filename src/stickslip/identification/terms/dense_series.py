@@ -9,6 +9,7 @@ from stickslip.evidence import Series
 from stickslip.experiments import Measurement
 from stickslip.identification.contact_inputs import recorded_inputs
 from stickslip.identification.force_map.data import load_along
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.series.applied_force import applied_force, driven, drives_itself
 from stickslip.identification.series.inverse_dynamics import (
     LEAST,
@@ -41,7 +42,11 @@ def is_dense(mechanism: Mechanism, measurement: Measurement) -> bool:
 
 
 def dense_series(
-    mechanism: Mechanism, measurement: Measurement, hold: Hold, unknown: Sequence[str]
+    mechanism: Mechanism,
+    measurement: Measurement,
+    hold: Hold,
+    unknown: Sequence[str],
+    response: SensorResponse = PROMPT,
 ) -> tuple[Series, ...]:
     """Return the records of a mechanism as series: forces but for inertia and friction.
 
@@ -53,7 +58,7 @@ def dense_series(
         float(one.min()) for one in loads
     )
     return tuple(
-        _series(mechanism, record, hold, unknown, load if varies else None)
+        _series(mechanism, record, hold, unknown, load if varies else None, response)
         for record, load in zip(measurement.records(), loads, strict=True)
     )
 
@@ -76,6 +81,7 @@ def _series(
     hold: Hold,
     unknown: Sequence[str],
     load: Array | None,
+    response: SensorResponse,
 ) -> Series:
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     known = record.quantities()
@@ -85,7 +91,7 @@ def _series(
     }
     velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
     if "friction" in known:
-        friction = np.asarray(record.values("friction"), dtype=float)
+        friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
     mechanism = _set_up(mechanism, record)
     v = np.gradient(x, time) if velocity is None else velocity

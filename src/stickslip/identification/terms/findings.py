@@ -14,6 +14,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
@@ -77,6 +78,7 @@ def errors_of(
     measurement: Measurement,
     hold: Hold,
     unknown: Sequence[str],
+    response: SensorResponse,
 ) -> tuple[ModelError, ...]:
     """Return what the force balance of a record says of a fitted law, of the rig and the record.
 
@@ -85,7 +87,7 @@ def errors_of(
     if isinstance(law, Laws) or not is_dense(mechanism, measurement):
         return ()
     try:
-        found = explain(dense_series(mechanism, measurement, hold, unknown))
+        found = explain(dense_series(mechanism, measurement, hold, unknown, response))
     except InputError:
         return ()
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
