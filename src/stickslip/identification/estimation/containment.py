@@ -77,7 +77,7 @@ def _reaches(start: FrictionLaw, free_parameters: FreeParameters, one: FittedLaw
     if not beside <= {*free_parameters.paths, *CONSTANTS}:
         return False
     if type(one.law) is type(start):
-        return all(path in free_parameters.paths for path in one.values)
+        return {*one.values} <= {*free_parameters.paths, *CONSTANTS}
     how = containment_of(type(start), type(one.law))
     values = None if how is None else how.embed(one.law)
     if how is None or values is None or not names.issuperset(how.limits):

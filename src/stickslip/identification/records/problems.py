@@ -17,7 +17,11 @@ from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
-from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, balanced
+from stickslip.identification.force_map.force_balance import (
+    BalanceProblemBuilder,
+    balanced,
+    positive_noise,
+)
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
 from stickslip.identification.records.fit import ProblemBuilder
@@ -29,7 +33,7 @@ from stickslip.identification.records.scanning import (
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
-from stickslip.identification.series.inverse_dynamics import mass_of
+from stickslip.identification.series.inverse_dynamics import mass_of, positions_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     joined,
@@ -48,6 +52,8 @@ from stickslip.quantities import fields_of, vary
 Array = NDArray[np.float64]
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
+SEEN = 16.0
+"""Way along which a bristle yields, over the noise of positions, from which a record shows it."""
 CONSTANT = 1e-6
 """Variation of a force over its size below which it never changes."""
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
@@ -330,14 +336,15 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    stretches = balanced(mechanism, measurement, hold=hold, slipping=True)
+    slipping = not _memory_is_seen(wanted)
+    stretches = balanced(mechanism, measurement, hold=hold, slipping=slipping)
     _check_inputs(wanted, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
     problem, starts = map_along(
         wanted.law,
         stretches,
-        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=slipping),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
@@ -349,8 +356,23 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     if mass is not None:
         _refuse_overrides(measurement, problem.free_parameters)
-    build = BalanceProblemBuilder(mechanism, problem, hold)
+    build = BalanceProblemBuilder(mechanism, problem, hold, slipping)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def _memory_is_seen(wanted: ProblemRequest) -> bool:
+    """Whether the positions resolve the way along which bristles start: then rests count as well.
+
+    Where they do not, the noise of positions times the stiffness is an error of the prediction.
+    """
+    law = wanted.law
+    stiffness = getattr(law, "bristle_stiffness", None)
+    if isinstance(law, type) or not law.states or not isinstance(stiffness, float):
+        return False
+    level = max(abs(float(getattr(law, name))) for name in law.fit_order if "kinetic" in name)
+    records = wanted.measurement.records()
+    noise = max(positive_noise(positions_of(record)) for record in records)
+    return level > SEEN * stiffness * noise
 
 
 def _check_inputs(wanted: ProblemRequest, stretches: Sequence[MotionSegment]) -> None:
