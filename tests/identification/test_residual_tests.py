@@ -47,7 +47,6 @@ NAMED = [
     ("cogging", {"position force"}),
     ("unknown-spring", {"spring"}),
     ("level-drift", {"drift of the level"}),
-    ("flexible-coupling", {"flexibility", "late or elastic"}),
 ]
 LONG = ("amplifier-lag", "unknown-spring")
 """Named by the tests that name others too, or as long as all others together."""

@@ -678,7 +678,7 @@ def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verd
         kind="delay", finding="It is late.", consequence="Much.", effect=1.0, interval=(0.5, 2.0),
         share=0.9,
     )  # fmt: skip
-    wrong = dataclasses.replace(verdict.best.fit, model_errors=(late,))
+    wrong = dataclasses.replace(verdict.best.fit, known_errors=(late,))
     heading, caption = residual_heading(verdict, wrong)
     assert heading == "Model error: the residuals show an effect of delay"
     assert "It is late. Much." in caption

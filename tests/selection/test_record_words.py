@@ -329,7 +329,7 @@ def with_errors(verdict, moved, **more):
         kind="delay", finding="It is late.", consequence="Much.", effect=1.0, interval=(0.5, 2.0),
         share=0.9, moved=moved,
     )  # fmt: skip
-    fit = dataclasses.replace(verdict.best.fit, model_errors=(late,))
+    fit = dataclasses.replace(verdict.best.fit, known_errors=(late,))
     return dataclasses.replace(verdict.best, fit=fit, **more)
 
 

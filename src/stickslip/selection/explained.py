@@ -45,15 +45,16 @@ class Explained:
     measurement: Measurement
     """What was explained."""
 
-    def rejects(self, name: str) -> bool:
+    def rejects(self, name: str, law: FrictionLaw | None) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
-        return self.asked.rejects(name)
+        own = None if law is None else self.asked.fit_of(name, law)
+        return name != self.asked.best.name and self.asked.rejects(own)
 
-    def errors_of(self, name: str) -> tuple[ModelError, ...]:
+    def errors_of(self, name: str, law: FrictionLaw) -> tuple[ModelError, ...]:
         """Return what is wrong with a law, the rig or the record."""
-        if not self.rejects(name):
+        own, found = self.asked.fit_of(name, law), self.asked.explanation
+        if own is None or not self.rejects(name, law):
             return self.errors
-        own, found = self.asked.fits[name], self.asked.explanation
         asked = law_asked_for(self.asked.best.text, own, found, self.measurement)
         return (*self.errors, asked)
 
@@ -107,7 +108,7 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     alike = [
         name
         for name, one in fits.items()
-        if one is not best and not _accuses(one, best) and not asked.rejects(name)
+        if one is not best and not _accuses(one, best) and not asked.rejects(one)
     ]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]

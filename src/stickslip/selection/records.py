@@ -604,7 +604,7 @@ def _agreed(
     balance rejects is named only if those that it allows predict worse, and nothing is wrong beside
     the law.
     """
-    allowed = [c for c in among if not asked.rejects(c.name)]
+    allowed = [c for c in among if not asked.rejects(c.name, c.law)]
     if not allowed:
         return closest
     best = choose(allowed, uncertainty=uncertainty)

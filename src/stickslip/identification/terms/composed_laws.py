@@ -5,11 +5,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, final
 
+import numpy as np
+
 from stickslip.errors import InputError, ParameterError
-from stickslip.evidence import SIGN, Explanation, Fit, Rule, Structure, Term
+from stickslip.evidence import SIGN, Explanation, Fit, Rule, Structure, Term, fit
 from stickslip.evidence.bristles import Shape
 from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law
 from stickslip.friction.composition import Composition, Leaf
+from stickslip.friction.notation import OPTIONAL
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
@@ -80,23 +83,98 @@ class Asked:
         """The law of the best structure."""
         return next(iter(self.laws.values()))
 
-    def rejects(self, name: str) -> bool:
-        """Whether the force balance tells a law from that of the best structure."""
-        own, best = self.fits.get(name), self.explanation.best
-        if own is None or name == self.best.name:
+    def rejects(self, own: Fit | None) -> bool:
+        """Whether the force balance tells a structure from the best one."""
+        best = self.explanation.best
+        if own is None or own is best:
             return False
         return Rule().better(best, own, self.explanation.scale)
 
+    def fit_of(self, name: str, law: FrictionLaw) -> Fit | None:
+        """Return the closest structure of a law, at its values if the search has not met it."""
+        if name in self.fits:
+            return self.fits[name]
+        structure = structure_of(law, self.explanation.best.structure)
+        return None if structure is None else fit(self.explanation.balance, structure)
+
+
+PARTS = {"level": "level", "viscous": "viscous", "power": "power", "drag": "quadratic"}
+"""Kinds of terms, by the parts of laws that they are."""
+
+
+def structure_of(law: FrictionLaw, best: Structure, channel: str = "") -> Structure | None:
+    """Return the structure of a law beside what else the best structure has.
+
+    None for laws with other parts than terms have.
+    """
+    made: Composition | None = law.made_of
+    if made is None or (made.memory and made.memory.part.name not in ("dahl", "lugre")):
+        return None
+    # a level that ends with rest is none along a motion
+    leaves = [one for one in (*made.inside, *made.outside) if one.part.name not in OPTIONAL]
+    if made.factors or any(leaf.part.name not in {*PARTS, "stribeck"} for leaf in leaves):
+        return None
+    if any(leaf.sign is not None for leaf in leaves):
+        return None
+    _, used = _text(best, channel, directional=True)
+    rest = {*used, "level", "stribeck", "viscous", "power", "quadratic", *DIRECTIONAL}
+    terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
+    root = Term("load", (), channel, "load") if best.has("load", channel) else None
+    for leaf in leaves:
+        name = leaf.part.name
+        both = any(isinstance(one, tuple) for one in leaf.names.values())
+        if name == "level":
+            terms += [root or Term("level", (), channel)]
+            continue
+        kind = PARTS.get(name, name)
+        par = _parameters_of(law, leaf)
+        if name == "stribeck" and made.memory and made.memory.part.name == "lugre":
+            continue
+        terms += [Term(kind, par, channel)]
+        terms += [Term(f"{kind}_dir", par, channel)] if both and kind != "quadratic" else []
+    if made.directional and not any(one.kind == "offset" for one in terms):
+        terms += [Term("offset", (), channel)]
+    found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
+    return found if made.memory is None else found.shaped(channel, _shape_of(law, made))
+
+
+def _value(law: FrictionLaw, leaf: Leaf, name: str) -> float:
+    """Return a parameter of a part, the mean of those of both directions."""
+    field = leaf.names.get(name, name)
+    both = field if isinstance(field, tuple) else (field,)
+    return float(np.mean([getattr(law, one) for one in both]))
+
+
+def _parameters_of(law: FrictionLaw, leaf: Leaf) -> tuple[float, ...]:
+    """Return the nonlinear parameters of the term of a part."""
+    names = {
+        "stribeck": ("stribeck_velocity", "fading_exponent"),
+        "power": ("viscous_exponent",),
+    }.get(leaf.part.name, ())
+    return tuple(_value(law, leaf, name) for name in names)
+
+
+def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
+    """Return the shape of the bristle of a law."""
+    assert made.memory is not None
+    inside = {leaf.part.name: leaf for leaf in made.inside}
+    level = _value(law, inside["level"], "kinetic_coefficient")
+    length = level / _value(law, made.memory, "bristle_stiffness")
+    if made.memory.part.name == "dahl":
+        return (length, _value(law, made.memory, "yield_exponent"))
+    step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
+    return (length, 1.0, *_parameters_of(law, inside["stribeck"])[:1], step, 1.0)
+
 
 def composed_law(
-    fit: Fit, load: float, inertia: float | None = None, channel: str = ""
+    found: Fit, load: float, inertia: float | None = None, channel: str = ""
 ) -> ComposedLaw | None:
     """Return the law of a structure under a load [N] and with a mass; None if it has no friction.
 
     Where the notation has no such law, the nearest one without directions is returned.
     """
-    structure = fit.structure
-    coefficients = _Coefficients.of(fit, load, inertia, channel)
+    structure = found.structure
+    coefficients = _Coefficients.of(found, load, inertia, channel)
     for directional in (True, False):
         text, used = _text(structure, channel, directional=directional)
         if not text:
@@ -117,8 +195,8 @@ def composed_law(
             text=text,
             specification=replace(spec, law=start, free=free),
             beside=beside,
-            constant=0.0 if kind.directional else next(iter(fit.of("offset", channel)), 0.0),
-            inertia=next(iter(fit.of("inertia", channel)), None),
+            constant=0.0 if kind.directional else next(iter(found.of("offset", channel)), 0.0),
+            inertia=next(iter(found.of("inertia", channel)), None),
         )
     return None
 
@@ -233,17 +311,17 @@ class _Coefficients:
     values: Mapping[tuple[str, str], float | Sides]
 
     @classmethod
-    def of(cls, fit: Fit, load: float, inertia: float | None, channel: str) -> "_Coefficients":
-        structure = fit.structure
+    def of(cls, found: Fit, load: float, inertia: float | None, channel: str) -> "_Coefficients":
+        structure = found.structure
         terms, shape = _of(structure, channel), structure.shape(channel)
 
         def of(kind: str, index: int = 0) -> float:
-            found = [
+            own = [
                 float(x)
-                for x, term in zip(fit.coef, fit.owner, strict=True)
+                for x, term in zip(found.coef, found.owner, strict=True)
                 if term.kind == kind and term.channel == channel
             ]
-            return found[index] if found else 0.0
+            return own[index] if own else 0.0
 
         own = 1.0 if "load" in terms else load
         level = of("load") + of("level") / (load if "load" in terms else 1.0)

@@ -93,8 +93,8 @@ def errors_of(
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
     asked = Asked.of(found, load)
     errors = model_errors(found, measurement, hold)
-    own = asked.fits.get(law.name)
-    if own is None or not asked.rejects(law.name):
+    own = asked.fit_of(law.name, law)
+    if own is None or not asked.rejects(own):
         return errors
     return (*errors, law_asked_for(asked.best.text, own, found, measurement))
 
@@ -185,6 +185,8 @@ def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
     ends = fault.interval or (math.nan, math.nan)
+    # a delay counts from the force to the motion
+    effect, limits = (-value, sorted(-one for one in ends)) if kind == "delay" else (value, ends)
     sized = _Sized(
         value=value,
         text=_size(value, ends, _unit(kind, measurement)),
@@ -201,8 +203,8 @@ def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
             f"It explains {sized.force} of the force, {percent(fault.share)} of the friction."
             f" The 95 % intervals do not account for it.{_cure(kind, value, measurement)}"
         ),
-        effect=value,
-        interval=(float(ends[0]), float(ends[1])),
+        effect=effect,
+        interval=(float(limits[0]), float(limits[1])),
         share=fault.share**2,
     )
 
