@@ -1,7 +1,7 @@
 """The search over structures: a beam of families, judged on held-out blocks by one rule."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -34,10 +34,8 @@ MOST_TIES = 6
 """Ties that are reported."""
 TEXTBOOK = ("viscous", "offset", "viscous_dir")
 """The second start beside a level: the textbook law of both directions."""
-PEAKS = (200.0, 3.0)
-"""Largest speed over the Stribeck velocities of the third start."""
 POWERS = (0.4, 0.6, 1.0)
-"""Exponents of its viscous part."""
+"""Viscous exponents of the third start, a Stribeck law."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -89,6 +87,7 @@ class Search:
         self.delays = [term for term in vocabulary if term.kind == "delay"]
         self.shapes = {channel: shapes(balance, channel) for channel in balance.channels}
         self.fits: dict[Structure, Fit] = {}
+        self._known: dict[Structure, list[Structure]] = {}
         self.evaluated = 0
         self.scale = balance.scale
 
@@ -137,6 +136,7 @@ class Search:
         """
         found = start
         for channel in self.balance.channels:
+            top = self.balance.speed[channel]
             options = [
                 found.having(
                     Term("offset", (), channel),
@@ -144,7 +144,7 @@ class Search:
                     Term("stribeck_dir", (v_s, 1.0), channel),
                     Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
                 )
-                for v_s in grid(*(self.balance.speed[channel] / one for one in PEAKS), 6)
+                for v_s in grid(top / 200.0, top / 3.0, 6)
                 for p in POWERS
             ]
             errors = [training_error(self.balance, one) for one in options]
@@ -170,7 +170,9 @@ class Search:
         """Return the beam of the next level: different families, not neighbours on a grid."""
         pool = {one.structure: one for one in beam}
         for old in beam:
-            for structure in self._proposed(old):
+            if old.structure not in self._known:
+                self._known[old.structure] = self._proposed(old)
+            for structure in self._known[old.structure]:
                 new = self.fit(structure)
                 if self._stays(new, old):
                     pool.setdefault(structure, new)
@@ -197,8 +199,8 @@ class Search:
         better = self.fit(polished(self.balance, found.structure))
         return better if better.ok and better.rms <= found.rms else found
 
-    def _proposed(self, old: Fit) -> Iterable[Structure]:
-        """Yield the structures that a level fits: added, swapped, late, remembering, smaller."""
+    def _proposed(self, old: Fit) -> list[Structure]:
+        """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
         candidates = [*self.terms, *ripples(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
@@ -244,10 +246,8 @@ class Search:
         if structure.shape(channel) != SIGN:
             found.append(structure.forgetting(channel))
             if not structure.has("second"):
-                found += [
-                    polished(self.balance, one)
-                    for one in self._scanned(structure, channel, second, lugre=False)
-                ]
+                seconds = self._scanned(structure, channel, second, lugre=False)
+                found += [polished(self.balance, one) for one in seconds[:1]] + seconds[1:]
         return found
 
     def _scanned(
