@@ -42,7 +42,7 @@ class Explanation:
     intervals: dict[str, Interval]
     """Value, lower and upper limit (95 %) of every parameter, by channel and kind."""
     scale: float
-    """Standard deviation [N] of the friction."""
+    """Root of the mean square [N] of the friction."""
     family: dict[Family, Fit]
     """The best fit of every family that was met."""
     trail: tuple[str, ...]

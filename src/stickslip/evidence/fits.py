@@ -359,9 +359,10 @@ def matched(owners: Sequence[Term], other: Sequence[Term]) -> list[int]:
 
 
 def friction_scale(balance: Balance, found: Fit) -> float:
-    """Return the standard deviation [N] of what the mechanism and an offset leave: the friction."""
+    """Return the root of the mean square [N] of what mechanism and offset leave: the friction."""
     made = design(balance, found.structure)
     own = np.array([t.kind not in ("inertia", "known", "offset") for t in made.owners], bool)
     friction = found.residual + made.columns[:, own] @ found.coef[own]
     rows = balance.use & ~balance.at_rest
-    return max(float(np.std(friction[rows])) if rows.any() else 0.0, 1e-12 * balance.scale)
+    square = float(np.mean(friction[rows] ** 2)) if rows.any() else 0.0
+    return max(math.sqrt(square), 1e-12 * balance.scale)

@@ -54,7 +54,7 @@ class Searched:
     trail: tuple[str, ...]
     """The best structure of each level, with its held-out error [N]."""
     scale: float
-    """Standard deviation [N] of the friction."""
+    """Root of the mean square [N] of the friction."""
     family: dict[Family, Fit]
     """The best fit of every family that was met."""
 
@@ -160,6 +160,11 @@ class Search:
             smaller = [structure.without(term) for term in structure.free]
             smaller = smaller if len(structure.terms) > 1 else []
             smaller += [structure.forgetting(channel) for channel, _ in structure.memories]
+            smaller += [
+                structure.shaped(channel, shape[:2])
+                for channel, shape in structure.memories
+                if len(shape) == 5
+            ]
             fits = [self.fit(one) for one in smaller if _has_columns(one)]
             enough = [one for one in fits if one.ok and not self.better(found, one)]
             if not enough:
