@@ -8,7 +8,7 @@ from benchmarks.axis_records import TRUTHS, record
 
 from stickslip.errors import InputError
 from stickslip.evidence import Balance, Series, Structure, Term, begin, explain, fit
-from stickslip.evidence.fits import design, solved
+from stickslip.evidence.fits import CHANCE, design, solved
 from stickslip.evidence.moves import moves
 from stickslip.evidence.vocabulary import vocabulary
 
@@ -51,7 +51,19 @@ def test_a_row_in_the_cone_counts_for_nothing_and_one_outside_by_its_distance(ba
     np.testing.assert_allclose(made.residual(values)[at], made.force[at])
     values[level] = 0.1
     expected = np.sign(made.force) * np.maximum(np.abs(made.force) - 0.1, 0.0)
+    at = at[np.abs(made.columns[at, level]) <= 1.0]  # elsewhere the filter overshoots
     np.testing.assert_allclose(made.residual(values)[at], expected[at], atol=1e-12)
+
+
+def test_a_slip_that_the_filter_makes_overshoot_is_no_error_of_the_law():
+    t = 2e-3 * np.arange(5000)
+    series = Series(t, np.sin(3.0 * t), 2.0 * np.sign(np.cos(3.0 * t)), inertia=False)
+    there = Balance([series])
+    made = design(there, begin(there))
+    left = made.residual(np.array([2.0]))
+    assert np.abs(made.force).max() > 2.1
+    # a reversal between two samples is seen at one of them
+    assert np.sqrt(np.mean(left[there.use] ** 2)) < 0.01
 
 
 def test_the_difference_of_directions_shifts_the_cone(balance):
@@ -61,6 +73,8 @@ def test_the_difference_of_directions_shifts_the_cone(balance):
     values = np.zeros(len(kinds))
     values[kinds.index("level")], values[kinds.index("stribeck_dir")] = 0.3, 0.1
     at = np.flatnonzero(balance.at_rest & balance.use)
+    contact = made.columns[at] @ values
+    at = at[(contact > -0.2) & (contact < 0.4)]
     force = made.force[at]
     expected = force - np.clip(force, -0.2, 0.4)
     np.testing.assert_allclose(made.residual(values)[at], expected, atol=1e-6)
@@ -76,11 +90,12 @@ def test_held_out_errors_by_gram_matrices_are_those_of_direct_fits(balance):
     structure = begin(balance).having(Term("viscous"), Term("offset"))
     made, found = design(balance, structure), fit(balance, structure)
     first = made.residual(found.coef)
-    # open rows outside the cone stand on its border
+    # open rows outside the cone, by more than noise, stand on its border
     columns, rows = made.columns.copy(), made.slipping.copy()
     simple = solved(columns[rows].T @ columns[rows], columns[rows].T @ made.force[rows])
     left = made.residual(simple)
-    out = balance.use & made.open & (np.abs(left) > 1e-12 * balance.scale)
+    noise = np.sqrt(np.mean(left[rows] ** 2))
+    out = balance.use & made.open & (np.abs(left) > CHANCE * noise)
     level = [one.kind for one in made.owners].index("level")
     columns[out, level] = np.sign(left[out]) * made.multipliers[out, level]
     rows |= out

@@ -63,7 +63,8 @@ def test_a_delay_is_found_between_the_steps_of_its_grid():
     found = explain([record(replace(truth, plant=plant), 5, seconds=SECONDS).series])
     (fault,) = found.faults
     assert "delay" in fault.kinds
-    assert fault.value == pytest.approx(0.0095, abs=0.001)  # a sample
+    # noise of the position, which the controller feeds back, costs about a sample
+    assert fault.value == pytest.approx(0.0095, abs=0.0015)
     assert fault.interval[0] < fault.value < fault.interval[1]
 
 

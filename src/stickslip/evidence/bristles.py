@@ -23,9 +23,9 @@ def bristle_states(path: Array, shapes: Sequence[Shape], start: float) -> Array:
 
     Examples
     --------
-    >>> z = bristle_states(np.array([0.0, 1.0, 2.0, 1.0]), [(1.0, 1.0), (1.0, 0.0)], 0.0)
+    >>> z = bristle_states(np.array([0.0, 1.0, 2.0, 1.5]), [(1.0, 1.0), (1.0, 0.0)], 0.0)
     >>> [round(float(one), 4) for one in z[:, 0]], z[:, 1].tolist()
-    ([0.0, 0.6321, 0.8647, -0.314], [0.0, 1.0, 1.0, 0.0])
+    ([0.0, 0.6321, 0.8647, 0.131], [0.0, 1.0, 1.0, 0.5])
     """
     steps = np.diff(path, prepend=path[0])
     ways, first = _runs(steps)

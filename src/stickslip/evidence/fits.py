@@ -30,6 +30,9 @@ APART = 2.0
 """Least ratio of the lengths of two bristles of a channel."""
 STROKES = 10.0
 """Least range of the position over the length of a bristle, where such terms stand beside one."""
+CHANCE = 3.0
+"""Distance to the cone that is noise, over the residuals of slipping rows. Rows that noise moves
+out of the cone would raise the level: those that it moves in do not count."""
 BLOCKS = 10
 """Blocks of time that standard errors come from."""
 
@@ -71,7 +74,8 @@ class Design:
         """Return residuals at rows; where the force is open, its distance to what the law allows.
 
         A law without memory allows the cone from E - F to E + F, with the difference of directions
-        E; one whose memory the path does not resolve allows what it cannot see of that.
+        E, and what it predicts of a slip, which the filter makes overshoot; one whose memory the
+        path does not resolve allows what it cannot see of that.
         """
         columns, force = self.columns[rows], self.force[rows]
         left = force - columns @ values
@@ -90,7 +94,8 @@ class Design:
             unseen = half[own] * min(2.0 * self.balance.resolved[name] / shape[0], 1.0)
             low[own] = np.maximum(low[own], contact[own] - unseen)
             high[own] = np.minimum(high[own], contact[own] + unseen)
-        distance = needed - np.clip(needed, np.minimum(low, high), np.maximum(low, high))
+        low, high = np.minimum(low, high), np.maximum(low, high)
+        distance = needed - np.clip(needed, np.minimum(low, contact), np.maximum(high, contact))
         return np.where(free, distance, left)
 
 
@@ -220,7 +225,7 @@ def estimated(made: Design) -> Estimated:
     values = _least_squares(columns[rows], made.force[rows])
     if made.open.any() and made.odd.any():
         left = made.residual(values)
-        within = 1e-12 * made.balance.scale
+        within = CHANCE * float(np.sqrt(np.mean(left[rows] ** 2))) if rows.any() else 0.0
         border = np.flatnonzero(made.balance.use & made.open & (np.abs(left) > within))
         if border.size:
             columns, rows = columns.copy(), rows.copy()
@@ -354,11 +359,12 @@ def matched(owners: Sequence[Term], other: Sequence[Term]) -> list[int]:
 
 
 def friction_scale(balance: Balance, found: Fit) -> float:
-    """Return the standard deviation [N] of what the mechanism and an offset leave: the friction."""
+    """Return the root of the mean square [N] of what mechanism and offset leave: the friction."""
     made = design(balance, found.structure)
     own = np.array(
         [t.kind not in ("inertia", "mass", "known", "offset") for t in made.owners], bool
     )
     friction = found.residual + made.columns[:, own] @ found.coef[own]
     rows = balance.use & ~balance.at_rest
-    return max(float(np.std(friction[rows])) if rows.any() else 0.0, 1e-12 * balance.scale)
+    square = float(np.mean(friction[rows] ** 2)) if rows.any() else 0.0
+    return max(math.sqrt(square), 1e-12 * balance.scale)

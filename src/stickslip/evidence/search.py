@@ -1,7 +1,7 @@
 """The search over structures: a beam of families, judged on held-out blocks by one rule."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -34,10 +34,8 @@ MOST_TIES = 6
 """Ties that are reported."""
 TEXTBOOK = ("viscous", "offset", "viscous_dir")
 """The second start beside a level: the textbook law of both directions."""
-PEAKS = (200.0, 3.0)
-"""Largest speed over the Stribeck velocities of the third start."""
 POWERS = (0.4, 0.6, 1.0)
-"""Exponents of its viscous part."""
+"""Viscous exponents of the third start, a Stribeck law."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -56,7 +54,7 @@ class Searched:
     trail: tuple[str, ...]
     """The best structure of each level, with its held-out error [N]."""
     scale: float
-    """Standard deviation [N] of the friction."""
+    """Root of the mean square [N] of the friction."""
     family: dict[Family, Fit]
     """The best fit of every family that was met."""
 
@@ -89,6 +87,7 @@ class Search:
         self.delays = [term for term in vocabulary if term.kind == "delay"]
         self.shapes = {channel: shapes(balance, channel) for channel in balance.channels}
         self.fits: dict[Structure, Fit] = {}
+        self._known: dict[Structure, list[Structure]] = {}
         self.evaluated = 0
         self.scale = balance.scale
 
@@ -145,7 +144,7 @@ class Search:
                     Term("stribeck_dir", (v_s, 1.0), channel),
                     Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
                 )
-                for v_s in grid(top / PEAKS[0], top / PEAKS[1], 6)
+                for v_s in grid(top / 200.0, top / 3.0, 6)
                 for p in POWERS
             ]
             errors = [training_error(self.balance, one) for one in options]
@@ -161,6 +160,11 @@ class Search:
             smaller = [structure.without(term) for term in structure.free]
             smaller = smaller if len(structure.terms) > 1 else []
             smaller += [structure.forgetting(channel) for channel, _ in structure.memories]
+            smaller += [
+                structure.shaped(channel, shape[:2])
+                for channel, shape in structure.memories
+                if len(shape) == 5
+            ]
             fits = [self.fit(one) for one in smaller if _has_columns(one)]
             enough = [one for one in fits if one.ok and not self.better(found, one)]
             if not enough:
@@ -171,7 +175,9 @@ class Search:
         """Return the beam of the next level: different families, not neighbours on a grid."""
         pool = {one.structure: one for one in beam}
         for old in beam:
-            for structure in self._proposed(old):
+            if old.structure not in self._known:
+                self._known[old.structure] = self._proposed(old)
+            for structure in self._known[old.structure]:
                 new = self.fit(structure)
                 if self._stays(new, old):
                     pool.setdefault(structure, new)
@@ -198,8 +204,8 @@ class Search:
         better = self.fit(polished(self.balance, found.structure))
         return better if better.ok and better.rms <= found.rms else found
 
-    def _proposed(self, old: Fit) -> Iterable[Structure]:
-        """Yield the structures that a level fits: added, swapped, late, remembering, smaller."""
+    def _proposed(self, old: Fit) -> list[Structure]:
+        """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
         candidates = [*self.terms, *ripples(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
@@ -245,10 +251,8 @@ class Search:
         if structure.shape(channel) != SIGN:
             found.append(structure.forgetting(channel))
             if not structure.has("second"):
-                found += [
-                    polished(self.balance, one)
-                    for one in self._scanned(structure, channel, second, lugre=False)
-                ]
+                seconds = self._scanned(structure, channel, second, lugre=False)
+                found += [polished(self.balance, one) for one in seconds[:1]] + seconds[1:]
         return found
 
     def _scanned(

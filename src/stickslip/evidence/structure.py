@@ -23,6 +23,8 @@ CARRIED = (
     "temperature",
 )
 """Kinds that modify a level or stand beside it, and need one."""
+DRIVEN = ("backlash", "flexible", "loose")
+"""Kinds that share an inertia out, and need one."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
 PARAMETER = 0.1
@@ -116,9 +118,10 @@ class Structure:
 
     @property
     def complete(self) -> bool:
-        """Return whether every term has the one that it modifies."""
+        """Return whether every term has the one that it modifies, or that it stands beside."""
         return not any(
-            (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
+            (one.kind in DRIVEN and not self.has("inertia", one.channel))
+            or (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
             or (
                 one.kind in CARRIED
                 and not self.has("level", one.channel)
