@@ -162,7 +162,7 @@ def test_directions_are_not_told_apart_on_motion_of_one_direction():
     assert not any(kind.directional for kind in kinds)
 
 
-def test_memory_is_not_tried_where_a_simple_law_leaves_the_noise_of_the_encoder():
+def test_memory_is_not_tried_where_the_force_balance_does_not_ask_for_it():
     t = np.arange(0.0, 6.0, 2e-3)
     force = 6.0 * np.sin(2.0 * t) + 3.0 * np.sin(5.0 * t)
     friction = law("level + viscous")(kinetic_coefficient=2.0, viscous_coefficient=1.0)
@@ -171,8 +171,9 @@ def test_memory_is_not_tried_where_a_simple_law_leaves_the_noise_of_the_encoder(
     x = x + 1e-4 * np.random.default_rng(2).normal(size=t.size)
     record = Measurement(time=t, position=x, force=force)
     found = select(AXIS, None, record, route="shooting", settings=QUICK)
-    assert names(found) == FIRST
     assert found.best.name == "coulomb-viscous"
+    assert len(found.candidates) <= 4
+    assert not any(one.law.states for one in found.candidates)
 
 
 def test_every_rung_contains_those_that_it_is_reached_from():
