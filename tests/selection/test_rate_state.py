@@ -13,10 +13,10 @@ from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_mea
 from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.identification import fit_rate_state, simulate_velocity_steps
+from stickslip.kinds.registry import kind_of_route
 from stickslip.report import rate_state_sections
 from stickslip.report.core.documents import Origin, Page, made_sections
 from stickslip.report.core.page import render
-from stickslip.routes import route_named
 from stickslip.selection import RateStateVerdict, select_rate_state
 from stickslip.selection.rate_state import held_out, rate_state_laws
 
@@ -238,7 +238,7 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     known = next(c for c in verdicts(*EVOLVING).candidates if c.name == "constant-coefficient")
     assert verdict.closest.fit.law == known.fit.law
     assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
-    assert route_named(verdict.route).comparison(verdict).heads[-1] == "second record"
+    assert kind_of_route(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
 @each_truth
@@ -248,7 +248,7 @@ def test_a_verdict_is_plain_numbers_and_a_table(verdicts, name):
     told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
     assert told["route"] == "rate-state"
     assert told["best"] == verdict.best.name
-    table = route_named(verdict.route).comparison(verdict)
+    table = kind_of_route(verdict.route).comparison(verdict)
     assert all(len(row) == len(table.heads) for row in table.rows)
     assert len(table.notes) == len(table.rows) == len(verdict.to_dataframe())
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from stickslip.kinds.registry import kind_of_route
 from stickslip.report import Origin, Page, Section, SectionMaker, colophon, made_sections
-from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
 LAST = ("next_section", "certificate_section", "reproduce_section")
@@ -30,7 +30,7 @@ def verdict_page(
     >>> page.title, page.sections[0].id, page.sections[-1].id
     ('Friction model selection: Block', 'verdict', 'reproduce')
     """
-    first, *others = route_named(verdict.route).sections(verdict, origin, remark)
+    first, *others = kind_of_route(verdict.route).sections(verdict, origin, remark)
     before = [one for one in others if one.func.__name__ not in LAST]
     after = [one for one in others if one.func.__name__ in LAST]
     return Page(

@@ -6,9 +6,9 @@ from typing import Any
 
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
+from stickslip.kinds.page import verdict_page
+from stickslip.kinds.registry import kind_of_route
 from stickslip.report import Origin, render
-from stickslip.routes.page import verdict_page
-from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
 PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
@@ -125,7 +125,7 @@ def write_verdict(
     """
     files: dict[str, str | bytes] = {} if page is None else {PAGE: page}
     files[DOCUMENT] = json_text(content)
-    saved = route_named(verdict.route).simulated
+    saved = kind_of_route(verdict.route).simulated
     if saved and verdict.best is not None and verdict.best.fit is not None:
         files[LAW_FILE] = verdict.best.fit.to_toml()
     write_folder(folder, files, stale=VERDICT_FILES)

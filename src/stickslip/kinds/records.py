@@ -24,17 +24,17 @@ from stickslip.identification import (
     fit_records,
     record_route_name,
 )
-from stickslip.report import Origin, SectionMaker
-from stickslip.routes.route import (
+from stickslip.kinds.kind import (
     Comparison,
     FitRequest,
     FitSummary,
+    Kind,
     Law,
     Options,
     Request,
-    Route,
     SelectRequest,
 )
+from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
     CrossValidatedVerdict,
     RecordCandidate,
@@ -60,10 +60,10 @@ OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
 
 
 @final
-class RecordRoute(Route[RecordFit, RecordVerdict]):
+class RecordKind(Kind[RecordFit, RecordVerdict]):
     """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
 
-    names = ROUTES
+    routes = ROUTES
     measured = "records of motion or friction"
     climbs = True
     uses = frozenset({"route", "purpose", "horizon", "validate", "executor"})

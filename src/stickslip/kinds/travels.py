@@ -26,16 +26,16 @@ from stickslip.identification import (
     quantities_read,
     trials_of,
 )
-from stickslip.report import Origin, SectionMaker
-from stickslip.routes.route import (
+from stickslip.kinds.kind import (
     Comparison,
     FitRequest,
     FitSummary,
+    Kind,
     Law,
     Options,
-    Route,
     SelectRequest,
 )
+from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
     PLAIN,
     TravelCandidate,
@@ -50,10 +50,10 @@ T_END = 10.0
 
 
 @final
-class TravelRoute(Route[TravelFit, TravelVerdict]):
+class TravelKind(Kind[TravelFit, TravelVerdict]):
     """Runs to rest, fitted to distances."""
 
-    names = ("travel",)
+    routes = ("travel",)
     measured = "travels"
     uses = frozenset({"assumed", "t_end"})
     has_criteria = True

@@ -20,7 +20,9 @@ from stickslip import (
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import RateState
 from stickslip.identification.records.route_choice import RouteChoice
-from stickslip.routes import Options, Route, refuse_unused, registry, route_named, route_of, routes
+from stickslip.kinds import registry
+from stickslip.kinds.kind import Kind, Options
+from stickslip.kinds.registry import kind_of, kind_of_route, kinds, refuse_unused
 
 T = np.linspace(0.0, 1.0, 50)
 RISE, WAVE = 1e-6 * T, np.sin(6.0 * T)
@@ -70,15 +72,15 @@ def measured(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_measurement_gets_the_route_of_its_kind(kind):
     _, record = measured(kind)
-    assert route_of(record).names[0] == KINDS[kind][-1]
+    assert kind_of(record).routes[0] == KINDS[kind][-1]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_last_route_leaves_nothing_without_one(kind):
     _, record = measured(kind)
-    own = [route for route in routes() if route.serves(record)]
+    own = [one for one in kinds() if one.serves(record)]
     assert own  # the first is taken, and the more special ones are asked first
-    assert own[0] is route_of(record)
+    assert own[0] is kind_of(record)
 
 
 @pytest.mark.parametrize("asked", ["force-map", "features", "rate-state"])
@@ -86,34 +88,34 @@ def test_a_record_gets_the_route_that_is_asked_for(asked):
     for kind in KINDS:
         _, record = measured(kind)
         if kind == "one travel":  # which then refuses the option
-            assert route_of(record, asked).names == ("travel",)
+            assert kind_of(record, asked).routes == ("travel",)
         else:
-            assert asked in route_of(record, asked).names
+            assert asked in kind_of(record, asked).routes
 
 
 def test_a_choice_asks_for_its_route():
     _, record = measured("velocity steps")
     choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings())
-    assert "inverse-dynamics" in route_of(record, choice).names
+    assert "inverse-dynamics" in kind_of(record, choice).routes
 
 
 def test_names_of_routes_are_known_and_apart():
-    names = [name for route in routes() for name in route.names]
+    names = [name for kind in kinds() for name in kind.routes]
     assert len(set(names)) == len(names)
-    assert all(name in route_named(name).names for name in names)
+    assert all(name in kind_of_route(name).routes for name in names)
     with pytest.raises(UnknownNameError, match=r"'rate-stat'.*'rate-state'"):
-        route_of(measured("velocity steps")[1], "rate-stat")
+        kind_of(measured("velocity steps")[1], "rate-stat")
 
 
 def test_a_route_of_another_package_needs_names_of_its_own(monkeypatch):
-    class Other(type(route_named("travel"))):
-        names = ("features",)
+    class Other(type(kind_of_route("travel"))):
+        routes = ("features",)
 
     monkeypatch.setattr(registry, "plugins", lambda *_: [("other:Other", Other)])
     with pytest.raises(StickslipError, match=r"other:Other is named .*, which is taken: rename it"):
-        routes.__wrapped__()
-    Other.names = ("other",)
-    assert [route.names for route in routes.__wrapped__()][:2] == [("other",), ("features",)]
+        kinds.__wrapped__()
+    Other.routes = ("other",)
+    assert [kind.routes for kind in kinds.__wrapped__()][:2] == [("other",), ("features",)]
 
 
 @pytest.mark.parametrize("name", GIVEN)
@@ -122,7 +124,7 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
     mechanism, record = measured(kind)
     route = KINDS[kind][-1]
     if name in USED[route]:
-        refuse_unused(route_named(route), {name: name}, Options(**{name: GIVEN[name]}))
+        refuse_unused(kind_of_route(route), {name: name}, Options(**{name: GIVEN[name]}))
         return
     verbs = [(select, None)] + ([(fit, "coulomb")] if name in OF_FIT else [])
     for verb, law in verbs:
@@ -134,9 +136,9 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
         if (route, name) == ("travel", "validate"):
             assert "give more trials instead" in said
             continue
-        assert f"it has no effect on {route_named(route).measured}: leave it out." in said
+        assert f"it has no effect on {kind_of_route(route).measured}: leave it out." in said
         for other, used in USED.items():
-            assert (route_named(other).measured in said.partition(";")[0]) is (name in used)
+            assert (kind_of_route(other).measured in said.partition(";")[0]) is (name in used)
 
 
 SETTINGS = {"segment": 0.5, "resolution": 99, "hold": "first", "starts": 2, "seed": 3}
@@ -159,7 +161,7 @@ def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, mo
     settings = RecordSettings(**{name: SETTINGS[name]})
     unused, where = WITHOUT[kind, asked]
     law = "logarithmic" if kind == "velocity steps" else "coulomb"
-    way, seen = type(route_of(record, asked)), []
+    way, seen = type(kind_of(record, asked)), []
     for method in ("fit", "select"):
         monkeypatch.setattr(way, method, lambda self, request, options: seen.append(options))
     for verb in (fit, select):
@@ -180,24 +182,24 @@ def test_settings_beside_a_choice_that_has_its_own_are_refused():
     with pytest.raises(InputError, match="settings has no effect beside a `RouteChoice`"):
         fit(mechanism, "coulomb", record, route=choice, settings=RecordSettings(starts=2))
     options = Options(route=choice, settings=RecordSettings(starts=3))
-    refuse_unused(route_of(record), {"settings": "settings"}, options)
+    refuse_unused(kind_of(record), {"settings": "settings"}, options)
 
 
 def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():
     with pytest.raises(TypeError, match=r"Other.uses has 'jobs', which is no field of Options"):
 
-        class Other(Route):
+        class Other(Kind):
             uses = frozenset({"jobs"})
 
     with pytest.raises(TypeError, match=r"Next.settings has 'start', which is no .*: .*hold"):
 
-        class Next(Route):
+        class Next(Kind):
             uses, settings = frozenset(), frozenset({"start"})
 
 
 def test_the_least_residual_has_words_on_every_route():
     table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
-    words = {one.names[0]: one.residual_text(0.012, table, Options()) for one in routes()}
+    words = {one.routes[0]: one.residual_text(0.012, table, Options()) for one in kinds()}
     assert words == {
         "features": "error of the features 1.2 %",
         "travel": "residual 0.012",
@@ -225,7 +227,7 @@ def test_options_that_say_nothing_are_not_refused():
 )
 @pytest.mark.parametrize("route", ["shooting", "features"])
 def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
-    way, stiffness = route_named(route), "mechanism.stiffness"
+    way, stiffness = kind_of_route(route), "mechanism.stiffness"
     kind = Coulomb if name == "coulomb" else Dahl
     own = ["friction.*"] if free is None else [f"friction.{one}" for one in free]
     assert way.law_and_parameters(name, None) == (kind, None if free is None else own)
@@ -236,7 +238,7 @@ def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
 
 
 def test_what_is_held_is_not_varied_by_the_name():
-    vary = route_named("shooting").law_and_parameters(
+    vary = kind_of_route("shooting").law_and_parameters(
         "dahl", None, ["bristle_stiffness", "friction.viscous_coefficient"]
     )[1]
     assert vary == ["friction.kinetic_coefficient"]
@@ -245,16 +247,16 @@ def test_what_is_held_is_not_varied_by_the_name():
 def test_a_law_that_is_given_itself_keeps_what_is_asked_for():
     law = Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e3, viscous_coefficient=0.0)
     for given in (Dahl, law):
-        found, vary = route_named("shooting").law_and_parameters(given, ["exponent"])
+        found, vary = kind_of_route("shooting").law_and_parameters(given, ["exponent"])
         assert found is given
         assert vary == ["exponent"]
 
 
 def test_of_travels_a_name_is_the_law_alone_and_of_steps_the_name_stays():
-    assert route_named("travel").law_and_parameters("dahl", None) == (Dahl, None)
+    assert kind_of_route("travel").law_and_parameters("dahl", None) == (Dahl, None)
     with pytest.raises(InputError, match=r"only for fits to records.*Give dahl"):
-        route_named("travel").law_and_parameters("dahl-exponent", None)
-    way = route_named("rate-state")
+        kind_of_route("travel").law_and_parameters("dahl-exponent", None)
+    way = kind_of_route("rate-state")
     assert way.law_and_parameters("logarithmic", ["friction.*"]) == ("logarithmic", ["friction.*"])
     assert way.owner("logarithmic") is RateState
 
@@ -274,7 +276,7 @@ def test_a_law_of_another_kind_is_refused_before_any_work(kind, law):
     mechanism, record = measured(kind)
     if KINDS[kind][-1] == "rate-state" and law in (RateState, STATE):
         law = Coulomb
-    what = re.escape(route_of(record).measured)
+    what = re.escape(kind_of(record).measured)
     for verb, given in ((fit, law), (select, law), (select, [law]), (select, {"mine": law})):
         with pytest.raises(InputError, match=rf"A fit to {what} takes a \w+, its type or its name"):
             verb(mechanism, given, record)
@@ -293,4 +295,4 @@ def test_names_of_laws_for_velocity_steps_say_what_these_are(kind):
 def test_the_route_of_other_measurements_is_refused_by_what_it_is_for() -> None:
     table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
     with pytest.raises(InputError, match=r"^route 'travel' applies to travels, not to this"):
-        route_of(table, "travel")
+        kind_of(table, "travel")

@@ -1,4 +1,4 @@
-"""The verbs `fit` and `select`: each asks the route of the measurement once."""
+"""The verbs `fit` and `select`: each asks the kind of the measurement once."""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
@@ -16,15 +16,15 @@ from stickslip.identification import (
     RouteName,
     check_given,
 )
-from stickslip.mechanisms import Mechanism, as_rotary
-from stickslip.routes.registry import (
-    AnyRoute,
+from stickslip.kinds.kind import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
+from stickslip.kinds.registry import (
+    AnyKind,
+    kind_of,
     refuse_foreign,
     refuse_uninformed,
     refuse_unused,
-    route_of,
 )
-from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
+from stickslip.mechanisms import Mechanism, as_rotary
 from stickslip.selection import PurposeName, Verdict
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
@@ -105,7 +105,7 @@ def fit(
         Values of parameters that are held, of law and mechanism, by the same names.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings; or the name of a route of another package. If not given, it follows from the
+        settings; or a route of another package. If not given, it follows from the
         quantities measured; of records, `choose_route` chooses.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features use the seed and velocity
@@ -144,23 +144,23 @@ def fit(
     measurement = as_turning(measurement, mechanism.units)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
-    way = route_of(measurement, route)
+    kind = kind_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
-    refuse_unused(way, {name: name for name in options.given}, options)
-    several = isinstance(law, Mapping) and way.by_contact
+    refuse_unused(kind, {name: name for name in options.given}, options)
+    several = isinstance(law, Mapping) and kind.by_contact
     given = [one for one in law.values() if one is not None] if several else [law]
-    refuse_foreign(way, given)
-    refuse_uninformed(way, given, mechanism, measurement)
-    kind, vary = way.law_and_parameters(law, vary, fixed or ())
+    refuse_foreign(kind, given)
+    refuse_uninformed(kind, given, mechanism, measurement)
+    law, vary = kind.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
-        law=kind,
+        law=law,
         measurement=measurement,
         vary=vary,
         fixed=fixed,
         progress=progress,
     )
-    found: Fit[Any] = way.fit(request, _chosen(way, request, options, kind))
+    found: Fit[Any] = kind.fit(request, _chosen(kind, request, options, law))
     return found
 
 
@@ -214,7 +214,7 @@ def select(
         Length of the stretches that are predicted [s], if not that of the purpose.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings; or the name of a route of another package. If not given, it follows from the
+        settings; or a route of another package. If not given, it follows from the
         quantities measured; of records, `choose_route` chooses.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
@@ -236,7 +236,7 @@ def select(
     -------
     Verdict
         A `TravelVerdict`, `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`,
-        or that of a route of another package: candidates, the law to use, what the data settle and
+        or that of a kind of another package: candidates, the law to use, what the data settle and
         what they cannot tell.
 
     Raises
@@ -259,7 +259,7 @@ def select(
     measurement = as_turning(measurement, mechanism.units)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
-    way = route_of(measurement, route)
+    kind = kind_of(measurement, route)
     options = Options(
         route=route,
         settings=settings,
@@ -270,14 +270,14 @@ def select(
         t_end=t_end,
         executor=executor,
     )
-    refuse_unused(way, {name: name for name in options.given}, options)
+    refuse_unused(kind, {name: name for name in options.given}, options)
     is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
     several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
     given = several.values() if isinstance(several, Mapping) else several or ()
-    refuse_foreign(way, given)
+    refuse_foreign(kind, given)
     for one in (measurement, options.validate):
         if one is not None:
-            refuse_uninformed(way, given, mechanism, one)
+            refuse_uninformed(kind, given, mechanism, one)
     request = SelectRequest(
         mechanism=mechanism,
         laws=several,
@@ -286,11 +286,11 @@ def select(
         fixed=fixed,
         progress=progress,
     )
-    verdict: Verdict = way.select(request, _chosen(way, request, options))
+    verdict: Verdict = kind.select(request, _chosen(kind, request, options))
     return verdict
 
 
-def _chosen(way: AnyRoute, request: Request, options: Options, law: Law | None = None) -> Options:
+def _chosen(kind: AnyKind, request: Request, options: Options, law: Law | None = None) -> Options:
     """Return the options with what is chosen for the measurement, if settings depend on it.
 
     Settings that have no effect then are refused.
@@ -298,6 +298,6 @@ def _chosen(way: AnyRoute, request: Request, options: Options, law: Law | None =
     changed = () if options.settings is None else options.settings.changed
     if not changed:
         return options
-    options = way.resolved(request, options, law)
-    refuse_unused(way, {name: f"RecordSettings.{name}" for name in changed}, options)
+    options = kind.resolved(request, options, law)
+    refuse_unused(kind, {name: f"RecordSettings.{name}" for name in changed}, options)
     return options

@@ -11,9 +11,9 @@ from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.identification import RateStateFit, fit_rate_state
+from stickslip.kinds.page import verdict_page
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
-from stickslip.routes import verdict_page
 from stickslip.selection import RateStateVerdict, select_rate_state
 
 RIG = """
@@ -161,7 +161,7 @@ def test_the_command_fits_the_ageing_law_where_none_is_named(run, monkeypatch):
         asked.append(law)
         raise InputError("seen.")
 
-    monkeypatch.setattr("stickslip.routes.rate_state.fit_rate_state", seen)
+    monkeypatch.setattr("stickslip.kinds.velocity_steps.kind.fit_rate_state", seen)
     assert run("fit", "steps.toml")[0] == 2
     assert asked == ["rate-and-state"]
 
@@ -208,7 +208,7 @@ def test_a_rig_file_of_the_law_is_refused_before_the_work(run, monkeypatch, tmp_
     def worked(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("stickslip.routes.rate_state.fit_rate_state", worked)
+    monkeypatch.setattr("stickslip.kinds.velocity_steps.kind.fit_rate_state", worked)
     code, out, err = run("fit", "steps.toml", "-o", "law.toml")
     assert (code, out) == (2, "")
     assert len(err.splitlines()) == 1

@@ -30,7 +30,7 @@ F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
 R = TypeVar("R")
 Law: TypeAlias = Any
-"""A law, a type or a name, of the kind that a route fits: `FrictionLaw`, or `RateState`."""
+"""A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
 SeveralLaws: TypeAlias = Any
 """A mapping or a sequence of such laws."""
 Progress = Callable[[str, float], object]
@@ -42,7 +42,7 @@ Progress = Callable[[str, float], object]
 class Options:
     """What `fit` and `select` may be told beside the request; None where nothing was said.
 
-    Each route uses some of it, `Route.uses`, and refuses the rest.
+    Each kind uses some of it, `Kind.uses`, and refuses the rest.
     """
 
     route: str | RouteChoice | None = None
@@ -169,14 +169,14 @@ class FitSummary:
     """Whether several trials share the law."""
 
 
-class Route(ABC, Generic[F, V]):
+class Kind(ABC, Generic[F, V]):
     """How one kind of measurement is fitted, compared and shown; the only place that knows.
 
-    A route of one's own is a subclass, registered by an entry point ``stickslip.routes``.
+    A kind of one's own is a subclass, registered by an entry point ``stickslip.kinds``.
     """
 
-    names: ClassVar[tuple[str, ...]]
-    """What ``route=`` may ask for; each fit and verdict says one of these."""
+    routes: ClassVar[tuple[str, ...]]
+    """Ways to fit, which ``route=`` may ask for; each fit and verdict says one of these."""
     measured: ClassVar[str]
     """What was measured, in the plural, such as ``"travels"``."""
     uses: ClassVar[frozenset[str]]
@@ -280,7 +280,7 @@ class Route(ABC, Generic[F, V]):
         return options
 
     def why_unused(self, name: str, options: Options) -> str:
-        """Return why an option or a setting that some routes use has no effect here.
+        """Return why an option or a setting that some kinds use has no effect here.
 
         It is the end of a sentence that begins with the name, and empty where nothing special is to
         be said.

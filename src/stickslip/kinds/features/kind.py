@@ -10,16 +10,9 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
 from stickslip.identification import COMPARED, FEATURES, FeatureFit, Laws, by_features, fit_features
+from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
-from stickslip.routes.route import (
-    Comparison,
-    FitRequest,
-    FitSummary,
-    Options,
-    Route,
-    SelectRequest,
-)
 from stickslip.selection import (
     FeatureCandidate,
     FeatureVerdict,
@@ -35,10 +28,10 @@ UNITS = {"frequency": "Hz"}
 
 
 @final
-class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
+class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     """Limit cycles of a towed block, fitted to frequency, mean and standard deviation."""
 
-    names = (FEATURES,)
+    routes = (FEATURES,)
     measured = "the force of a spring"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"seed"})

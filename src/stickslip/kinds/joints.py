@@ -9,19 +9,19 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
-from stickslip.mechanisms import Mechanism, input_names
-from stickslip.report import Origin, SectionMaker
-from stickslip.routes.records import title_of
-from stickslip.routes.route import (
+from stickslip.kinds.kind import (
     Comparison,
     FitRequest,
     FitSummary,
+    Kind,
     Law,
     Options,
-    Route,
     SelectRequest,
     SeveralLaws,
 )
+from stickslip.kinds.records import title_of
+from stickslip.mechanisms import Mechanism, input_names
+from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
     JointVerdict,
     joint_specifications,
@@ -33,10 +33,10 @@ from stickslip.selection import (
 
 
 @final
-class JointRoute(Route[RecordFit[Any], JointVerdict]):
+class JointKind(Kind[RecordFit[Any], JointVerdict]):
     """Friction of every joint by inverse dynamics, with the parameters of all in one problem."""
 
-    names = (JOINTS,)
+    routes = (JOINTS,)
     measured = "records of several joints"
     uses = frozenset({"validate", "executor"})
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})

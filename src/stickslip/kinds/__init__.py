@@ -1,22 +1,22 @@
-"""Routes: each kind of measurement, from its fit to its page; and the verbs that take any."""
+"""Kinds of measurement, each from its fit to its page; and the verbs that take any."""
 
 from stickslip.lazy import attach
 
 HOMES = {
-    "AnyRoute": "registry",
-    "Comparison": "route",
-    "FitRequest": "route",
-    "FitSummary": "route",
-    "Law": "route",
-    "Options": "route",
-    "Request": "route",
-    "Route": "route",
-    "SelectRequest": "route",
+    "AnyKind": "registry",
+    "Comparison": "kind",
+    "FitRequest": "kind",
+    "FitSummary": "kind",
+    "Kind": "kind",
+    "Law": "kind",
+    "Options": "kind",
+    "Request": "kind",
+    "SelectRequest": "kind",
     "fit": "verbs",
+    "kind_of": "registry",
+    "kind_of_route": "registry",
+    "kinds": "registry",
     "refuse_unused": "registry",
-    "route_named": "registry",
-    "route_of": "registry",
-    "routes": "registry",
     "select": "verbs",
     "verdict_page": "page",
     "write_report": "report",

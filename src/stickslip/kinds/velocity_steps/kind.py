@@ -18,15 +18,8 @@ from stickslip.identification import (
     fit_rate_state,
     serves,
 )
+from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
 from stickslip.report import Origin, SectionMaker
-from stickslip.routes.route import (
-    Comparison,
-    FitRequest,
-    FitSummary,
-    Options,
-    Route,
-    SelectRequest,
-)
 from stickslip.selection import (
     RateStateLaw,
     RateStateLaws,
@@ -42,10 +35,10 @@ COEFFICIENT = Scale(1.0, "")
 
 
 @final
-class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
+class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     """A slider without inertia behind a spring, fitted to the coefficient of friction."""
 
-    names = (VELOCITY_STEPS,)
+    routes = (VELOCITY_STEPS,)
     measured = "velocity steps"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"starts", "seed"})

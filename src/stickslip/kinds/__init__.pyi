@@ -1,0 +1,44 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.kinds.kind import Comparison as Comparison
+from stickslip.kinds.kind import FitRequest as FitRequest
+from stickslip.kinds.kind import FitSummary as FitSummary
+from stickslip.kinds.kind import Kind as Kind
+from stickslip.kinds.kind import Law as Law
+from stickslip.kinds.kind import Options as Options
+from stickslip.kinds.kind import Request as Request
+from stickslip.kinds.kind import SelectRequest as SelectRequest
+from stickslip.kinds.page import verdict_page as verdict_page
+from stickslip.kinds.registry import AnyKind as AnyKind
+from stickslip.kinds.registry import kind_of as kind_of
+from stickslip.kinds.registry import kind_of_route as kind_of_route
+from stickslip.kinds.registry import kinds as kinds
+from stickslip.kinds.registry import refuse_uninformed as refuse_uninformed
+from stickslip.kinds.registry import refuse_unused as refuse_unused
+from stickslip.kinds.registry import unused_text as unused_text
+from stickslip.kinds.report import DOCUMENT as DOCUMENT
+from stickslip.kinds.report import PAGE as PAGE
+from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
+from stickslip.kinds.report import write_report as write_report
+from stickslip.kinds.report import write_verdict as write_verdict
+from stickslip.kinds.verbs import fit as fit
+from stickslip.kinds.verbs import select as select
+
+__all__ = [
+    "AnyKind",
+    "Comparison",
+    "FitRequest",
+    "FitSummary",
+    "Kind",
+    "Law",
+    "Options",
+    "Request",
+    "SelectRequest",
+    "fit",
+    "kind_of",
+    "kind_of_route",
+    "kinds",
+    "refuse_unused",
+    "select",
+    "verdict_page",
+    "write_report",
+]
