@@ -10,11 +10,10 @@ from stickslip.cli import main
 from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
-from stickslip.identification import RateStateFit, fit_rate_state
+from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
 from stickslip.kinds.page import verdict_page
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
-from stickslip.selection import RateStateVerdict, select_rate_state
 
 RIG = """
 title = "Gouge"

@@ -20,6 +20,14 @@ from stickslip.kinds.report import PAGE as PAGE
 from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
 from stickslip.kinds.report import write_report as write_report
 from stickslip.kinds.report import write_verdict as write_verdict
+from stickslip.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
+from stickslip.kinds.velocity_steps.result import RateStateFit as RateStateFit
+from stickslip.kinds.velocity_steps.selection import select_rate_state as select_rate_state
+from stickslip.kinds.velocity_steps.slider import SliderHistory as SliderHistory
+from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
+from stickslip.kinds.velocity_steps.verdict import OtherStep as OtherStep
+from stickslip.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
+from stickslip.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
 from stickslip.kinds.verbs import fit as fit
 from stickslip.kinds.verbs import select as select
 
@@ -31,14 +39,22 @@ __all__ = [
     "Kind",
     "Law",
     "Options",
+    "OtherStep",
+    "RateStateCandidate",
+    "RateStateFit",
+    "RateStateVerdict",
     "Request",
     "SelectRequest",
+    "SliderHistory",
     "fit",
+    "fit_rate_state",
     "kind_of",
     "kind_of_route",
     "kinds",
     "refuse_unused",
     "select",
+    "select_rate_state",
+    "simulate_velocity_steps",
     "verdict_page",
     "write_report",
 ]

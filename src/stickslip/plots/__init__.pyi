@@ -5,6 +5,7 @@ from stickslip.plots.animation.animation import frame_times as frame_times
 from stickslip.plots.animation.animation import picture_of as picture_of
 from stickslip.plots.animation.html_embedding import animation_html as animation_html
 from stickslip.plots.animation.video_encoding import encoder_of as encoder_of
+from stickslip.plots.core.axes import on_axes as on_axes
 from stickslip.plots.core.helpers import Sizes as Sizes
 from stickslip.plots.core.helpers import horizon as horizon
 from stickslip.plots.core.svg import Draw as Draw
@@ -112,7 +113,6 @@ from stickslip.plots.selection.fit_data import sampled as sampled
 from stickslip.plots.selection.fit_data import speeds_of as speeds_of
 from stickslip.plots.selection.fit_data import thinned as thinned
 from stickslip.plots.selection.fits import draw_fitted_map as draw_fitted_map
-from stickslip.plots.selection.fits import plot_coefficient as plot_coefficient
 from stickslip.plots.selection.fits import plot_feature_errors as plot_feature_errors
 from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map

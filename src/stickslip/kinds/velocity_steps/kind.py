@@ -9,26 +9,20 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, Scale, number, percent
 from stickslip.friction import RateState
-from stickslip.identification import (
-    AGREE,
-    STARTS,
-    VELOCITY_STEPS,
-    RateStateFit,
-    RecordSettings,
-    fit_rate_state,
-    serves,
-)
+from stickslip.identification import AGREE, RecordSettings
 from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
-from stickslip.report import Origin, SectionMaker
-from stickslip.selection import (
+from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
+from stickslip.kinds.velocity_steps.problem import serves
+from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
+from stickslip.kinds.velocity_steps.selection import (
     RateStateLaw,
     RateStateLaws,
-    RateStateVerdict,
-    on_second_record,
     rate_state_laws,
-    score_text,
     select_rate_state,
 )
+from stickslip.kinds.velocity_steps.verdict import RateStateVerdict
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import on_second_record, score_text
 
 COEFFICIENT = Scale(1.0, "")
 """Errors of a coefficient are absolute, not percentages."""
@@ -139,6 +133,8 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     def sections(
         self, verdict: RateStateVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report import rate_state_sections  # figures are loaded where a page is made
+        from stickslip.kinds.velocity_steps.page import (
+            sections,  # figures are loaded where a page is made
+        )
 
-        return rate_state_sections(verdict, origin, remark)
+        return sections(verdict, origin, remark)

@@ -12,13 +12,17 @@ from tests.support import sketched
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError
 from stickslip.friction import RateState
-from stickslip.identification import fit_rate_state, simulate_velocity_steps
+from stickslip.kinds import (
+    RateStateVerdict,
+    fit_rate_state,
+    select_rate_state,
+    simulate_velocity_steps,
+)
 from stickslip.kinds.registry import kind_of_route
-from stickslip.report import rate_state_sections
+from stickslip.kinds.velocity_steps.page import sections
+from stickslip.kinds.velocity_steps.selection import held_out, rate_state_laws
 from stickslip.report.core.documents import Origin, Page, made_sections
 from stickslip.report.core.page import render
-from stickslip.selection import RateStateVerdict, select_rate_state
-from stickslip.selection.rate_state import held_out, rate_state_laws
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
 THREE = ([0.0, 20.0, 60.0, 100.0, 120.0], [0.0, 20.0, 420.0, 460.0, 660.0])
@@ -343,8 +347,8 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 def test_pages_have_every_section(verdicts, rock):
     for verdict in (verdicts(*EVOLVING), verdicts("logarithmic"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
-        with sketched():  # a page of its route is drawn whole in `tests/routes`
-            made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
+        with sketched():  # a page of its route is drawn whole in `test_velocity_steps`
+            made = made_sections(*sections(verdict, origin, "Measured in Pisa."))
         ids = [one.id for one in made]
         assert ids[:5] == ["verdict", "friction", "scores", "parameters", "residuals"]
         assert ids[-1] == "reproduce"

@@ -8,10 +8,9 @@ import numpy as np
 from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import Scale, capital, joined, quantity, ratio, significant, span
 from stickslip.friction import RATE_STATE_FORMS
-from stickslip.identification import RateStateFit
-from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate
-from stickslip.selection.verdict import Wording, score_text
-from stickslip.selection.wording import ONE_LAW, corrections
+from stickslip.kinds.velocity_steps.result import RateStateFit
+from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate
+from stickslip.selection import ONE_LAW, Wording, corrections, score_text
 
 MOST = 3
 """Items of a list at most."""

@@ -12,12 +12,21 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, quantity
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
-from stickslip.identification.estimation.jackknife import effective_size
-from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
-from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.features.features import towed_load
-from stickslip.identification.rate_state.problem import (
+from stickslip.identification import (
+    LAW,
+    FreeParameters,
+    OptimizeResult,
+    Parameters,
+    RecordSettings,
+    ResidualJacobian,
+    Watch,
+    check_given,
+    check_varied,
+    effective_size,
+    search,
+    towed_load,
+)
+from stickslip.kinds.velocity_steps.problem import (
     DRIFT,
     EVOLVED,
     PATHS,
@@ -28,20 +37,13 @@ from stickslip.identification.rate_state.problem import (
     record_of,
     unknowns_for,
 )
-from stickslip.identification.rate_state.result import (
+from stickslip.kinds.velocity_steps.result import (
     Profile,
     RateStateFit,
     Window,
     inference_of,
     rate_of,
     result_of,
-)
-from stickslip.identification.settings import RecordSettings
-from stickslip.identification.validation import (
-    LAW,
-    Parameters,
-    check_given,
-    check_varied,
 )
 from stickslip.mechanisms import Mechanism, TowedBlock
 
@@ -140,7 +142,7 @@ def fit_rate_state(
     Examples
     --------
     >>> from stickslip.friction import RateState
-    >>> from stickslip.identification import simulate_velocity_steps
+    >>> from stickslip.kinds import simulate_velocity_steps
     >>> truth = RateState(
     ...     reference_coefficient=0.6,
     ...     direct_effect=0.010,

@@ -12,10 +12,9 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
 from stickslip.friction import RateState, RateStateForm
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import Problem, ResidualJacobian
-from stickslip.identification.rate_state.slider import coefficients, logarithms
-from stickslip.identification.series.load_point import Path, path_of
+from stickslip.identification import FreeParameter, FreeParameters, Problem, ResidualJacobian
+from stickslip.kinds.velocity_steps.load_point import Path, path_of
+from stickslip.kinds.velocity_steps.slider import coefficients, logarithms
 from stickslip.quantities import Quantity, fields_of
 
 Array: TypeAlias = NDArray[np.float64]

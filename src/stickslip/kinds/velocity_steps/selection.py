@@ -13,30 +13,24 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
-from stickslip.identification import (
-    LAW,
-    STARTS,
-    UNSPENT,
-    Drift,
-    Parameters,
-    RateStateFit,
-    RecordSettings,
-    SubsetProblem,
-    bounds_met,
-    fit_rate_state,
-    form_of,
-    improve,
-    simulate_velocity_steps,
-    with_profile,
-)
+from stickslip.identification import LAW, Parameters, RecordSettings, SubsetProblem, improve
+from stickslip.kinds.velocity_steps.fit import STARTS, Drift, fit_rate_state, form_of, with_profile
+from stickslip.kinds.velocity_steps.result import UNSPENT, RateStateFit, bounds_met
+from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps
+from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate, RateStateVerdict
+from stickslip.kinds.velocity_steps.wording import outcomes, rate_state_wording
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.applicability import checked
-from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
-from stickslip.selection.choice import as_good, choose, effective_aic
-from stickslip.selection.cross_validation import CrossValidation
-from stickslip.selection.parallel_fit import watched
-from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
-from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
+from stickslip.selection import (
+    LEFT_OUT,
+    CrossValidation,
+    Watch,
+    as_good,
+    check_apart,
+    checked,
+    choose,
+    effective_aic,
+    watched,
+)
 
 Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str

@@ -19,7 +19,9 @@ from stickslip.formatting import (
     with_unit,
 )
 from stickslip.friction import RATE_STATE_FORMS
-from stickslip.identification import Estimate, RateStateFit
+from stickslip.identification import Estimate
+from stickslip.kinds.velocity_steps.result import RateStateFit
+from stickslip.kinds.velocity_steps.verdict import RateStateCandidate, RateStateVerdict
 from stickslip.plots import (
     ERROR_SIZES,
     ErrorSeries,
@@ -34,24 +36,36 @@ from stickslip.plots import (
     sampled,
 )
 from stickslip.quantities import fields_of
-from stickslip.report.core.blocks import (
+from stickslip.report import (
     Block,
+    Cell,
+    Column,
     Fact,
     Figure,
     KeyValue,
     KeyValues,
+    LawLine,
     Math,
+    Name,
+    Number,
+    Opening,
+    Origin,
+    PageSections,
     Paragraph,
+    Row,
+    Section,
     Subheading,
+    Table,
+    check_items,
+    checks_heading,
+    error_axis,
+    error_plot,
+    label_of,
+    law_references,
+    reproduce,
+    typeset,
 )
-from stickslip.report.core.checks import check_items
-from stickslip.report.core.documents import LawLine, Opening, Origin, PageSections, Section
-from stickslip.report.core.headings import checks_heading
-from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.core.reproduce import law_references, reproduce
-from stickslip.report.core.sparklines import error_axis, error_plot
-from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.selection import RateStateCandidate, RateStateVerdict, score_text
+from stickslip.selection import score_text
 
 PLAIN: Final = Scale(1.0, "")
 MILLI: Final = Scale(1e3, "10⁻³")
@@ -481,7 +495,7 @@ def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
     return reproduce(origin, code=[(text, note)], items=items, references=references)
 
 
-rate_state_sections = PageSections[RateStateVerdict](
+sections = PageSections[RateStateVerdict](
     opening=opening_section,
     middle=(
         friction_section,

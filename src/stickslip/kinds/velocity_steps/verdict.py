@@ -11,9 +11,8 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.friction import RateState
-from stickslip.identification import VELOCITY_STEPS, RateStateFit
-from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
-from stickslip.selection.verdict import plain
+from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
+from stickslip.selection import CrossValidated, CrossValidatedVerdict, plain
 
 Array: TypeAlias = NDArray[np.float64]
 

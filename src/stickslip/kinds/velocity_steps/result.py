@@ -3,13 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.display import plots
 from stickslip.experiments import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
@@ -22,10 +21,18 @@ from stickslip.formatting import (
     signed,
 )
 from stickslip.friction import RateState
-from stickslip.identification.estimation.jackknife import BLOCKS, Inference, effective_size, infer
-from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
-from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.rate_state.problem import (
+from stickslip.identification import (
+    BLOCKS,
+    Estimate,
+    Fit,
+    Inference,
+    OptimizeResult,
+    ResidualJacobian,
+    effective_size,
+    estimates_for,
+    infer,
+)
+from stickslip.kinds.velocity_steps.problem import (
     DIRECT,
     EVOLVED,
     PATHS,
@@ -34,8 +41,7 @@ from stickslip.identification.rate_state.problem import (
     Slider,
     record_of,
 )
-from stickslip.identification.rate_state.slider import SliderHistory, simulate_velocity_steps
-from stickslip.identification.results import Estimate, Fit, estimates_for
+from stickslip.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity
 
@@ -140,7 +146,11 @@ class RateStateFit(Fit[RateState]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        return cast("Drawing", plots().plot_coefficient(self, ax))
+        from stickslip.kinds.velocity_steps.figures import draw_coefficient
+        from stickslip.plots import MAP_SIZES, on_axes
+
+        draw = draw_coefficient(self.time, self.measured, self.fitted, self.law.title)
+        return on_axes(draw, ax, MAP_SIZES["wide"])
 
     @property
     def best(self) -> ResidualJacobian:
