@@ -13,6 +13,7 @@ from stickslip.identification.estimation.jackknife import Inference as Inference
 from stickslip.identification.estimation.jackknife import effective_size as effective_size
 from stickslip.identification.estimation.jackknife import infer as infer
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
+from stickslip.identification.estimation.levenberg_marquardt import Counter as Counter
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
 from stickslip.identification.estimation.levenberg_marquardt import Watch as Watch
 from stickslip.identification.estimation.levenberg_marquardt import improve as improve
@@ -25,25 +26,6 @@ from stickslip.identification.estimation.problem import RecordProblem as RecordP
 from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.estimation.root_search import positive_root as positive_root
-from stickslip.identification.features.features import COMPARED as COMPARED
-from stickslip.identification.features.features import FASTER as FASTER
-from stickslip.identification.features.features import FEATURES as FEATURES
-from stickslip.identification.features.features import STEADY as STEADY
-from stickslip.identification.features.features import StickSlipFeatures as StickSlipFeatures
-from stickslip.identification.features.features import by_features as by_features
-from stickslip.identification.features.features import features_of as features_of
-from stickslip.identification.features.features import refuse_uncertainties as refuse_uncertainties
-from stickslip.identification.features.features import towed_load as towed_load
-from stickslip.identification.features.fit import compare_features as compare_features
-from stickslip.identification.features.fit import fit_features as fit_features
-from stickslip.identification.features.fit import free_of as free_of
-from stickslip.identification.features.problem import cycle_features as cycle_features
-from stickslip.identification.features.result import FeatureFit as FeatureFit
-from stickslip.identification.features.result import MISSED as MISSED
-from stickslip.identification.features.result import QUANTILE as QUANTILE
-from stickslip.identification.features.scores import as_good as as_good
-from stickslip.identification.features.scores import error_of_score as error_of_score
-from stickslip.identification.features.scores import room_of as room_of
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
@@ -85,6 +67,7 @@ from stickslip.identification.residuals.trends import noise_floor as noise_floor
 from stickslip.identification.residuals.wording import cure_of as cure_of
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
+from stickslip.identification.results import Law_co as Law_co
 from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import estimates_for as estimates_for
 from stickslip.identification.results import far_above_dry as far_above_dry
@@ -121,6 +104,7 @@ from stickslip.identification.travels.start_values import nuisances_of as nuisan
 from stickslip.identification.travels.start_values import required_of as required_of
 from stickslip.identification.travels.start_values import starting_law as starting_law
 from stickslip.identification.travels.start_values import starting_points as starting_points
+from stickslip.identification.travels.start_values import with_known as with_known
 from stickslip.identification.trials.comparison import TrialComparison as TrialComparison
 from stickslip.identification.trials.comparison import compare_trials as compare_trials
 from stickslip.identification.trials.comparison import compared as compared
@@ -140,7 +124,6 @@ from stickslip.identification.validation import refuse_of_laws as refuse_of_laws
 
 __all__ = [
     "Estimate",
-    "FeatureFit",
     "Fit",
     "InverseDynamics",
     "Posterior",
@@ -148,13 +131,9 @@ __all__ = [
     "RecordFit",
     "RecordSettings",
     "Score",
-    "StickSlipFeatures",
     "TravelFit",
     "TrialComparison",
-    "compare_features",
     "compare_trials",
-    "features_of",
-    "fit_features",
     "fit_joints",
     "fit_records",
     "fit_travels",

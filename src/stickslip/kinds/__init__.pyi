@@ -1,4 +1,13 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.kinds.features.features import StickSlipFeatures as StickSlipFeatures
+from stickslip.kinds.features.features import features_of as features_of
+from stickslip.kinds.features.fit import compare_features as compare_features
+from stickslip.kinds.features.fit import fit_features as fit_features
+from stickslip.kinds.features.result import FeatureFit as FeatureFit
+from stickslip.kinds.features.selection import select_features as select_features
+from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidate
+from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
+from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
 from stickslip.kinds.kind import Comparison as Comparison
 from stickslip.kinds.kind import FitRequest as FitRequest
 from stickslip.kinds.kind import FitSummary as FitSummary
@@ -34,11 +43,15 @@ from stickslip.kinds.verbs import select as select
 __all__ = [
     "AnyKind",
     "Comparison",
+    "FeatureCandidate",
+    "FeatureFit",
+    "FeatureVerdict",
     "FitRequest",
     "FitSummary",
     "Kind",
     "Law",
     "Options",
+    "OtherSpeed",
     "OtherStep",
     "RateStateCandidate",
     "RateStateFit",
@@ -46,13 +59,18 @@ __all__ = [
     "Request",
     "SelectRequest",
     "SliderHistory",
+    "StickSlipFeatures",
+    "compare_features",
+    "features_of",
     "fit",
+    "fit_features",
     "fit_rate_state",
     "kind_of",
     "kind_of_route",
     "kinds",
     "refuse_unused",
     "select",
+    "select_features",
     "select_rate_state",
     "simulate_velocity_steps",
     "verdict_page",

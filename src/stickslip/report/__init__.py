@@ -45,7 +45,9 @@ HOMES = {
 }
 
 INSIDE = {
+    "Colour": "core.sparklines",
     "ContactsReport": "runs",
+    "ERRORS": "core.sparklines",
     "Origin": "core.documents",
     "PageSections": "core.documents",
     "RunReport": "runs",
@@ -58,8 +60,8 @@ INSIDE = {
     "documents": "core",
     "error_axis": "core.sparklines",
     "error_plot": "core.sparklines",
-    "feature_sections": "features.sections",
     "formula_text": "core.formulas",
+    "identified_heading": "core.headings",
     "joint_sections": "joints.sections",
     "label_of": "core.markup",
     "law_references": "core.reproduce",

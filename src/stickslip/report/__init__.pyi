@@ -30,6 +30,7 @@ from stickslip.report.core.documents import made_sections as made_sections
 from stickslip.report.core.formulas import formula_text as formula_text
 from stickslip.report.core.formulas import published_dict as published_dict
 from stickslip.report.core.headings import checks_heading as checks_heading
+from stickslip.report.core.headings import identified_heading as identified_heading
 from stickslip.report.core.markup import inline as inline
 from stickslip.report.core.markup import label_of as label_of
 from stickslip.report.core.markup import mathml as mathml
@@ -42,6 +43,8 @@ from stickslip.report.core.page import write as write
 from stickslip.report.core.reproduce import law_references as law_references
 from stickslip.report.core.reproduce import reproduce as reproduce
 from stickslip.report.core.sparklines import Axis as Axis
+from stickslip.report.core.sparklines import Colour as Colour
+from stickslip.report.core.sparklines import ERRORS as ERRORS
 from stickslip.report.core.sparklines import Mark as Mark
 from stickslip.report.core.sparklines import RowPlot as RowPlot
 from stickslip.report.core.sparklines import error_axis as error_axis
@@ -56,7 +59,6 @@ from stickslip.report.core.tables import Row as Row
 from stickslip.report.core.tables import Table as Table
 from stickslip.report.core.versions import colophon as colophon
 from stickslip.report.core.versions import versions as versions
-from stickslip.report.features.sections import feature_sections as feature_sections
 from stickslip.report.joints.sections import joint_sections as joint_sections
 from stickslip.report.laws import characterization_page as characterization_page
 from stickslip.report.plans import plan_page as plan_page

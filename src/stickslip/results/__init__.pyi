@@ -2,15 +2,15 @@
 from stickslip.experiments import Checks as Checks
 from stickslip.experiments import Finding as Finding
 from stickslip.identification import Estimate as Estimate
-from stickslip.identification import FeatureFit as FeatureFit
 from stickslip.identification import Fit as Fit
 from stickslip.identification import RecordFit as RecordFit
 from stickslip.identification import TravelFit as TravelFit
 from stickslip.identification import TrialComparison as TrialComparison
+from stickslip.kinds import FeatureFit as FeatureFit
+from stickslip.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.kinds import RateStateFit as RateStateFit
 from stickslip.kinds import RateStateVerdict as RateStateVerdict
 from stickslip.optimisation import Optimum as Optimum
-from stickslip.selection import FeatureVerdict as FeatureVerdict
 from stickslip.selection import JointVerdict as JointVerdict
 from stickslip.selection import Plan as Plan
 from stickslip.selection import RecordVerdict as RecordVerdict

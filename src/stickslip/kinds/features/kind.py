@@ -9,17 +9,16 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
-from stickslip.identification import COMPARED, FEATURES, FeatureFit, Laws, by_features, fit_features
+from stickslip.identification import Laws
+from stickslip.kinds.features.features import COMPARED, FEATURES
+from stickslip.kinds.features.fit import fit_features
+from stickslip.kinds.features.result import FeatureFit
+from stickslip.kinds.features.selection import feature_laws, select_features
+from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict
+from stickslip.kinds.features.wording import share_parts
 from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import (
-    FeatureCandidate,
-    FeatureVerdict,
-    feature_laws,
-    select_features,
-    share_parts,
-)
 
 SHORT = {"standard_deviation": "deviation"}
 """Column headings, shortened for a terminal of 80 characters."""
@@ -38,7 +37,7 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
 
     @override
     def serves(self, measurement: Measurement) -> bool:
-        return by_features(measurement)
+        return measurement.only_spring_force
 
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
@@ -111,9 +110,11 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     def sections(
         self, verdict: FeatureVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report import feature_sections  # figures are loaded where a page is made
+        from stickslip.kinds.features.page import (
+            sections,  # figures are loaded where a page is made
+        )
 
-        return feature_sections(verdict, origin, remark)
+        return sections(verdict, origin, remark)
 
 
 def _row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:

@@ -24,7 +24,6 @@ from stickslip.identification import (
     check_varied,
     effective_size,
     search,
-    towed_load,
 )
 from stickslip.kinds.velocity_steps.problem import (
     DRIFT,
@@ -323,7 +322,7 @@ def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> F
 def _used(
     measurement: Measurement, block: TowedBlock, before: float | None, after: float | None
 ) -> Record:
-    record = record_of(measurement, towed_load(block)).within(before, after)
+    record = record_of(measurement, block.steady_load).within(before, after)
     if not len(record.path.steps) or len(record.time) < FEWEST:
         ways = {"before the first": before, "after the last": after}
         parts = [f"{quantity(x, 'm')} {where}" for where, x in ways.items() if x is not None]

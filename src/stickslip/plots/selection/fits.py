@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.identification import FeatureFit, Fit, RecordFit, TravelFit
+from stickslip.identification import Fit, RecordFit, TravelFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.svg import Draw
@@ -179,14 +179,6 @@ def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
     rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
     draw = draw_intervals(rows, "measured minus predicted travel", "mm")
     return on_axes(draw, ax, INTERVAL_SIZE)
-
-
-def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
-    """Plot relative errors of the features of stick-slip, held out where they can be."""
-    kind = "held-out" if fit.held_out_errors else "fitted"
-    found = fit.held_out_errors or fit.errors
-    rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
-    return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
 
 
 def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:

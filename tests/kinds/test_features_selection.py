@@ -22,8 +22,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification import fit_features
-from stickslip.identification.features.scores import as_good, error_of_score, paired, room_of
+from stickslip.kinds import fit_features
+from stickslip.kinds.features.scores import as_good, error_of_score, paired, room_of
 from stickslip.results import FeatureFit, FeatureVerdict
 
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)

@@ -12,10 +12,10 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError, check_even_times
-from stickslip.experiments import TRAVELS, Finding, Measurement, sentences_of
+from stickslip.experiments import Finding, Measurement, sentences_of
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
-from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
-from stickslip.identification.series.slip_detection import Slips, slips_of
+from stickslip.kinds.features.frequencies import frequency_of, refuse_without_cycles
+from stickslip.kinds.features.slip_detection import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
 
 Array: TypeAlias = NDArray[np.float64]
@@ -25,8 +25,6 @@ COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
 FEATURES = "features"
 """What `fit` and `select` call the way that compares features."""
-OTHERS = frozenset({*TRAVELS, "friction", "position", "velocity", "force"})
-"""Quantities that laws can be compared with themselves."""
 READ = 2e-3
 """Features are read off samples to this share at best, however regular the record is."""
 STEADY = 0.02
@@ -192,7 +190,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         none = np.empty(0)
         found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
         waiting = none
-    pull = block.stiffness * block.speed * step / towed_load(block)
+    pull = block.stiffness * block.speed * step / block.steady_load
     thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
     covariance = _covariance(force, read.draws, read.chosen)
     halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
@@ -215,21 +213,6 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     }
     plain = StickSlipFeatures(**parts, findings=())
     return StickSlipFeatures(**parts, findings=findings_of(plain))
-
-
-def by_features(measurement: Measurement, route: str | None = None) -> bool:
-    """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
-
-    Examples
-    --------
-    >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
-    >>> by_features(record), by_features(record, "shooting")
-    (True, False)
-    """
-    if route is not None:
-        return route == FEATURES
-    known = set(measurement.quantities())
-    return "spring_force" in known and not known & OTHERS
 
 
 def refuse_uncertainties(measurement: Measurement) -> None:
@@ -257,11 +240,6 @@ def towed(mechanism: Mechanism) -> TowedBlock:
     return mechanism
 
 
-def towed_load(block: TowedBlock) -> float:
-    """Return the load of a block [N]; its weight if none was given."""
-    return block.mass * block.gravity if block.load is None else block.load
-
-
 def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     """Return the time between samples [s] and the force over the load, sampled evenly."""
     if measurement.trials or measurement.time is None or measurement.spring_force is None:
@@ -270,7 +248,7 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
             " coefficient to a force with gain={'spring_force': load}."
         )
     time = measurement.time
-    force = np.asarray(measurement.values("spring_force")) / towed_load(block)
+    force = np.asarray(measurement.values("spring_force")) / block.steady_load
     step = float(np.median(np.diff(time)))
     count = round(float(time[-1] - time[0]) / step) + 1
     check_even_times(count)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
+from stickslip.kinds.features.figures import Excerpt
+from stickslip.kinds.features.page import CYCLES, _excerpt
 from stickslip.kinds.page import verdict_page
-from stickslip.plots.runs.spring_force import Excerpt
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
-from stickslip.report.features.force import CYCLES, _excerpt
 
 LAW = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)

@@ -7,9 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from stickslip.plots.core.helpers import Array, Sizes
-from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, DATA, INK, MUTED, SLIP_BACK
+from stickslip.plots import C1, DATA, INK, MUTED, SLIP_BACK, Array, Draw, Sizes
 
 PULL_SIZES: Final = Sizes(wide=(880, 430), narrow=(358, 620))
 

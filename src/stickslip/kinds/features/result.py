@@ -3,28 +3,31 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.display import plots
 from stickslip.experiments import LawEstimates, Measurement, levels_at
 from stickslip.formatting import joined, number, percent, signed_percent
-from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.features.features import (
+from stickslip.identification import (
+    Estimate,
+    Fit,
+    FreeParameters,
+    Law_co,
+    ResidualJacobian,
+    estimates_for,
+)
+from stickslip.kinds.features.features import (
     COMPARED,
     DRIFTS,
     FEATURES,
     StickSlipFeatures,
     features_of,
     findings_of,
-    towed_load,
 )
-from stickslip.identification.features.problem import SETTLING
-from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
+from stickslip.kinds.features.problem import SETTLING
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
 
@@ -76,7 +79,12 @@ class FeatureFit(Fit[Law_co]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        return cast("Drawing", plots().plot_feature_errors(self, ax))
+        from stickslip.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
+
+        kind = "held-out" if self.held_out_errors else "fitted"
+        errors = self.held_out_errors or self.errors
+        rows = [Interval(name.replace("_", " "), error) for name, error in errors.items()]
+        return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -121,7 +129,7 @@ class FeatureFit(Fit[Law_co]):
         """
         settled = SETTLING / self.observed.frequency
         times = settled + np.asarray(t, dtype=float)
-        block, level = self.mechanism, self.observed.mean * towed_load(self.mechanism)
+        block, level = self.mechanism, self.observed.mean * self.mechanism.steady_load
         start = {"x": -level / block.stiffness}
         run = simulate(block, self.law, t_end=float(times.max()), y0=start).at(times)
         force = block.stiffness * (block.speed * times - np.asarray(run["x"]))

@@ -12,27 +12,27 @@ from stickslip.errors import ConvergenceError, InputError, check_size
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.levenberg_marquardt import Counter, Watch, improve
-from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.features.features import (
+from stickslip.identification import (
+    LAW,
+    Counter,
+    Parameters,
+    ResidualJacobian,
+    Watch,
+    improve,
+    starting_law,
+    with_known,
+)
+from stickslip.kinds.features.features import (
     COMPARED,
     FASTER,
     StickSlipFeatures,
     features_of,
     refuse_uncertainties,
     towed,
-    towed_load,
 )
-from stickslip.identification.features.problem import FeatureProblem, unknowns_of
-from stickslip.identification.features.result import (
-    FeatureFit,
-    errors_of,
-    estimates_of,
-    sentences_of,
-)
-from stickslip.identification.features.scores import as_good, room_of
-from stickslip.identification.travels.start_values import starting_law, with_known
-from stickslip.identification.validation import LAW, Parameters
+from stickslip.kinds.features.problem import FeatureProblem, unknowns_of
+from stickslip.kinds.features.result import FeatureFit, errors_of, estimates_of, sentences_of
+from stickslip.kinds.features.scores import as_good, room_of
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity, fields_of
 from stickslip.quantities import vary as with_values
@@ -190,7 +190,7 @@ def _result(
         )
     return FeatureFit(
         law=with_values(problem.law, "friction", others),
-        mechanism=with_values(replace(block, load=towed_load(block)), "mechanism", own),
+        mechanism=with_values(replace(block, load=block.steady_load), "mechanism", own),
         estimates=estimates,
         observed=observed,
         predicted=dict(zip(COMPARED, map(float, predicted), strict=True)),
@@ -322,7 +322,7 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
 
     Softer bristles would oscillate in place of the spring.
     """
-    load = towed_load(block)
+    load = block.steady_load
     start = starting_law(law, float(load)) if isinstance(law, type) else law
     changes: dict[str, float] = {}
     stiffness = 30.0 * block.stiffness / load

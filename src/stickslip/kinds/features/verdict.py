@@ -10,8 +10,9 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.experiments import Checks
 from stickslip.friction import FrictionLaw
-from stickslip.identification import COMPARED, FEATURES, FeatureFit, StickSlipFeatures
-from stickslip.selection.verdict import Candidate, Verdict, plain
+from stickslip.kinds.features.features import COMPARED, FEATURES, StickSlipFeatures
+from stickslip.kinds.features.result import FeatureFit
+from stickslip.selection import Candidate, Verdict, plain
 
 
 @final

@@ -12,29 +12,22 @@ from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import joined, ratio, signed_percent
 from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Stribeck
-from stickslip.identification import (
-    LAW,
-    MISSED,
-    FeatureFit,
-    FittedLaw,
-    Parameters,
-    RecordSettings,
+from stickslip.identification import LAW, FittedLaw, Parameters, RecordSettings
+from stickslip.kinds.features.features import (
+    COMPARED,
+    STEADY,
     StickSlipFeatures,
-    as_good,
-    error_of_score,
     features_of,
-    fit_features,
-    free_of,
     refuse_uncertainties,
-    room_of,
 )
+from stickslip.kinds.features.fit import fit_features, free_of
+from stickslip.kinds.features.problem import cycle_features
+from stickslip.kinds.features.result import MISSED, FeatureFit
+from stickslip.kinds.features.scores import as_good, error_of_score, room_of
+from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
+from stickslip.kinds.features.wording import feature_wording, outcomes
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.applicability import checked
-from stickslip.selection.candidates import LEFT_OUT, Watch, specifications
-from stickslip.selection.feature_speeds import other_speeds
-from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
-from stickslip.selection.feature_wording import feature_wording, outcomes
-from stickslip.selection.parallel_fit import fitted_side_by_side
+from stickslip.selection import LEFT_OUT, Watch, checked, fitted_side_by_side, specifications
 
 USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, Stribeck, LuGre)
 """Laws with a step above sliding: without one, a towed block comes to slide steadily."""
@@ -228,3 +221,62 @@ def _best(judged: Sequence[FeatureCandidate]) -> FeatureCandidate:
     assert least.fit is not None
     near = [one for one in held if one.fit and as_good(one.fit, least.fit)]
     return min(near, key=lambda one: (bool(one.doubt), one.parameters, one.score))
+
+
+FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0)
+"""Speeds that are tried, over that of the record."""
+SHOWN = 3
+"""Of these the most telling are kept."""
+
+
+def other_speeds(
+    best: FeatureCandidate, rivals: Sequence[FeatureCandidate]
+) -> tuple[OtherSpeed, ...]:
+    """Return what the best law and its rivals predict at other speeds, the most telling first.
+
+    A speed at which any of them does not settle within some cycles is left out.
+    """
+    if best.fit is None or not rivals:
+        return ()
+    found = []
+    for factor in FACTORS:
+        predicted = {one.name: _at(one.fit, factor) for one in [best, *rivals] if one.fit}
+        if any(math.isnan(value) for row in predicted.values() for value in row.values()):
+            continue
+        apart = min(_apart(predicted[best.name], predicted[one.name]) for one in rivals)
+        found.append(
+            OtherSpeed(
+                speed=factor * best.fit.mechanism.speed, predicted=predicted, separation=apart
+            )
+        )
+    return tuple(sorted(found, key=lambda one: -one.separation)[:SHOWN])
+
+
+def _at(fit: FeatureFit, factor: float) -> dict[str, float]:
+    """Return the features of the limit cycle at another speed; steady sliding has frequency 0."""
+    block = replace(fit.mechanism, speed=factor * fit.mechanism.speed)
+    natural = 2.0 * math.pi * math.sqrt(block.mass / block.stiffness)
+    # sticking lasts as long as the spring takes to fall by twice its swing: longer if slower
+    sticking = 4.0 * fit.observed.standard_deviation * block.steady_load
+    period = natural + sticking / (block.stiffness * block.speed)
+    (row,) = cycle_features(
+        block,
+        fit.law,
+        ("mechanism.speed",),
+        np.array([[block.speed]]),
+        period=period,
+        level=fit.observed.mean,
+    )
+    found = dict(zip(COMPARED, map(float, row), strict=True))
+    if found["standard_deviation"] < STEADY * abs(found["mean"]):
+        found["frequency"] = 0.0
+    return found
+
+
+def _apart(one: dict[str, float], other: dict[str, float]) -> float:
+    """Return the root mean square difference of features, each over the mean of both."""
+    gaps = []
+    for name in COMPARED:
+        size = 0.5 * (abs(one[name]) + abs(other[name]))
+        gaps.append((one[name] - other[name]) / size if size > 0.0 else 0.0)
+    return float(np.sqrt(np.mean(np.square(gaps))))

@@ -7,8 +7,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identification.features.features import COMPARED
-from stickslip.identification.features.result import FeatureFit
+from stickslip.kinds.features.features import COMPARED
+from stickslip.kinds.features.result import FeatureFit
 
 Array: TypeAlias = NDArray[np.float64]
 

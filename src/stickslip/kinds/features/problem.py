@@ -11,9 +11,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import Problem, ResidualJacobian
-from stickslip.identification.features.features import COMPARED, StickSlipFeatures, towed_load
+from stickslip.identification import FreeParameter, FreeParameters, Problem, ResidualJacobian
+from stickslip.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import ensemble
@@ -169,7 +168,7 @@ def _range(
     The spring and the speed of its end tell sizes more closely than the ranges of a law do, which
     begin at its value.
     """
-    size = towed_load(block) if quantity.scale == "force" else 1.0
+    size = block.steady_load if quantity.scale == "force" else 1.0
     level = size * abs(observed.mean)
     if quantity.at_least is not None:
         spread = size * max(observed.standard_deviation, 1e-3 * abs(observed.mean))
@@ -203,7 +202,7 @@ def cycle_features(
     Runs start where the spring holds the mean level, and are watched after they have settled;
     rows are NaN where a run fails.
     """
-    load = towed_load(block)
+    load = block.steady_load
     times = period * (SETTLING + np.arange(WATCHED * SAMPLES + 1) / SAMPLES)
     runs = ensemble(
         replace(block, load=load),

@@ -15,26 +15,23 @@ from stickslip.formatting import (
     signed_percent,
     with_unit,
 )
-from stickslip.identification import (
-    FASTER,
-    FeatureFit,
-    StickSlipFeatures,
-    as_good,
-    far_above_dry,
-    room_of,
-)
-from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
-from stickslip.selection.verdict import Wording, score_text
-from stickslip.selection.wording import (
+from stickslip.identification import far_above_dry
+from stickslip.kinds.features.features import FASTER, StickSlipFeatures
+from stickslip.kinds.features.result import FeatureFit
+from stickslip.kinds.features.scores import as_good, room_of
+from stickslip.kinds.features.verdict import FeatureCandidate, OtherSpeed
+from stickslip.selection import (
     NOT_DISTINGUISHED,
     ONE_LAW,
     UNMEASURED,
+    Wording,
     corrections,
     friction_of,
     held_out_text,
     in_sentence,
     longer,
     not_distinguished,
+    score_text,
     to_predict,
 )
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import CURE, MainsLine, is_narrow, lines_of, words_of
 from stickslip.formatting import quantity
-from stickslip.identification.series.slip_detection import cycles_of, peak_of, spectra_of
+from stickslip.kinds.features.slip_detection import cycles_of, peak_of, spectra_of
 
 Array: TypeAlias = NDArray[np.float64]
 
