@@ -1,27 +1,25 @@
 """The force of a spring that pulls a block, compared by features of stick-slip."""
 
-import math
 from collections.abc import Collection
+from dataclasses import replace
 from functools import partial
 from typing import final
 
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
+from stickslip.formatting import percent, quantity, signed_percent
 from stickslip.identification import Laws
+from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.features.features import COMPARED, FEATURES
 from stickslip.kinds.features.fit import fit_features
 from stickslip.kinds.features.result import FeatureFit
 from stickslip.kinds.features.selection import feature_laws, select_features
-from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict
-from stickslip.kinds.features.wording import share_parts
+from stickslip.kinds.features.verdict import COLUMNS, FeatureVerdict
 from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 
-SHORT = {"standard_deviation": "deviation"}
-"""Column headings, shortened for a terminal of 80 characters."""
 UNITS = {"frequency": "Hz"}
 """Of features that have one."""
 
@@ -69,17 +67,14 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
 
     @override
     def comparison(self, verdict: FeatureVerdict) -> Comparison:
-        second = any(one.second for one in verdict.candidates)
-        heads = ["law", "free", "held-out, %", *(SHORT.get(name, name) for name in COMPARED)]
-        heads += ["second"] if second else []
-        rows = [_row(one, one.name, second=second) for one in verdict.candidates]
+        rows = list(verdict.candidates)
         if verdict.control:
-            name = f"{verdict.control.name}, nominal"
-            rows.append(_row(verdict.control, name, second=second))
+            rows.append(replace(verdict.control, name=f"{verdict.control.name}, nominal"))
+        heads, cells = terminal_table(COLUMNS, rows)
         best = verdict.best
         return Comparison(
             heads=heads,
-            rows=rows,
+            rows=cells,
             notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
             checks=verdict.checks,
             fitted=(best.title, best.fit.estimates) if best and best.fit else None,
@@ -115,20 +110,6 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
         )
 
         return sections(verdict, origin, remark)
-
-
-def _row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:
-    def shown(value: float | None) -> str:
-        return NO_VALUE if value is None or not math.isfinite(value) else signed_percent(value)
-
-    cells = [
-        name,
-        str(one.parameters) if one.fit else NO_VALUE,
-        " ".join(share_parts(one)).strip() if one.fit else NO_VALUE,
-        *(shown(one.errors.get(feature)) for feature in COMPARED),
-    ]
-    size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-    return cells + ([percent(size) if one.second else NO_VALUE] if second else [])
 
 
 def _sized(name: str, value: float) -> str:

@@ -20,11 +20,18 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
+from stickslip.kinds.columns import page_table
 from stickslip.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
 from stickslip.kinds.features.result import QUANTILE, FeatureFit
-from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
-from stickslip.kinds.features.wording import share_parts, share_text
+from stickslip.kinds.features.verdict import (
+    COLUMNS,
+    FeatureCandidate,
+    FeatureVerdict,
+    OtherSpeed,
+    share_parts,
+)
+from stickslip.kinds.features.wording import share_text
 from stickslip.plots import inline_svg, thinned
 from stickslip.quantities import fields_of
 from stickslip.report import (
@@ -245,51 +252,28 @@ def _how(verdict: FeatureVerdict) -> str:
 
 
 def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
-    axis, second = _axis(rows), any(one.second for one in rows)
-    columns = (
-        Column(head="model"),
-        Column(head="free\nparameters", numeric=True, phone="hide"),
-        Column(head="held-out error\n%, ± 1 s.e.", numeric=True),
-        Column(head="", axis=axis),
-        *(
-            Column(
-                head=name.replace("_", "\n"),
-                numeric=True,
-                phone="label",
-                label=name.replace("_", " "),
-            )
-            for name in COMPARED
-        ),
-        *([Column(head="second record\n%", numeric=True, phone="label")] if second else []),
-        Column(head="outcome", phone="show"),
-    )
-    return Table(
-        columns=columns,
-        rows=tuple(_row(verdict, one, second=second) for one in rows),
+    symbols = symbols_of(verdict)
+
+    def name(one: FeatureCandidate) -> Name:
+        aside = "nominal mechanism" if one is verdict.control else ""
+        return Name(text=one.title, aside=aside)
+
+    def plot(one: FeatureCandidate) -> RowPlot:
+        nominal, chosen = one is verdict.control, one is verdict.best
+        return _plot(one, "c1" if chosen else "c2" if nominal else "muted")
+
+    return page_table(
+        COLUMNS,
+        rows,
+        cells={"model": name, "": plot, "outcome": lambda one: typeset(one.outcome, symbols)},
+        axis=_axis(rows),
+        chosen=lambda one: one is verdict.best,
         caption="Dot: held-out error, root mean square of the three. Bar: ± 1 standard error, from"
         " a block bootstrap of both halves. Laws are not distinguished if their errors"
         " differ by at most a paired standard error, or by at most half the change of the"
         " features between the halves; of these, a law with all parameters identified is"
         " chosen first, then the one with the fewest parameters.",
     )
-
-
-def _row(verdict: FeatureVerdict, one: FeatureCandidate, *, second: bool) -> Row:
-    nominal, chosen = one is verdict.control, one is verdict.best
-    value, doubt = share_parts(one)
-    held = one.fit is not None
-    cells: list[Cell] = [
-        Name(text=one.title, aside="nominal mechanism" if nominal else ""),
-        str(one.parameters) if held else "—",
-        Number(value=value, doubt=doubt) if held else "no score",
-        _plot(one, "c1" if chosen else "c2" if nominal else "muted"),
-        *(signed_percent(one.errors[name]) if name in one.errors else "—" for name in COMPARED),
-    ]
-    if second:
-        size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-        cells.append(number(100.0 * size, 2) if one.second else "—")
-    cells.append(typeset(one.outcome, symbols_of(verdict)))
-    return Row(cells=tuple(cells), chosen=chosen, muted=bool(one.dropped))
 
 
 def _plot(one: FeatureCandidate, colour: Colour) -> RowPlot:

@@ -3,16 +3,18 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, Final, final
 
 from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.experiments import Checks
+from stickslip.formatting import EstimateText, Scale, percent, signed_percent
 from stickslip.friction import FrictionLaw
+from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.features.features import COMPARED, FEATURES, StickSlipFeatures
 from stickslip.kinds.features.result import FeatureFit
-from stickslip.selection import Candidate, Verdict, plain
+from stickslip.selection import Candidate, Verdict, plain, score_text
 
 
 @final
@@ -64,14 +66,7 @@ class FeatureCandidate(Candidate[FeatureFit]):
 
     @override
     def to_row(self) -> Mapping[str, Any]:
-        return {
-            "law": self.name,
-            "parameters": self.parameters,
-            "score": self.score,
-            "score_error": self.score_error,
-            **{f"{name}_error": self.errors.get(name, math.nan) for name in COMPARED},
-            "outcome": plain(self.outcome),
-        }
+        return data_row(COLUMNS, self)
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
@@ -88,6 +83,70 @@ class FeatureCandidate(Candidate[FeatureFit]):
             "outcome": plain(self.outcome),
             "fit": self.fit.to_dict() if self.fit else None,
         }
+
+
+PERCENT: Final = Scale(100.0, "%")
+"""What errors of features are shown in."""
+SHORT: Final = {"standard_deviation": "deviation"}
+"""Headings, shortened for a terminal of 80 characters."""
+
+
+def share_parts(one: FeatureCandidate) -> EstimateText:
+    """Return a held-out error [%] and its standard error, as two texts without the unit."""
+    return score_text(PERCENT, one.score, one.score_error)
+
+
+def _second(one: FeatureCandidate) -> float | None:
+    """Return the root mean square of the errors on a second record; None without one."""
+    errors = one.second.values()
+    return math.sqrt(sum(e**2 for e in errors) / len(errors)) if errors else None
+
+
+def _second_text(one: FeatureCandidate) -> str | None:
+    size = _second(one)
+    return None if size is None else percent(size).removesuffix(" %")
+
+
+def _error_column(name: str) -> Column[FeatureCandidate]:
+    """Return the column of the held-out errors of a feature."""
+
+    def text(one: FeatureCandidate) -> str | None:
+        error = one.errors.get(name, math.nan)
+        return signed_percent(error) if math.isfinite(error) else None
+
+    return Column(
+        key=f"{name}_error", title=SHORT.get(name, name), page=name.replace("_", "\n"),
+        phone="label", label=name.replace("_", " "),
+        value=lambda one: one.errors.get(name, math.nan), text=text,
+    )  # fmt: skip
+
+
+COLUMNS: Final[Columns[FeatureCandidate]] = (
+    Column(
+        key="law", title="law", page="model", numeric=False,
+        value=lambda one: one.name, text=lambda one: one.name,
+    ),
+    Column(
+        key="parameters", title="free", page="free\nparameters", phone="hide",
+        value=lambda one: one.parameters,
+        text=lambda one: str(one.parameters) if one.fit else None,
+    ),
+    Column(
+        key="score", title="held-out, %", page="held-out error\n%, ± 1 s.e.", why_empty="no score",
+        value=lambda one: one.score, text=lambda one: share_parts(one) if one.fit else None,
+    ),
+    Column(key="score_error", value=lambda one: one.score_error),
+    *map(_error_column, COMPARED),
+    Column(
+        title="second", page="second record", unit="%", phone="label", optional=True,
+        value=_second, text=_second_text,
+    ),
+    Column(
+        key="outcome", page="outcome", numeric=False,
+        value=lambda one: plain(one.outcome), text=lambda one: one.outcome,
+    ),
+)  # fmt: skip
+"""What tables say of each law."""
 
 
 @final

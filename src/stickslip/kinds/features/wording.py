@@ -5,8 +5,6 @@ from dataclasses import replace
 
 from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import (
-    EstimateText,
-    Scale,
     joined,
     number,
     percent,
@@ -19,7 +17,7 @@ from stickslip.identification import far_above_dry
 from stickslip.kinds.features.features import FASTER, StickSlipFeatures
 from stickslip.kinds.features.result import FeatureFit
 from stickslip.kinds.features.scores import as_good, room_of
-from stickslip.kinds.features.verdict import FeatureCandidate, OtherSpeed
+from stickslip.kinds.features.verdict import PERCENT, FeatureCandidate, OtherSpeed, share_parts
 from stickslip.selection import (
     NOT_DISTINGUISHED,
     ONE_LAW,
@@ -31,7 +29,6 @@ from stickslip.selection import (
     in_sentence,
     longer,
     not_distinguished,
-    score_text,
     to_predict,
 )
 
@@ -43,14 +40,7 @@ MOST = 3
 """Items of a list at most."""
 CLEAR = 0.05
 """A speed is worth a measurement if laws part there by more than this, and than by drift."""
-PERCENT = Scale(100.0, "%")
-"""What errors of features are shown in."""
 MASS = "mechanism.mass"
-
-
-def share_parts(one: FeatureCandidate) -> EstimateText:
-    """Return a held-out error [%] and its standard error, as two texts without the unit."""
-    return score_text(PERCENT, one.score, one.score_error)
 
 
 def share_text(one: FeatureCandidate) -> str:

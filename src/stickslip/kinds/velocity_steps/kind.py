@@ -7,9 +7,10 @@ from typing import final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, Scale, number, percent
+from stickslip.formatting import number, percent
 from stickslip.friction import RateState
 from stickslip.identification import AGREE, RecordSettings
+from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
 from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.kinds.velocity_steps.problem import serves
@@ -20,12 +21,9 @@ from stickslip.kinds.velocity_steps.selection import (
     rate_state_laws,
     select_rate_state,
 )
-from stickslip.kinds.velocity_steps.verdict import RateStateVerdict
+from stickslip.kinds.velocity_steps.verdict import COLUMNS, RateStateVerdict
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import on_second_record, score_text
-
-COEFFICIENT = Scale(1.0, "")
-"""Errors of a coefficient are absolute, not percentages."""
+from stickslip.selection import on_second_record
 
 
 @final
@@ -83,19 +81,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
 
     @override
     def comparison(self, verdict: RateStateVerdict) -> Comparison:
-        second = any(one.second is not None for one in verdict.candidates)
-        heads = ["law", "free", "held-out error", "a − b", *(["second record"] if second else [])]
-        rows = []
-        for one in verdict.candidates:
-            fit = one.fit
-            rate = fit.rate.plus_minus if fit and fit.rate.interval != "known" else NO_VALUE
-            cells = [
-                one.name,
-                str(one.parameters) if fit else NO_VALUE,
-                " ".join(score_text(COEFFICIENT, one.score, one.score_error)).strip(),
-                rate,
-            ]
-            rows.append(cells + ([score_text(COEFFICIENT, one.second).value] if second else []))
+        heads, rows = terminal_table(COLUMNS, verdict.candidates)
         closest = verdict.closest
         title = closest.title + ("" if verdict.best else ", closest but not recommended")
         fit = closest.fit

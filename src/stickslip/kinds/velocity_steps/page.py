@@ -20,8 +20,14 @@ from stickslip.formatting import (
 )
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import Estimate
+from stickslip.kinds.columns import page_table
 from stickslip.kinds.velocity_steps.result import RateStateFit
-from stickslip.kinds.velocity_steps.verdict import RateStateCandidate, RateStateVerdict
+from stickslip.kinds.velocity_steps.verdict import (
+    COEFFICIENT,
+    COLUMNS,
+    RateStateCandidate,
+    RateStateVerdict,
+)
 from stickslip.plots import (
     ERROR_SIZES,
     ErrorSeries,
@@ -67,7 +73,6 @@ from stickslip.report import (
 )
 from stickslip.selection import score_text
 
-PLAIN: Final = Scale(1.0, "")
 MILLI: Final = Scale(1e3, "10⁻³")
 """Errors of coefficients in figures."""
 SHOWN: Final = ("reference_coefficient", "direct_effect", "evolution_effect")
@@ -127,7 +132,7 @@ def _held_text(name: str, value: str) -> str:
 
 
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
-    value, doubt = score_text(PLAIN, verdict.closest.score, verdict.closest.score_error)
+    value, doubt = score_text(COEFFICIENT, verdict.closest.score, verdict.closest.score_error)
     facts = [
         Fact(
             value=value,
@@ -263,21 +268,19 @@ def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> 
 
 def scores_section(verdict: RateStateVerdict) -> Section:
     """Return the section that compares all laws."""
-    rows = verdict.candidates
-    axis = error_axis((c.score for c in rows), PLAIN, (c.score_error for c in rows))
-    second = any(c.second is not None for c in rows)
-    columns = (
-        Column(head="model"),
-        Column(head="free\nparameters", numeric=True, phone="hide"),
-        Column(head="held-out error\n± 1 s.e.", numeric=True),
-        *([Column(head="", axis=axis)] if axis else []),
-        Column(head="a − b\n95 % interval", numeric=True, phone="label", label="a − b:"),
-        *([Column(head="second\nrecord", numeric=True, phone="label")] if second else []),
-        Column(head="outcome", phone="show"),
-    )
-    table = Table(
-        columns=columns,
-        rows=tuple(_row(verdict, c, axis=axis is not None, second=second) for c in rows),
+    rows, closest = verdict.candidates, verdict.closest
+    axis = error_axis((c.score for c in rows), COEFFICIENT, (c.score_error for c in rows))
+    table = page_table(
+        COLUMNS,
+        rows,
+        cells={
+            "model": lambda one: Name(text=one.title),
+            "": lambda one: error_plot(
+                one.score, one.score_error, COEFFICIENT, "c1" if one is closest else "muted"
+            ),
+        },
+        axis=axis,
+        chosen=lambda one: one is verdict.best,
         caption="Of the laws whose losses are within 1.1 standard errors of those of the law with"
         " the lowest error, the one with the fewest parameters is named. Of two laws of evolution"
         " neither contains the other, but Nagata's contains the ageing law.",
@@ -293,28 +296,6 @@ def scores_section(verdict: RateStateVerdict) -> Section:
     if len(rows) == 1:
         heading = "One candidate, scored on held-out parts"
     return Section(id="scores", nav="Scores", heading=heading, blocks=(Paragraph(text=how), table))
-
-
-def _row(verdict: RateStateVerdict, one: RateStateCandidate, *, axis: bool, second: bool) -> Row:
-    closest = one is verdict.closest
-    value, doubt = score_text(PLAIN, one.score, one.score_error)
-    fit = one.fit
-    rate: Cell = "—"
-    if fit is not None and fit.rate.interval != "known":
-        shown, half = fit.rate.parts
-        rate = Number(value=shown, doubt=half) if fit.rate.bounded else f"{shown}, {half}"
-    cells: list[Cell] = [
-        Name(text=one.title),
-        str(one.parameters) if fit else "—",
-        Number(value=value, doubt=doubt),
-        *([error_plot(one.score, one.score_error, PLAIN, "c1" if closest else "muted")] * axis),
-        rate,
-    ]
-    if second:
-        cells.append("—" if one.second is None else significant(one.second, 2))
-    cells.append(one.outcome)
-    chosen = closest and verdict.best is not None
-    return Row(cells=tuple(cells), chosen=chosen, muted=bool(one.dropped))
 
 
 def parameters_section(verdict: RateStateVerdict) -> Section:
@@ -390,7 +371,7 @@ def _windows(fit: RateStateFit) -> Table:
 def _parts(value: float, half_width: float) -> dict[str, str]:
     if not math.isfinite(half_width):
         return {"value": number(value), "doubt": "not bounded"}
-    return dict(zip(("value", "doubt"), PLAIN.estimate_text(value, half_width), strict=True))
+    return dict(zip(("value", "doubt"), COEFFICIENT.estimate_text(value, half_width), strict=True))
 
 
 def residuals_section(verdict: RateStateVerdict) -> Section | None:

@@ -3,16 +3,18 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import Any, Final, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.described import Described
+from stickslip.formatting import EstimateText, Scale
 from stickslip.friction import RateState
+from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
-from stickslip.selection import CrossValidated, CrossValidatedVerdict, plain
+from stickslip.selection import CrossValidated, CrossValidatedVerdict, plain, score_text
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -59,15 +61,7 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
 
     @override
     def to_row(self) -> Mapping[str, Any]:
-        return {
-            "law": self.name,
-            "parameters": self.parameters,
-            "score": self.score,
-            "score_error": self.validation.error if self.validation else math.nan,
-            "a_minus_b": self.fit.rate.value if self.fit else math.nan,
-            "rmse": self.fit.rmse if self.fit else math.nan,
-            "outcome": plain(self.outcome),
-        }
+        return data_row(COLUMNS, self)
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
@@ -84,6 +78,53 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
             "outcome": plain(self.outcome),
             "fit": self.fit.to_dict() if self.fit else None,
         }
+
+
+def _rate_text(one: RateStateCandidate) -> str | EstimateText | None:
+    """Return a - b with its interval; None where no fit has an interval for it."""
+    if one.fit is None or one.fit.rate.interval == "known":
+        return None
+    rate = one.fit.rate
+    return rate.parts if rate.bounded else rate.plus_minus
+
+
+COEFFICIENT: Final = Scale(1.0, "")
+"""Errors of a coefficient are absolute, not percentages."""
+
+COLUMNS: Final[Columns[RateStateCandidate]] = (
+    Column(
+        key="law", title="law", page="model", numeric=False,
+        value=lambda one: one.name, text=lambda one: one.name,
+    ),
+    Column(
+        key="parameters", title="free", page="free\nparameters", phone="hide",
+        value=lambda one: one.parameters,
+        text=lambda one: str(one.parameters) if one.fit else None,
+    ),
+    Column(
+        key="score", title="held-out error", page="held-out error\n± 1 s.e.",
+        value=lambda one: one.score,
+        text=lambda one: score_text(COEFFICIENT, one.score, one.score_error),
+    ),
+    Column(
+        key="score_error",
+        value=lambda one: one.validation.error if one.validation else math.nan,
+    ),
+    Column(
+        key="a_minus_b", title="a − b", page="a − b\n95 % interval", phone="label", label="a − b:",
+        value=lambda one: one.fit.rate.value if one.fit else math.nan, text=_rate_text,
+    ),
+    Column(key="rmse", value=lambda one: one.fit.rmse if one.fit else math.nan),
+    Column(
+        title="second record", page="second\nrecord", phone="label", optional=True,
+        value=lambda one: one.second, text=lambda one: score_text(COEFFICIENT, one.second).value,
+    ),
+    Column(
+        key="outcome", page="outcome", numeric=False,
+        value=lambda one: plain(one.outcome), text=lambda one: one.outcome,
+    ),
+)  # fmt: skip
+"""What tables say of each law."""
 
 
 @final
