@@ -18,7 +18,6 @@ from stickslip.report.core.blocks import Paragraph as Paragraph
 from stickslip.report.core.blocks import Reference as Reference
 from stickslip.report.core.blocks import References as References
 from stickslip.report.core.blocks import Subheading as Subheading
-from stickslip.report.core.checks import check_items as check_items
 from stickslip.report.core.documents import LawLine as LawLine
 from stickslip.report.core.documents import Opening as Opening
 from stickslip.report.core.documents import Origin as Origin
@@ -29,7 +28,6 @@ from stickslip.report.core.documents import SectionMaker as SectionMaker
 from stickslip.report.core.documents import made_sections as made_sections
 from stickslip.report.core.formulas import formula_text as formula_text
 from stickslip.report.core.formulas import published_dict as published_dict
-from stickslip.report.core.headings import checks_heading as checks_heading
 from stickslip.report.core.headings import identified_heading as identified_heading
 from stickslip.report.core.markup import inline as inline
 from stickslip.report.core.markup import label_of as label_of
@@ -42,9 +40,11 @@ from stickslip.report.core.page import render as render
 from stickslip.report.core.page import write as write
 from stickslip.report.core.reproduce import law_references as law_references
 from stickslip.report.core.reproduce import reproduce as reproduce
+from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
+from stickslip.report.core.shared_sections import opening as opening
+from stickslip.report.core.shared_sections import record_and_checks as record_and_checks
 from stickslip.report.core.sparklines import Axis as Axis
 from stickslip.report.core.sparklines import Colour as Colour
-from stickslip.report.core.sparklines import ERRORS as ERRORS
 from stickslip.report.core.sparklines import Mark as Mark
 from stickslip.report.core.sparklines import RowPlot as RowPlot
 from stickslip.report.core.sparklines import error_axis as error_axis

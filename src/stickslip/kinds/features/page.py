@@ -26,6 +26,7 @@ from stickslip.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pul
 from stickslip.kinds.features.result import QUANTILE, FeatureFit
 from stickslip.kinds.features.verdict import (
     COLUMNS,
+    PERCENT,
     FeatureCandidate,
     FeatureVerdict,
     OtherSpeed,
@@ -35,8 +36,6 @@ from stickslip.kinds.features.wording import share_text
 from stickslip.plots import inline_svg, thinned
 from stickslip.quantities import fields_of
 from stickslip.report import (
-    ERRORS,
-    Axis,
     Block,
     Cell,
     Colour,
@@ -46,11 +45,9 @@ from stickslip.report import (
     KeyValue,
     KeyValues,
     LawLine,
-    Mark,
     Math,
     Name,
     Number,
-    Opening,
     Origin,
     PageSections,
     Paragraph,
@@ -59,11 +56,13 @@ from stickslip.report import (
     Section,
     Subheading,
     Table,
-    check_items,
-    checks_heading,
+    candidates_heading,
+    error_axis,
+    error_plot,
     identified_heading,
     label_of,
-    law_references,
+    opening,
+    record_and_checks,
     reproduce,
     typeset,
 )
@@ -95,18 +94,16 @@ def opening_section(verdict: FeatureVerdict, kicker: str, remark: str = "") -> S
     best, words = verdict.best, verdict.words
     fit = best.fit if best else None
     told = fit is not None and best is not None and not best.dropped
-    (lede,) = typeset_lines([f"{words.lede} {words.no_score} {remark}".strip()], verdict)
-    opening = Opening(
-        kicker=kicker,
-        verdict=words.verdict,
-        lede=lede,
+    return opening(
+        words,
+        kicker,
+        remark,
+        symbols=symbols_of(verdict),
         law=_law_lines(fit) if fit else (),
         facts=_facts(verdict),
-        settles=_settles(fit) if fit and told else typeset_lines(words.settles, verdict),
-        cannot_tell=typeset_lines(words.cannot_tell, verdict),
-        measure_next=typeset_lines(words.measure_next, verdict),
+        settles=_settles(fit) if fit and told else None,
+        no_score=words.no_score,
     )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
 
 
 def _settles(fit: FeatureFit) -> tuple[str, ...]:
@@ -230,10 +227,8 @@ def scores_section(verdict: FeatureVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
     count = len(verdict.candidates)
-    heading = f"{in_words(count).capitalize()} candidates, scored on the held-out half"
-    if count == 1:
-        heading = "One candidate, scored on the held-out half"
-    elif not verdict.ranked:
+    heading = candidates_heading(count, "the held-out half")
+    if count > 1 and not verdict.ranked:
         heading = f"{in_words(count).capitalize()} candidates, not distinguished by their scores"
     blocks: list[Block] = [Paragraph(text=_how(verdict)), _laws(verdict, rows)]
     fit = verdict.best.fit if verdict.best else None
@@ -260,13 +255,14 @@ def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
 
     def plot(one: FeatureCandidate) -> RowPlot:
         nominal, chosen = one is verdict.control, one is verdict.best
-        return _plot(one, "c1" if chosen else "c2" if nominal else "muted")
+        colour: Colour = "c1" if chosen else "c2" if nominal else "muted"
+        return error_plot(one.score, one.score_error, PERCENT, colour)
 
     return page_table(
         COLUMNS,
         rows,
         cells={"model": name, "": plot, "outcome": lambda one: typeset(one.outcome, symbols)},
-        axis=_axis(rows),
+        axis=error_axis((one.score for one in rows), PERCENT, (one.score_error for one in rows)),
         chosen=lambda one: one is verdict.best,
         caption="Dot: held-out error, root mean square of the three. Bar: ± 1 standard error, from"
         " a block bootstrap of both halves. Laws are not distinguished if their errors"
@@ -274,25 +270,6 @@ def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
         " features between the halves; of these, a law with all parameters identified is"
         " chosen first, then the one with the fewest parameters.",
     )
-
-
-def _plot(one: FeatureCandidate, colour: Colour) -> RowPlot:
-    if not math.isfinite(one.score):
-        return RowPlot(marks=())
-    at, half = 100.0 * one.score, 100.0 * one.score_error
-    marks = [Mark(kind="dot", at=at, colour=colour)]
-    if math.isfinite(half):
-        marks.insert(0, Mark(kind="bar", at=max(at - half, 0.0), to=at + half, colour=colour))
-    return RowPlot(marks=tuple(marks))
-
-
-def _axis(rows: list[FeatureCandidate]) -> Axis:
-    ends = [100.0 * (c.score + (c.score_error if math.isfinite(c.score_error) else 0.0))
-            for c in rows if math.isfinite(c.score)]  # fmt: skip
-    high = max(ends, default=1.0) or 1.0
-    power = 10.0 ** math.floor(math.log10(high))
-    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)
 
 
 def _features(fit: FeatureFit) -> Table:
@@ -369,16 +346,12 @@ def _parameter(verdict: FeatureVerdict, fit: FeatureFit, index: int) -> Row:
     return Row(cells=cells)
 
 
-def record_section(verdict: FeatureVerdict) -> Section:
+def record_section(verdict: FeatureVerdict) -> Section | None:
     """Return the section on the features of the whole record and what was checked of it."""
     items = [*_numbers(verdict)]
     for line in typeset_lines(verdict.features.sentences, verdict):
         items.append(KeyValue(key="Feature", value=line, mark="warn"))
-    items += check_items(verdict.checks)
-    warned = sum(item.mark != "none" for item in items)
-    heading = checks_heading(warned, "its features and checks")
-    block = KeyValues(items=tuple(items))
-    return Section(id="record", nav="Record and checks", heading=heading, blocks=(block,))
+    return record_and_checks(verdict.checks, items=items, source="its features and checks")
 
 
 def _numbers(verdict: FeatureVerdict) -> list[KeyValue]:
@@ -458,10 +431,8 @@ def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
         code.append((fit.to_toml().strip(), "The fitted block and law as a file for simulations."))
         text = f"{fit.runs:,} limit cycles simulated for the chosen law"
         items.append(KeyValue(key="Runs", value=text))
-    if verdict.measurement.provenance:
-        items.append(KeyValue(key="Data", value=verdict.measurement.provenance))
     laws = [c.law for c in verdict.candidates if c.law is not None]
-    return reproduce(origin, code=code, items=items, references=law_references(laws, {}))
+    return reproduce(origin, code=code, items=items, data=verdict.measurement.provenance, laws=laws)
 
 
 sections = PageSections[FeatureVerdict](

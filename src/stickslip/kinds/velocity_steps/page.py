@@ -1,7 +1,6 @@
 """Sections of the page of a selection on velocity steps."""
 
 import math
-from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -54,7 +53,6 @@ from stickslip.report import (
     Math,
     Name,
     Number,
-    Opening,
     Origin,
     PageSections,
     Paragraph,
@@ -62,12 +60,12 @@ from stickslip.report import (
     Section,
     Subheading,
     Table,
-    check_items,
-    checks_heading,
+    candidates_heading,
     error_axis,
     error_plot,
     label_of,
-    law_references,
+    opening,
+    record_and_checks,
     reproduce,
     typeset,
 )
@@ -84,18 +82,15 @@ BEFORE, AFTER = 0.5, 8.0
 def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
     words, fit = verdict.words, _fit(verdict)
-    (lede,) = _typeset([f"{words.lede} {words.no_score} {remark}".strip()], fit)
-    opening = Opening(
-        kicker=kicker,
-        verdict=words.verdict,
-        lede=lede,
+    return opening(
+        words,
+        kicker,
+        remark,
+        symbols=_symbols(fit),
         law=_law_lines(fit),
         facts=_facts(verdict, fit),
-        settles=_typeset(words.settles, fit),
-        cannot_tell=_typeset(words.cannot_tell, fit),
-        measure_next=_typeset(words.measure_next, fit),
+        no_score=words.no_score,
     )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
 
 
 def _fit(verdict: RateStateVerdict) -> RateStateFit:
@@ -103,9 +98,8 @@ def _fit(verdict: RateStateVerdict) -> RateStateFit:
     return verdict.closest.fit
 
 
-def _typeset(lines: Iterable[str], fit: RateStateFit) -> tuple[str, ...]:
-    symbols = [e.quantity.symbol for e in fit.estimates]
-    return tuple(typeset(line, symbols) for line in lines)
+def _symbols(fit: RateStateFit) -> list[str]:
+    return [e.quantity.symbol for e in fit.estimates]
 
 
 def _law_lines(fit: RateStateFit) -> tuple[LawLine, ...]:
@@ -292,9 +286,7 @@ def scores_section(verdict: RateStateVerdict) -> Section:
         else "Each law is fitted to the whole record, and once more without each part of it, which"
         " it then predicts. No step is left to judge by, as there is only one."
     )
-    heading = f"{in_words(len(rows)).capitalize()} candidates, scored on {_held(verdict)}"
-    if len(rows) == 1:
-        heading = "One candidate, scored on held-out parts"
+    heading = candidates_heading(len(rows), "held-out parts" if len(rows) == 1 else _held(verdict))
     return Section(id="scores", nav="Scores", heading=heading, blocks=(Paragraph(text=how), table))
 
 
@@ -332,7 +324,7 @@ def parameters_section(verdict: RateStateVerdict) -> Section:
 
 
 def _notes(fit: RateStateFit) -> tuple[str, ...]:
-    return _typeset([*fit.sentences[1:], *fit.remarks], fit)
+    return tuple(typeset(line, _symbols(fit)) for line in (*fit.sentences[1:], *fit.remarks))
 
 
 def _parameter(estimate: Estimate) -> Row:
@@ -407,22 +399,15 @@ def residuals_section(verdict: RateStateVerdict) -> Section | None:
     return Section(id="residuals", nav="Residuals", heading=heading, blocks=(figure,))
 
 
-def record_section(verdict: RateStateVerdict) -> Section:
+def record_section(verdict: RateStateVerdict) -> Section | None:
     """Return the section on the load point and what was checked of the record."""
     path = _fit(verdict).problem.record.path
     pieces = [
         f"{quantity(float(v), 'm/s')} for {quantity(float(x), 'm')}"
         for v, x in zip(path.speeds, np.diff(path.position), strict=True)
     ]
-    items = (
-        KeyValue(key="Load point", value=", then ".join(pieces)),
-        *check_items(verdict.checks),
-    )
-    warned = sum(item.mark != "none" for item in items)
-    heading = checks_heading(warned)
-    return Section(
-        id="record", nav="Record and checks", heading=heading, blocks=(KeyValues(items=items),)
-    )
+    pulled = KeyValue(key="Load point", value=", then ".join(pieces))
+    return record_and_checks(verdict.checks, items=[pulled])
 
 
 def next_section(verdict: RateStateVerdict) -> Section | None:
@@ -468,12 +453,13 @@ def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
         ["from stickslip.friction import RateState", "", "law = RateState(", *values, ")"]
     )
     note = f"The fitted law, for `simulate_velocity_steps` with stiffness={fit.stiffness:.6g} 1/m."
-    items = []
-    if verdict.measurement.provenance:
-        items.append(KeyValue(key="Data", value=verdict.measurement.provenance))
     laws = {c.law.formula: c.law for c in verdict.candidates if c.law is not None}
-    references = law_references([one for one in laws.values() if one.evolution != "none"], {})
-    return reproduce(origin, code=[(text, note)], items=items, references=references)
+    return reproduce(
+        origin,
+        code=[(text, note)],
+        data=verdict.measurement.provenance,
+        laws=[one for one in laws.values() if one.evolution != "none"],
+    )
 
 
 sections = PageSections[RateStateVerdict](
