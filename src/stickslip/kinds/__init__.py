@@ -4,6 +4,7 @@ from stickslip.lazy import attach
 
 HOMES = {
     "AnyKind": "registry",
+    "Column": "columns",
     "Comparison": "kind",
     "FeatureCandidate": "features.verdict",
     "FeatureFit": "features.result",
@@ -23,6 +24,7 @@ HOMES = {
     "SliderHistory": "velocity_steps.slider",
     "StickSlipFeatures": "features.features",
     "compare_features": "features.fit",
+    "data_row": "columns",
     "features_of": "features.features",
     "fit": "verbs",
     "fit_features": "features.fit",
@@ -30,11 +32,13 @@ HOMES = {
     "kind_of": "registry",
     "kind_of_route": "registry",
     "kinds": "registry",
+    "page_table": "columns",
     "refuse_unused": "registry",
     "select": "verbs",
     "select_features": "features.selection",
     "select_rate_state": "velocity_steps.selection",
     "simulate_velocity_steps": "velocity_steps.slider",
+    "terminal_table": "columns",
     "verdict_page": "page",
     "write_report": "report",
 }

@@ -1,4 +1,8 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.kinds.columns import Column as Column
+from stickslip.kinds.columns import data_row as data_row
+from stickslip.kinds.columns import page_table as page_table
+from stickslip.kinds.columns import terminal_table as terminal_table
 from stickslip.kinds.features.features import StickSlipFeatures as StickSlipFeatures
 from stickslip.kinds.features.features import features_of as features_of
 from stickslip.kinds.features.fit import compare_features as compare_features
@@ -42,6 +46,7 @@ from stickslip.kinds.verbs import select as select
 
 __all__ = [
     "AnyKind",
+    "Column",
     "Comparison",
     "FeatureCandidate",
     "FeatureFit",
@@ -61,6 +66,7 @@ __all__ = [
     "SliderHistory",
     "StickSlipFeatures",
     "compare_features",
+    "data_row",
     "features_of",
     "fit",
     "fit_features",
@@ -68,11 +74,13 @@ __all__ = [
     "kind_of",
     "kind_of_route",
     "kinds",
+    "page_table",
     "refuse_unused",
     "select",
     "select_features",
     "select_rate_state",
     "simulate_velocity_steps",
+    "terminal_table",
     "verdict_page",
     "write_report",
 ]

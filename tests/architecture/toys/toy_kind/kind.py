@@ -10,13 +10,21 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.friction import Viscous
 from stickslip.identification import Estimate, Laws
-from stickslip.kinds import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
+from stickslip.kinds import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Kind,
+    Options,
+    SelectRequest,
+    terminal_table,
+)
 from stickslip.quantities import fields_of
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import Wording
 
 from .fit import ToyFit
-from .verdict import NAME, ToyCandidate, ToyVerdict
+from .verdict import COLUMNS, NAME, ToyCandidate, ToyVerdict
 
 
 @final
@@ -80,7 +88,8 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
 
     @override
     def comparison(self, verdict: ToyVerdict) -> Comparison:
-        return Comparison(heads=["law"], rows=[[one.title] for one in verdict.candidates])
+        heads, rows = terminal_table(COLUMNS, verdict.candidates)
+        return Comparison(heads=heads, rows=rows)
 
     @override
     def summary(

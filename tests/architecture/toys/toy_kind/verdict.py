@@ -6,6 +6,7 @@ from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.kinds import Column, data_row
 from stickslip.selection import Candidate, Verdict
 
 from .fit import ToyFit
@@ -25,11 +26,22 @@ class ToyCandidate(Candidate[ToyFit]):
 
     @override
     def to_row(self) -> Mapping[str, Any]:
-        return {"law": self.name, "parameters": self.parameters}
+        return data_row(COLUMNS, self)
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
         return {**self.to_row(), "fit": self.fit.to_dict() if self.fit else None}
+
+
+COLUMNS = (
+    Column[ToyCandidate](
+        key="law",
+        title="law",
+        value=lambda one: one.name,
+        text=lambda one: one.title,
+    ),
+    Column[ToyCandidate](key="parameters", value=lambda one: one.parameters),
+)
 
 
 @final
