@@ -1,7 +1,6 @@
 """Records of several joints, fitted by inverse dynamics with all joints at once."""
 
 from collections.abc import Collection, Mapping, Sequence
-from functools import partial
 from typing import Any, final
 
 from typing_extensions import override
@@ -65,17 +64,24 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RecordFit[Any]:
-        return request.passed_to(partial(fit_joints, settings=options.settings or RecordSettings()))
+        return fit_joints(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            settings=options.settings or RecordSettings(),
+            **request.shared,
+        )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> JointVerdict:
-        return request.passed_to(
-            partial(
-                select_joints,
-                validate=options.validate,
-                settings=options.settings,
-                executor=options.executor,
-            )
+        return select_joints(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
         )
 
     @override

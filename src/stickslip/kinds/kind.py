@@ -28,13 +28,10 @@ from stickslip.selection import PurposeName, Verdict
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
-R = TypeVar("R")
 Law: TypeAlias = Any
 """A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
 SeveralLaws: TypeAlias = Any
 """A mapping or a sequence of such laws."""
-Progress = Callable[[str, float], object]
-"""Called with the name of a law and how far its search is; False ends searches in records."""
 
 
 @final
@@ -84,17 +81,14 @@ class Request:
     """Parameters to fit; ``"friction.*"`` if None."""
     fixed: Mapping[str, float] | None = None
     """Values of parameters that are held [SI], by the same names."""
+    progress: Callable[..., object] | None = None
+    """Called with the number of runs or the least residual so far, after the name of the law where
+    several are compared; False ends searches in records."""
 
-    def _passed(self, function: Callable[..., R], laws: object, progress: object) -> R:
-        """Call a function with what all functions that fit or select take."""
-        return function(
-            self.mechanism,
-            laws,
-            self.measurement,
-            vary=self.vary,
-            fixed=self.fixed,
-            progress=progress,
-        )
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What all functions that fit or select take, beside mechanism, laws and measurement."""
+        return {"vary": self.vary, "fixed": self.fixed, "progress": self.progress}
 
 
 @final
@@ -104,12 +98,6 @@ class FitRequest(Request):
 
     law: Law
     """An instance, whose values are the start, or a type."""
-    progress: Callable[[float], object] | None = None
-    """Called with the number of runs, or the least residual so far."""
-
-    def passed_to(self, function: Callable[..., F]) -> F:
-        """Return the fit of a function that fits; its further options are bound before."""
-        return self._passed(function, self.law, self.progress)
 
 
 @final
@@ -119,12 +107,6 @@ class SelectRequest(Request):
 
     laws: SeveralLaws | None
     """The candidates; the usual ones if None."""
-    progress: Progress | None = None
-    """Called with the name of a law and its number of runs or least residual so far."""
-
-    def passed_to(self, function: Callable[..., V]) -> V:
-        """Return the verdict of a function that selects; its further options are bound before."""
-        return self._passed(function, self.laws, self.progress)
 
 
 @final

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import fields, replace
-from functools import partial
 from typing import Any, final
 
 from typing_extensions import override
@@ -128,22 +127,28 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RecordFit:
-        return request.passed_to(
-            partial(fit_records, route=options.route, settings=options.settings)
+        return fit_records(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            route=options.route,
+            settings=options.settings,
+            **request.shared,
         )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> RecordVerdict:
-        return request.passed_to(
-            partial(
-                select_records,
-                purpose=options.purpose or "simulate",
-                horizon=options.horizon,
-                route=options.route,
-                validate=options.validate,
-                settings=options.settings,
-                executor=options.executor,
-            )
+        return select_records(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            purpose=options.purpose or "simulate",
+            horizon=options.horizon,
+            route=options.route,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
         )
 
     @override

@@ -1,7 +1,6 @@
 """Travels: distances to rest, or per cycle of a drive."""
 
 from collections.abc import Collection, Sequence
-from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -86,12 +85,21 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
     @override
     def fit(self, request: FitRequest, options: Options) -> TravelFit:
         t_end = T_END if options.t_end is None else options.t_end
-        return request.passed_to(partial(fit_travels, t_end=t_end))
+        return fit_travels(
+            request.mechanism, request.law, request.measurement, t_end=t_end, **request.shared
+        )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> TravelVerdict:
         t_end = T_END if options.t_end is None else options.t_end
-        return request.passed_to(partial(select_travels, assumed=options.assumed, t_end=t_end))
+        return select_travels(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            assumed=options.assumed,
+            t_end=t_end,
+            **request.shared,
+        )
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection
 from dataclasses import replace
-from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -52,17 +51,20 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:
         seed = 0 if options.settings is None else options.settings.seed
-        return request.passed_to(partial(fit_features, seed=seed))
+        return fit_features(
+            request.mechanism, request.law, request.measurement, seed=seed, **request.shared
+        )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> FeatureVerdict:
-        return request.passed_to(
-            partial(
-                select_features,
-                validate=options.validate,
-                settings=options.settings,
-                executor=options.executor,
-            )
+        return select_features(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
         )
 
     @override

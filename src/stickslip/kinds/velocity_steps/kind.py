@@ -1,7 +1,6 @@
 """Velocity steps of a load point, fitted by rate-and-state friction."""
 
 from collections.abc import Collection, Sequence
-from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -64,19 +63,25 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     @override
     def fit(self, request: FitRequest, options: Options) -> RateStateFit:
         settings = options.settings or RecordSettings(starts=STARTS)
-        return request.passed_to(
-            partial(fit_rate_state, starts=settings.starts, seed=settings.seed)
+        return fit_rate_state(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            starts=settings.starts,
+            seed=settings.seed,
+            **request.shared,
         )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> RateStateVerdict:
-        return request.passed_to(
-            partial(
-                select_rate_state,
-                validate=options.validate,
-                settings=options.settings,
-                executor=options.executor,
-            )
+        return select_rate_state(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
         )
 
     @override
