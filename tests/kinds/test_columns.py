@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.formatting import EstimateText
+from stickslip.formatting import EstimateText, Scale
 from stickslip.kinds import Column, data_row, page_table, terminal_table
 from stickslip.kinds.features.verdict import COLUMNS as OF_FEATURES
 from stickslip.kinds.features.verdict import FeatureCandidate
 from stickslip.kinds.velocity_steps.verdict import COLUMNS as OF_STEPS
 from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
-from stickslip.report import Axis, Mark, Number, RowPlot
+from stickslip.report import Number, RowPlot
 from stickslip.selection import CrossValidation
 
 
@@ -24,6 +24,11 @@ class One:
     size: float
     second: float | None = None
     dropped: str = ""
+    score_error = 2e-3
+
+    @property
+    def score(self):
+        return self.size or math.inf
 
 
 COLUMNS = (
@@ -36,15 +41,16 @@ COLUMNS = (
            text=lambda one: "none" if one.second is None else str(one.second)),
     Column(key="loss", value=lambda one: one.size**2),
 )  # fmt: skip
-ROWS = [One("dahl", 2e-3), One("lugre", 0.0, dropped="not fitted")]
+ROWS = [One("dahl", 1e-3), One("stribeck", 4e-3), One("lugre", 0.0, dropped="not fitted")]
 
 
 def page(rows, **more):
     return page_table(
         COLUMNS,
         rows,
-        cells={"": lambda one: RowPlot(marks=(Mark(kind="dot", at=one.size),)), **more},
-        axis=Axis(low=0.0, high=1.0),
+        cells=more,
+        scale=Scale(1e3, "mm"),
+        colour=lambda one: "c1" if one.name == "dahl" else "muted",
         chosen=lambda one: one.name == "dahl",
         caption="",
     )
@@ -57,19 +63,32 @@ def test_each_medium_has_the_columns_that_have_a_name_for_it():
 
 
 def test_a_terminal_says_the_unit_in_the_cell_and_a_page_in_the_heading():
-    assert terminal_table(COLUMNS, ROWS)[1] == [["dahl", "2.0 ± 0.1 mm"], ["lugre", "—"]]
-    first, second = page(ROWS).rows
-    assert first.cells[1] == Number(value="2.0", doubt="± 0.1")
+    assert terminal_table(COLUMNS, ROWS)[1] == [
+        ["dahl", "1.0 ± 0.1 mm"],
+        ["stribeck", "4.0 ± 0.1 mm"],
+        ["lugre", "—"],
+    ]
+    first, _, second = page(ROWS).rows
+    assert first.cells[1] == Number(value="1.0", doubt="± 0.1")
     assert second.cells[1] == "no score"
     assert (first.chosen, first.muted, second.chosen, second.muted) == (True, False, False, True)
 
 
 def test_a_column_that_is_optional_is_there_if_any_candidate_has_a_value():
-    rows = [*ROWS, One("stribeck", 1e-3, second=0.5)]
+    rows = [*ROWS, One("viscous", 1e-3, second=0.5)]
     heads, cells = terminal_table(COLUMNS, rows)
     assert heads[-1] == "second"
-    assert [row[-1] for row in cells] == ["none", "none", "0.5"]
+    assert [row[-1] for row in cells] == ["none", "none", "none", "0.5"]
     assert page(rows).columns[-1].head == "second\nrecord"
+
+
+def test_a_page_draws_the_errors_of_several_laws_with_bars_that_end_at_0():
+    table = page(ROWS)
+    assert (table.columns[2].axis.low, table.columns[2].axis.high) == (0.0, 10.0)
+    bar, dot = table.rows[0].cells[2].marks
+    assert (bar.at, bar.to, dot.at, dot.colour) == (0.0, 3.0, 1.0, "c1")  # 1 mm ± 2 mm
+    assert table.rows[2].cells[2] == RowPlot(marks=())
+    assert [one.head for one in page(ROWS[:1]).columns] == ["model", "error\nmm"]
 
 
 def test_a_page_may_say_a_cell_otherwise():

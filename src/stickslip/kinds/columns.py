@@ -1,13 +1,15 @@
 """Tables of candidates: one list of columns for DataFrames, terminals and pages."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, Literal, TypeAlias, final
 
 from typing_extensions import TypeVar
 
-from stickslip.formatting import NO_VALUE, EstimateText, with_unit
-from stickslip.report import Axis, Cell, Number, Row, Table
+from stickslip.formatting import NO_VALUE, EstimateText, Scale, with_unit
+from stickslip.report import Axis, Cell, Colour, Number, Row, Table, error_axis, error_plot
 from stickslip.report import Column as PageColumn
 from stickslip.selection import Candidate
 
@@ -77,15 +79,18 @@ def page_table(
     rows: Sequence[C],
     *,
     cells: Mapping[str, Callable[[C], Cell]],
-    axis: Axis | None,
+    scale: Scale,
+    colour: Callable[[C], Colour],
     chosen: Callable[[C], bool],
     caption: str,
 ) -> Table:
-    """Return the table of a page.
+    """Return the table of a page, with the held-out errors drawn where there are several.
 
-    `cells` has what a page says otherwise, by heading: plots of the errors, without one, stand on
-    the axis.
+    `cells` has what a page says otherwise, by heading.
     """
+    errors = [(_number(row.score), _number(row.score_error)) for row in rows]
+    axis = error_axis([one for one, _ in errors], scale, [error for _, error in errors])
+
     made: list[tuple[PageColumn, Callable[[C], Cell]]] = []
     for one in columns:
         if not one.page or not _is_shown(one, rows):
@@ -94,7 +99,7 @@ def page_table(
         column = PageColumn(head=head, numeric=one.numeric, phone=one.phone, label=one.label)
         made.append((column, cells.get(one.page, one.on_page)))
         if one.key == "score" and axis is not None:
-            made.append((PageColumn(head="", axis=axis), cells[""]))
+            made.append((PageColumn(head="", axis=axis), partial(_plotted, scale, colour, axis)))
     return Table(
         columns=tuple(column for column, _ in made),
         rows=tuple(
@@ -107,6 +112,14 @@ def page_table(
         ),
         caption=caption,
     )
+
+
+def _plotted(scale: Scale, colour: Callable[[C], Colour], axis: Axis, one: C) -> Cell:
+    return error_plot(_number(one.score), _number(one.score_error), scale, colour(one), axis)
+
+
+def _number(value: float | None) -> float:
+    return math.inf if value is None else value
 
 
 def _is_shown(column: Column[C], rows: Sequence[C]) -> bool:

@@ -52,13 +52,10 @@ from stickslip.report import (
     PageSections,
     Paragraph,
     Row,
-    RowPlot,
     Section,
     Subheading,
     Table,
     candidates_heading,
-    error_axis,
-    error_plot,
     identified_heading,
     label_of,
     opening,
@@ -253,16 +250,15 @@ def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
         aside = "nominal mechanism" if one is verdict.control else ""
         return Name(text=one.title, aside=aside)
 
-    def plot(one: FeatureCandidate) -> RowPlot:
-        nominal, chosen = one is verdict.control, one is verdict.best
-        colour: Colour = "c1" if chosen else "c2" if nominal else "muted"
-        return error_plot(one.score, one.score_error, PERCENT, colour)
+    def colour(one: FeatureCandidate) -> Colour:
+        return "c1" if one is verdict.best else "c2" if one is verdict.control else "muted"
 
     return page_table(
         COLUMNS,
         rows,
-        cells={"model": name, "": plot, "outcome": lambda one: typeset(one.outcome, symbols)},
-        axis=error_axis((one.score for one in rows), PERCENT, (one.score_error for one in rows)),
+        cells={"model": name, "outcome": lambda one: typeset(one.outcome, symbols)},
+        scale=PERCENT,
+        colour=colour,
         chosen=lambda one: one is verdict.best,
         caption="Dot: held-out error, root mean square of the three. Bar: ± 1 standard error, from"
         " a block bootstrap of both halves. Laws are not distinguished if their errors"

@@ -61,8 +61,6 @@ from stickslip.report import (
     Subheading,
     Table,
     candidates_heading,
-    error_axis,
-    error_plot,
     label_of,
     opening,
     record_and_checks,
@@ -263,17 +261,12 @@ def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> 
 def scores_section(verdict: RateStateVerdict) -> Section:
     """Return the section that compares all laws."""
     rows, closest = verdict.candidates, verdict.closest
-    axis = error_axis((c.score for c in rows), COEFFICIENT, (c.score_error for c in rows))
     table = page_table(
         COLUMNS,
         rows,
-        cells={
-            "model": lambda one: Name(text=one.title),
-            "": lambda one: error_plot(
-                one.score, one.score_error, COEFFICIENT, "c1" if one is closest else "muted"
-            ),
-        },
-        axis=axis,
+        cells={"model": lambda one: Name(text=one.title)},
+        scale=COEFFICIENT,
+        colour=lambda one: "c1" if one is closest else "muted",
         chosen=lambda one: one is verdict.best,
         caption="Of the laws whose losses are within 1.1 standard errors of those of the law with"
         " the lowest error, the one with the fewest parameters is named. Of two laws of evolution"

@@ -82,7 +82,9 @@ def _row(
     ]
     if axis is not None:
         cells.append(
-            error_plot(c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c))
+            error_plot(
+                c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c), axis
+            )
         )
     if verdict.plan.length:
         cells.append(score_text(scale, last).value if math.isfinite(last) else "—")
