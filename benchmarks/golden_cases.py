@@ -308,7 +308,7 @@ import numpy as np
 
 from stickslip import Measurement, TowedBlock
 from stickslip.friction import RateState
-from stickslip.identification import fit_rate_state, simulate_velocity_steps
+from stickslip.kinds import fit_rate_state, simulate_velocity_steps
 
 law = RateState(
     reference_coefficient=0.6,
@@ -333,7 +333,7 @@ ROCK = '''
 """The velocity step of sepiolite gouge."""
 
 from stickslip import TowedBlock, catalogue
-from stickslip.identification import fit_rate_state
+from stickslip.kinds import fit_rate_state
 
 machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
 record = catalogue.dataset("rock_velocity_step").measurement()

@@ -25,11 +25,12 @@ from stickslip import (
 )
 from stickslip.catalogue import dataset
 from stickslip.errors import StickslipError
-from stickslip.identification import RecordFit, features_of, fit_features, fit_rate_state
+from stickslip.identification import RecordFit
 from stickslip.identification.estimation.levenberg_marquardt import search
 from stickslip.identification.force_map.problem import force_map
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.kinds import features_of, fit_features, fit_rate_state
 from stickslip.selection.record_verdict import RecordVerdict
 
 AXIS = Axis(inertia=95.0)

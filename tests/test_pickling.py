@@ -37,7 +37,7 @@ from stickslip.control import closed_loop, limit_cycle
 from stickslip.drives import Sampled, Sine
 from stickslip.experiments import LawEstimates, guess_data
 from stickslip.friction import RateState
-from stickslip.identification import fit_rate_state, simulate_velocity_steps
+from stickslip.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.outputs import Final
 from stickslip.results import Sensitivity
 from stickslip.sweep import average_velocity, band_of, basins, bifurcation

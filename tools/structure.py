@@ -179,8 +179,6 @@ def route_checks(tree: ast.Module, types: set[str]) -> tuple[int, int]:
         elif isinstance(node, ast.Compare):
             texts = {n.value for n in ast.walk(node) if isinstance(n, ast.Constant)}
             by_text += bool(texts & ROUTE_QUESTIONS)
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "by_features":
-            by_text += 1
     return by_type, by_text
 
 

@@ -14,8 +14,8 @@ from sphinx.util.docutils import SphinxDirective
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
 from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
+from stickslip.kinds.registry import kinds
 from stickslip.quantities import fields_of
-from stickslip.routes import routes
 
 BIBLIOGRAPHY = {"paper": "pendulumcart"}
 """Keys of sources that are called otherwise in references.bib."""
@@ -189,9 +189,9 @@ def rig_file() -> Iterator[str]:
     used = {reference.rpartition("/")[2] for reference in mechanisms.values()}
     drives = dict(drive_mapping([tables[name] for name in used]))
     yield from ("## The file", "", *rig_table(schema))
-    for heading, kinds in (("`[mechanism]`", mechanisms), ("`drive`", drives)):
+    for heading, types in (("`[mechanism]`", mechanisms), ("`drive`", drives)):
         yield from (f"## {heading}", "")
-        for kind, reference in sorted(kinds.items()):
+        for kind, reference in sorted(types.items()):
             own = tables[reference.rpartition("/")[2]]
             yield from (f'### `type = "{kind}"`', "", own["description"], "", *rig_table(own))
     parts = dict.fromkeys(part_names([tables[name] for name in sorted(used)], drives))
@@ -267,16 +267,16 @@ def quantity_text(description: str) -> str:
 
 
 def route_table() -> Iterator[str]:
-    """All routes in one table, in the order in which they are tried."""
+    """All kinds of measurement in one table, in the order in which they are tried."""
     rows = (
         (
-            route.measured,
-            ", ".join(f"`{name}`" for name in route.names),
-            (route.__doc__ or "").partition("\n")[0],
-            ", ".join(f"`{name}`" for name in sorted(route.uses | route.settings)),
-            "yes" if route.simulated else "no",
+            kind.measured,
+            ", ".join(f"`{name}`" for name in kind.routes),
+            (kind.__doc__ or "").partition("\n")[0],
+            ", ".join(f"`{name}`" for name in sorted(kind.uses | kind.settings)),
+            "yes" if kind.simulated else "no",
         )
-        for route in routes()
+        for kind in kinds()
     )
     head = ("measurement", "route", "method", "options", "`law.toml`")
     yield from table(head, rows)

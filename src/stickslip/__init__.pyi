@@ -9,6 +9,7 @@ from stickslip import experiments as experiments
 from stickslip import exports as exports
 from stickslip import friction as friction
 from stickslip import identification as identification
+from stickslip import kinds as kinds
 from stickslip import maths as maths
 from stickslip import mechanisms as mechanisms
 from stickslip import optimisation as optimisation
@@ -18,7 +19,6 @@ from stickslip import plots as plots
 from stickslip import quantities as quantities
 from stickslip import report as report
 from stickslip import results as results
-from stickslip import routes as routes
 from stickslip import selection as selection
 from stickslip import solver as solver
 from stickslip import sweep as sweep
@@ -79,6 +79,9 @@ from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
 from stickslip.identification import sample_posterior as sample_posterior
+from stickslip.kinds import fit as fit
+from stickslip.kinds import select as select
+from stickslip.kinds import write_report as write_report
 from stickslip.mechanisms import Axis as Axis
 from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule
@@ -97,9 +100,6 @@ from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
-from stickslip.routes import fit as fit
-from stickslip.routes import select as select
-from stickslip.routes import write_report as write_report
 from stickslip.selection import plan as plan
 from stickslip.simulation import ensemble as ensemble
 from stickslip.simulation import simulate as simulate

@@ -1,7 +1,7 @@
-"""How many places a contribution touches: a law 2 or 3, a mechanism and a plot 3, a route 4.
+"""How many places a contribution touches: a law 2 or 3, a mechanism and a plot 3, a kind 4.
 
 Toys are put into a copy of the package by the edits that CONTRIBUTING.md lists. The last place of
-each is its test, which stands here for all: the toy is used as a user would use it. A route that
+each is its test, which stands here for all: the toy is used as a user would use it. A kind that
 another package registers is used likewise.
 """
 
@@ -33,7 +33,8 @@ def tree(tmp_path: Path) -> Tree:
 
 def contributed(tree: Tree, toy: str, to: str, *edits: Edit) -> int:
     """Add a file, make edits, renew the stubs; return the number of places."""
-    shutil.copy(TOYS / toy, tree / "src/stickslip" / to)
+    copied = shutil.copytree if (TOYS / toy).is_dir() else shutil.copy
+    copied(TOYS / toy, tree / "src/stickslip" / to)
     for file, line, below in edits:
         path = tree / "src/stickslip" / file
         text = path.read_text(encoding="utf-8")
@@ -180,14 +181,14 @@ assert axes.get_xlabel() == "time since the start, s"
     assert places == 3
 
 
-ROUTE_USED = """
+KIND_USED = """
 import numpy as np
 from stickslip import Axis, Measurement, fit, select, write_report
-from stickslip.routes import route_of
+from stickslip.kinds import kind_of
 v = np.array([0.1, 0.2, 0.3])
 slow = Measurement(time=[0.0, 1.0, 2.0], velocity=v, force=4.0 * v, conditions={"kind": "toy"})
 axis = Axis(inertia=1.0)
-assert route_of(slow).measured == "steady speeds"
+assert kind_of(slow).measured == "steady speeds"
 found = fit(axis, "viscous", slow)
 assert type(found).__name__ == "ToyFit" and abs(found.law.viscous_coefficient - 4.0) < 1e-12
 verdict = select(axis, None, slow)
@@ -203,47 +204,46 @@ assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
 """
 
 
-@pytest.mark.slow  # a route of another package is used in the same way
-def test_a_route_touches_four_places(tree: Tree) -> None:
-    registry = "routes/registry.py"
+@pytest.mark.slow  # a kind of another package is used in the same way
+def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
+    registry = "kinds/registry.py"
     places = contributed(
         tree,
-        "toy_route.py",
-        "routes/toy_route.py",
-        (registry, "OWN: tuple[AnyRoute, ...] = (", "    ToyRoute(),"),
+        "toy_kind",
+        "kinds/toy",
+        (registry, "OWN: tuple[AnyKind, ...] = (", "    ToyKind(),"),
         (
             registry,
-            "from stickslip.routes.travels import TravelRoute",
-            "from stickslip.routes.toy_route import ToyRoute",
+            "from stickslip.kinds.travels import TravelKind",
+            "from stickslip.kinds.toy.kind import ToyKind",
         ),
-        ("results/__init__.py", "HOMES = {", '    "ToyFit": "routes.toy_route",'),
+        ("results/__init__.py", "HOMES = {", '    "ToyFit": "kinds.toy.fit",'),
     )
-    run(tree, "-c", ROUTE_USED + "from stickslip.results import ToyFit\n")
+    run(tree, "-c", KIND_USED + "from stickslip.results import ToyFit\n")
     assert places == 4
 
 
-def test_a_route_of_another_package_is_used_like_ours(tree: Tree) -> None:
+def test_a_kind_of_another_package_is_used_like_ours(tree: Tree) -> None:
     package = tree / "src" / "toys"
-    package.mkdir()
-    shutil.copy(TOYS / "toy_route.py", package / "__init__.py")
+    shutil.copytree(TOYS / "toy_kind", package)
     about = tree / "src" / "toys-0.1.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 0.1\n")
-    (about / "entry_points.txt").write_text("[stickslip.routes]\ntoy = toys:ToyRoute\n")
-    assert "Viscous" in run(tree, "-c", ROUTE_USED)
+    (about / "entry_points.txt").write_text("[stickslip.kinds]\ntoy = toys.kind:ToyKind\n")
+    assert "Viscous" in run(tree, "-c", KIND_USED)
 
 
-def test_what_is_registered_as_a_route_and_is_none_is_said(tree: Tree) -> None:
+def test_what_is_registered_as_a_kind_and_is_none_is_said(tree: Tree) -> None:
     about = tree / "src" / "toys-0.1.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 0.1\n")
-    (about / "entry_points.txt").write_text("[stickslip.routes]\ntoy = json:dumps\n")
+    (about / "entry_points.txt").write_text("[stickslip.kinds]\ntoy = json:dumps\n")
     use = """
 from stickslip.errors import StickslipError
-from stickslip.routes import routes
+from stickslip.kinds import kinds
 try:
-    routes()
+    kinds()
 except StickslipError as error:
     print(error)
 """
-    assert "toys must be a class derived from Route" in run(tree, "-c", use)
+    assert "toys must be a class derived from Kind" in run(tree, "-c", use)

@@ -22,10 +22,10 @@ import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
 from stickslip.identification.records.route_choice import OwnRouteName
+from stickslip.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
 from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
 from stickslip.optimisation.problem import GOALS, GoalName
-from stickslip.routes.registry import OWN
 from stickslip.selection.records import PURPOSES, PurposeName
 
 ROOT = Path(__file__).parents[2]
@@ -416,7 +416,7 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
 @pytest.mark.parametrize(
     ("type_", "names"),
     [
-        (OwnRouteName, [name for route in OWN for name in route.names if "route" in route.uses]),
+        (OwnRouteName, [name for kind in OWN for name in kind.routes if "route" in kind.uses]),
         (PurposeName, tuple(PURPOSES)),
         (GoalName, tuple(GOALS)),
         (KindName, (*KINDS, *TYPES)),

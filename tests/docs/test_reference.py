@@ -14,7 +14,7 @@ import stickslip.drives
 import stickslip.outputs
 import stickslip.results
 from stickslip.friction.notation import PARTS
-from stickslip.routes import routes
+from stickslip.kinds.registry import kinds
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -51,12 +51,12 @@ def test_a_part_of_laws_stands_in_the_table_of_how_to_compose_them(name):
 def test_every_route_stands_in_the_table_with_its_options(monkeypatch):
     monkeypatch.syspath_prepend(PAGE.parents[1] / "_ext")
     rows = [*importlib.import_module("generated").route_table()][2:-1]
-    assert len(rows) == len(routes())
-    for row, route in zip(rows, routes(), strict=True):
+    assert len(rows) == len(kinds())
+    for row, kind in zip(rows, kinds(), strict=True):
         measured, names, about, options, _ = (cell.strip() for cell in row.strip("|").split("|"))
-        assert measured == route.measured
-        assert names == ", ".join(f"`{name}`" for name in route.names)
-        assert set(options.replace("`", "").split(", ")) == route.uses | route.settings
+        assert measured == kind.measured
+        assert names == ", ".join(f"`{name}`" for name in kind.routes)
+        assert set(options.replace("`", "").split(", ")) == kind.uses | kind.settings
         assert about.endswith(".")
 
 

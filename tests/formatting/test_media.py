@@ -105,9 +105,9 @@ def test_one_verdict_has_one_held_out_error(capsys):
     import numpy as np
 
     from stickslip.cli.select import show_verdict
+    from stickslip.kinds.page import verdict_page
     from stickslip.report import render
     from stickslip.report.core.documents import Origin
-    from stickslip.routes.page import verdict_page
 
     speed = np.linspace(-0.3, 0.3, 120)
     noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))

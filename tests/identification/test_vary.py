@@ -17,8 +17,8 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.identification import compare_features, fit_features
 from stickslip.identification.validation import LAW, Parameters
+from stickslip.kinds import compare_features, fit_features
 
 AXIS = Axis(inertia=2.0)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

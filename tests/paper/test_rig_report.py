@@ -7,10 +7,10 @@ from tests.support import sketched
 
 from stickslip import load_rig, select
 from stickslip.formatting import quantity, unbroken
+from stickslip.kinds.page import verdict_page
 from stickslip.paper import beside
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
-from stickslip.routes.page import verdict_page
 from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """

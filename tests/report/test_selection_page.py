@@ -24,12 +24,12 @@ from stickslip import (
 from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
+from stickslip.kinds.page import verdict_page
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 from stickslip.report.travels.runs import steps_heading
-from stickslip.routes.page import verdict_page
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

@@ -28,10 +28,10 @@ from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
+from stickslip.kinds.page import verdict_page
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
 from stickslip.results import RecordVerdict
-from stickslip.routes.page import verdict_page
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded

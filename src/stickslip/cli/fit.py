@@ -30,7 +30,7 @@ from stickslip.documents import document, write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
-from stickslip.routes import FitRequest, FitSummary, Law, refuse_uninformed
+from stickslip.kinds import FitRequest, FitSummary, Law, refuse_uninformed
 
 
 def run(
@@ -52,14 +52,14 @@ def run(
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
     found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
-    if output is not None and not found.route.simulated:
+    if output is not None and not found.kind.simulated:
         raise InputError(
-            f"--output writes a law that `simulate` can run; laws of {found.route.measured} are not"
+            f"--output writes a law that `simulate` can run; laws of {found.kind.measured} are not"
             " simulated: use --json."
         )
     checks = _checked(rig, found, asked)
     result = _fitted(rig, found)
-    shown = found.route.summary(result, found.options.validate, found.options.horizon)
+    shown = found.kind.summary(result, found.options.validate, found.options.horizon)
     if output is not None:
         write_file(output, result.to_toml())
     if as_json:
@@ -102,11 +102,11 @@ def _fitted(rig: Rig, found: Inputs) -> Fit:
     name = _name(law)
     several = isinstance(law, Mapping)
     laws = [one for one in law.values() if one is not None] if several else [law]
-    refuse_uninformed(found.route, laws, rig.mechanism, found.measurement)
-    kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
+    refuse_uninformed(found.kind, laws, rig.mechanism, found.measurement)
+    kind, vary = found.kind.law_and_parameters(law, found.vary, found.fixed)
     with watching([name], found) as watch:
         report = partial(watch, name)
-        if not found.route.counts_runs:
+        if not found.kind.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
         request = FitRequest(
             mechanism=rig.mechanism,
@@ -116,7 +116,7 @@ def _fitted(rig: Rig, found: Inputs) -> Fit:
             fixed=found.fixed,
             progress=report,
         )
-        fitted: Fit = found.route.fit(request, found.options)
+        fitted: Fit = found.kind.fit(request, found.options)
         return fitted
 
 

@@ -33,8 +33,8 @@ from stickslip.identification import (
     law_quantities,
     refuse_of_laws,
 )
+from stickslip.kinds import AnyKind, Law, Options, Request, kind_of, refuse_unused
 from stickslip.quantities import Quantity, full_path
-from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
 from stickslip.selection import PurposeName, Wording
 
 
@@ -122,7 +122,7 @@ class Inputs:
     """Values of parameters that are not fitted [SI], by path."""
     digest: str
     """SHA-256 of the rig and of all files that were read."""
-    route: AnyRoute
+    kind: AnyKind
     """What fits and compares such a measurement."""
     options: Options
     """What is said of how, with what is chosen for the measurement."""
@@ -133,7 +133,7 @@ def measured(
     asked: CommandInputs,
     *,
     given: bool,
-    law: Callable[[AnyRoute], Law] | None = None,
+    law: Callable[[AnyKind], Law] | None = None,
 ) -> Inputs:
     """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
@@ -161,9 +161,9 @@ def measured(
         validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
     how = asked.how
-    route = route_of(measurement, how.route)
-    chosen = None if law is None else law(route)
-    vary, fixed = _parameters(rig, asked, None if chosen is None else route.owner(chosen))
+    kind = kind_of(measurement, how.route)
+    chosen = None if law is None else law(kind)
+    vary, fixed = _parameters(rig, asked, None if chosen is None else kind.owner(chosen))
     said = Options(
         route=how.route,
         settings=how.settings(rig),
@@ -173,17 +173,17 @@ def measured(
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     )
-    options = said.only(route.uses)
+    options = said.only(kind.uses)
     typed = {name: f"--{name.replace('_', '-')}" for name in how.given}
-    refuse_unused(route, typed | ({"validate": "--validate"} if asked.validate else {}), options)
-    if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
+    refuse_unused(kind, typed | ({"validate": "--validate"} if asked.validate else {}), options)
+    if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(
             "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
             ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
-    options = route.resolved(request, options, None if chosen is None else route.owner(chosen))
-    refuse_unused(route, typed, options)
+    options = kind.resolved(request, options, None if chosen is None else kind.owner(chosen))
+    refuse_unused(kind, typed, options)
     return Inputs(
         measurement=measurement,
         law=chosen,
@@ -191,7 +191,7 @@ def measured(
         vary=vary,
         fixed=fixed,
         digest=with_files(rig.digest, files),
-        route=route,
+        kind=kind,
         options=options,
     )
 
@@ -268,13 +268,13 @@ def watching(
     names: Sequence[str], found: Inputs, *, at_most: bool = False
 ) -> Iterator[Watching | Searching]:
     """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
-    if found.route.counts_runs:
+    if found.kind.counts_runs:
         with Watching(names, "Fitting") as counting:
             yield counting
         return
 
     def text(error: float) -> str:
-        return found.route.residual_text(error, found.measurement, found.options)
+        return found.kind.residual_text(error, found.measurement, found.options)
 
     with (
         Interrupts() as interrupts,
@@ -283,7 +283,7 @@ def watching(
             text,
             interrupts,
             at_most=at_most,
-            longest_first=found.route.longest_first,
+            longest_first=found.kind.longest_first,
         ) as bar,
     ):
         yield bar

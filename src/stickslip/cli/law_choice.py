@@ -31,9 +31,9 @@ from stickslip.friction import (
     law_type,
 )
 from stickslip.identification import starting_law
+from stickslip.kinds import AnyKind, Law
 from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
 from stickslip.quantities import fields_of, parameters
-from stickslip.routes import AnyRoute, Law
 
 USUAL = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
@@ -206,23 +206,23 @@ def friction_content(
     return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
 
 
-def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
-    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route."""
+def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
+    """Return the law to fit, or its name: as asked, the rig's only one, or that of the kind."""
     by_contact = name is not None and "=" in name
-    if by_contact and not route.by_contact:
+    if by_contact and not kind.by_contact:
         raise InputError(
             f"--law {name} names laws by contact, which only records of several joints take: give"
             " one name."
         )
-    if route.by_contact and (by_contact or rig.contacts):
-        return _laws_to_fit(rig, name, route)
+    if kind.by_contact and (by_contact or rig.contacts):
+        return _laws_to_fit(rig, name, kind)
     if name is None:
-        name = rig.named[0] if len(rig.named) == 1 else route.usual_law
+        name = rig.named[0] if len(rig.named) == 1 else kind.usual_law
     _refuse_printed(name)
     return rig.laws.get(name) or name
 
 
-def _laws_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> dict[str, Law]:
+def _laws_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> dict[str, Law]:
     """Return the law of each contact to fit, or its name, None where nothing rubs."""
     contacts = tuple(contact.name for contact in rig.mechanism.contacts())
     names = names_by_contact(name) if name is not None and "=" in name else {}
@@ -232,7 +232,7 @@ def _laws_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> dict[str, Law]:
     found: dict[str, Law] = {}
     for contact in contacts:
         known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
-        only = known.named[0] if len(known.named) == 1 else route.usual_law
+        only = known.named[0] if len(known.named) == 1 else kind.usual_law
         one = names.get(contact) or (only if names or name is None else name)
         found[contact] = None if one == "none" else known.laws.get(one) or one
     return found

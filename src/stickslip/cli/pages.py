@@ -5,7 +5,7 @@ from pathlib import Path
 
 from stickslip.cli import CANCELLED, ToldExit
 from stickslip.cli.console import note, stdout
-from stickslip.routes import PAGE
+from stickslip.kinds import PAGE
 
 PAGE_FAILED = 1
 """Exit code where the result stands and its page could not be drawn."""

@@ -17,10 +17,10 @@ from stickslip.cli.progress import Watching
 from stickslip.documents import document, json_text, write_folder
 from stickslip.experiments import load_rig
 from stickslip.formatting import fixed, number, significant
+from stickslip.kinds import PAGE
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CYCLES
 from stickslip.paper.values import check_form
-from stickslip.routes import PAGE
 
 DOCUMENT = "paper.json"
 

@@ -35,19 +35,19 @@ from stickslip.documents import document
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig, of_files
 from stickslip.friction import FrictionLaw
-from stickslip.report import Origin, Page, render
-from stickslip.routes import (
+from stickslip.kinds import (
     DOCUMENT,
     VERDICT_FILES,
     SelectRequest,
+    kind_of_route,
+    kinds,
     refuse_uninformed,
     refuse_unused,
-    route_named,
-    routes,
     unused_text,
     verdict_page,
     write_verdict,
 )
+from stickslip.report import Origin, Page, render
 from stickslip.selection import Verdict
 
 if TYPE_CHECKING:
@@ -79,10 +79,10 @@ def run(
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None)
     if jobs is not None:
-        refuse_unused(found.route, {"executor": "--jobs"}, found.options)
-    if enforce and not found.route.has_criteria:
-        users = [route for route in routes() if route.has_criteria]
-        raise InputError(f"--enforce {unused_text(found.route, users)}")
+        refuse_unused(found.kind, {"executor": "--jobs"}, found.options)
+    if enforce and not found.kind.has_criteria:
+        users = [kind for kind in kinds() if kind.has_criteria]
+        raise InputError(f"--enforce {unused_text(found.kind, users)}")
     verdict = _selected(rig, found, laws_of(rig, laws), jobs or 1)
     content = document("select", {"rig": rig.heading, "digest": found.digest, **verdict.to_dict()})
     page_code = 0
@@ -133,9 +133,9 @@ def _selected(
     for measurement in (found.measurement, found.options.validate):
         if measurement is not None:
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
-            refuse_uninformed(found.route, given, rig.mechanism, measurement)
-    names = found.route.candidates(laws, found.measurement)
-    climbs = laws is None and found.route.climbs
+            refuse_uninformed(found.kind, given, rig.mechanism, measurement)
+    names = found.kind.candidates(laws, found.measurement)
+    climbs = laws is None and found.kind.climbs
     with (
         watching(names, found, at_most=climbs) as watch,
         workers(min(jobs, len(names))) as executor,
@@ -149,14 +149,14 @@ def _selected(
             progress=watch,
         )
         options = replace(found.options, executor=executor)
-        verdict: Verdict = found.route.select(request, options)
+        verdict: Verdict = found.kind.select(request, options)
         return verdict
 
 
 def show_verdict(verdict: Verdict) -> None:
     """Print the verdict, the comparison, the parameters of the law that is named, what is open."""
     words, console = verdict.words, stdout()
-    table = route_named(verdict.route).comparison(verdict)
+    table = kind_of_route(verdict.route).comparison(verdict)
     if table.checks:
         show_warnings(table.checks)
     console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")

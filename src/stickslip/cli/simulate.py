@@ -40,9 +40,9 @@ from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolatio
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
+from stickslip.kinds import PAGE, fit
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names
 from stickslip.quantities import fields_of, named
-from stickslip.routes import PAGE, fit
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver

@@ -38,7 +38,6 @@ INSIDE = {
     "Levels": "estimates",
     "MainsLine": "checking.mains",
     "Reading": "readers.reader_options",
-    "TRAVELS": "measurement",
     "all_paths": "parameter_paths",
     "as_turning": "measurement",
     "between_gaps": "slicing",

@@ -40,7 +40,6 @@ from stickslip.experiments.hashing import with_files as with_files
 from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
 from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
-from stickslip.experiments.measurement import TRAVELS as TRAVELS
 from stickslip.experiments.measurement import as_turning as as_turning
 from stickslip.experiments.measurement import unit_of_input as unit_of_input
 from stickslip.experiments.parameter_paths import all_paths as all_paths

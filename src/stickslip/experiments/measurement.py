@@ -70,6 +70,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
 TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
 """How it can be given how far a body came; a trial has one of them."""
 
+COMPARED_THEMSELVES = frozenset({*TRAVELS, "friction", "position", "velocity", "force"})
+"""Quantities that laws can be compared with, sample by sample."""
+
 SAMPLED = tuple(name for name in QUANTITIES if name not in TRAVELS)
 """What a time series has one value of for each time."""
 
@@ -344,6 +347,18 @@ class Measurement(Tabular, InPanels):
         'mean_velocity'
         """
         return next((name for name in self.quantities() if name in TRAVELS), "")
+
+    @property
+    def only_spring_force(self) -> bool:
+        """Whether the force of a spring is all that a law can be compared with.
+
+        Examples
+        --------
+        >>> Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3]).only_spring_force
+        True
+        """
+        known = set(self.quantities())
+        return "spring_force" in known and not known & COMPARED_THEMSELVES
 
     @property
     def kind(self) -> Kind:

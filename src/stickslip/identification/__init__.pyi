@@ -8,48 +8,29 @@ from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
 from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
 from stickslip.identification.estimation.estimates import step_intervals as step_intervals
 from stickslip.identification.estimation.halves import difference as difference
+from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
+from stickslip.identification.estimation.jackknife import Inference as Inference
+from stickslip.identification.estimation.jackknife import effective_size as effective_size
+from stickslip.identification.estimation.jackknife import infer as infer
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
+from stickslip.identification.estimation.levenberg_marquardt import Counter as Counter
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
+from stickslip.identification.estimation.levenberg_marquardt import Watch as Watch
 from stickslip.identification.estimation.levenberg_marquardt import improve as improve
+from stickslip.identification.estimation.levenberg_marquardt import search as search
 from stickslip.identification.estimation.model_error import ModelError as ModelError
+from stickslip.identification.estimation.parameters import FreeParameter as FreeParameter
+from stickslip.identification.estimation.parameters import FreeParameters as FreeParameters
+from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
+from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.estimation.root_search import positive_root as positive_root
-from stickslip.identification.features.features import COMPARED as COMPARED
-from stickslip.identification.features.features import FASTER as FASTER
-from stickslip.identification.features.features import FEATURES as FEATURES
-from stickslip.identification.features.features import STEADY as STEADY
-from stickslip.identification.features.features import StickSlipFeatures as StickSlipFeatures
-from stickslip.identification.features.features import by_features as by_features
-from stickslip.identification.features.features import features_of as features_of
-from stickslip.identification.features.features import refuse_uncertainties as refuse_uncertainties
-from stickslip.identification.features.features import towed_load as towed_load
-from stickslip.identification.features.fit import compare_features as compare_features
-from stickslip.identification.features.fit import fit_features as fit_features
-from stickslip.identification.features.fit import free_of as free_of
-from stickslip.identification.features.problem import cycle_features as cycle_features
-from stickslip.identification.features.result import FeatureFit as FeatureFit
-from stickslip.identification.features.result import MISSED as MISSED
-from stickslip.identification.features.result import QUANTILE as QUANTILE
-from stickslip.identification.features.scores import as_good as as_good
-from stickslip.identification.features.scores import error_of_score as error_of_score
-from stickslip.identification.features.scores import room_of as room_of
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
-from stickslip.identification.rate_state.fit import Drift as Drift
-from stickslip.identification.rate_state.fit import STARTS as STARTS
-from stickslip.identification.rate_state.fit import fit_rate_state as fit_rate_state
-from stickslip.identification.rate_state.fit import form_of as form_of
-from stickslip.identification.rate_state.fit import with_profile as with_profile
-from stickslip.identification.rate_state.problem import serves as serves
-from stickslip.identification.rate_state.result import RateStateFit as RateStateFit
-from stickslip.identification.rate_state.result import UNSPENT as UNSPENT
-from stickslip.identification.rate_state.result import VELOCITY_STEPS as VELOCITY_STEPS
-from stickslip.identification.rate_state.result import bounds_met as bounds_met
-from stickslip.identification.rate_state.slider import SliderHistory as SliderHistory
-from stickslip.identification.rate_state.slider import simulate_velocity_steps as simulate_velocity_steps
 from stickslip.identification.records.fit import Prediction as Prediction
 from stickslip.identification.records.fit import RecordFit as RecordFit
 from stickslip.identification.records.fit import Score as Score
@@ -84,7 +65,9 @@ from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
+from stickslip.identification.results import Law_co as Law_co
 from stickslip.identification.results import READINGS as READINGS
+from stickslip.identification.results import estimates_for as estimates_for
 from stickslip.identification.results import far_above_dry as far_above_dry
 from stickslip.identification.results import spanning as spanning
 from stickslip.identification.sensor_response import SensorResponse as SensorResponse
@@ -119,6 +102,7 @@ from stickslip.identification.travels.start_values import nuisances_of as nuisan
 from stickslip.identification.travels.start_values import required_of as required_of
 from stickslip.identification.travels.start_values import starting_law as starting_law
 from stickslip.identification.travels.start_values import starting_points as starting_points
+from stickslip.identification.travels.start_values import with_known as with_known
 from stickslip.identification.trials.comparison import TrialComparison as TrialComparison
 from stickslip.identification.trials.comparison import compare_trials as compare_trials
 from stickslip.identification.trials.comparison import compared as compared
@@ -129,6 +113,7 @@ from stickslip.identification.validation import Laws as Laws
 from stickslip.identification.validation import Parameters as Parameters
 from stickslip.identification.validation import called as called
 from stickslip.identification.validation import check_given as check_given
+from stickslip.identification.validation import check_varied as check_varied
 from stickslip.identification.validation import covers as covers
 from stickslip.identification.validation import law_quantities as law_quantities
 from stickslip.identification.validation import laws_of as laws_of
@@ -137,29 +122,20 @@ from stickslip.identification.validation import refuse_of_laws as refuse_of_laws
 
 __all__ = [
     "Estimate",
-    "FeatureFit",
     "Fit",
     "InverseDynamics",
     "Posterior",
     "Prediction",
-    "RateStateFit",
     "RecordFit",
     "RecordSettings",
     "Score",
-    "SliderHistory",
-    "StickSlipFeatures",
     "TravelFit",
     "TrialComparison",
-    "compare_features",
     "compare_trials",
-    "features_of",
-    "fit_features",
     "fit_joints",
-    "fit_rate_state",
     "fit_records",
     "fit_travels",
     "inverse_dynamics",
     "sample_posterior",
-    "simulate_velocity_steps",
     "starting_law",
 ]

@@ -68,17 +68,17 @@ class TowedBlock(Mechanism):
     ) -> Mapping[str, Scalar]:
         found = {"x": self.damping * (self.speed - q_dot["x"])}
         if self.modulation is not None:
-            found["y"] = -(self._pressed + drives["modulation"])
+            found["y"] = -(self.steady_load + drives["modulation"])
         return found
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
         if self.modulation is not None:
             return (Contact(slip="x", normal="y"),)
-        return (Contact(slip="x", load=self._pressed),)
+        return (Contact(slip="x", load=self.steady_load),)
 
     @property
-    def _pressed(self) -> Scalar:
+    def steady_load(self) -> float:
         """Normal force without its modulation [N]."""
         return self.mass * self.gravity if self.load is None else self.load
 

@@ -5,6 +5,8 @@ from stickslip.plots.animation.animation import frame_times as frame_times
 from stickslip.plots.animation.animation import picture_of as picture_of
 from stickslip.plots.animation.html_embedding import animation_html as animation_html
 from stickslip.plots.animation.video_encoding import encoder_of as encoder_of
+from stickslip.plots.core.axes import on_axes as on_axes
+from stickslip.plots.core.helpers import Array as Array
 from stickslip.plots.core.helpers import Sizes as Sizes
 from stickslip.plots.core.helpers import horizon as horizon
 from stickslip.plots.core.svg import Draw as Draw
@@ -91,10 +93,6 @@ from stickslip.plots.runs.run import draw_runs as draw_runs
 from stickslip.plots.runs.run import plot_friction_velocity as plot_friction_velocity
 from stickslip.plots.runs.run import plot_run as plot_run
 from stickslip.plots.runs.run import plot_runs as plot_runs
-from stickslip.plots.runs.spring_force import Excerpt as Excerpt
-from stickslip.plots.runs.spring_force import Half as Half
-from stickslip.plots.runs.spring_force import PULL_SIZES as PULL_SIZES
-from stickslip.plots.runs.spring_force import draw_pull as draw_pull
 from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES as TRAVEL_SIZES
 from stickslip.plots.runs.travel_comparison import draw_travels as draw_travels
 from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
@@ -112,14 +110,15 @@ from stickslip.plots.selection.fit_data import sampled as sampled
 from stickslip.plots.selection.fit_data import speeds_of as speeds_of
 from stickslip.plots.selection.fit_data import thinned as thinned
 from stickslip.plots.selection.fits import draw_fitted_map as draw_fitted_map
-from stickslip.plots.selection.fits import plot_coefficient as plot_coefficient
-from stickslip.plots.selection.fits import plot_feature_errors as plot_feature_errors
 from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_residuals as plot_residuals
 from stickslip.plots.selection.fits import plot_scores as plot_scores
 from stickslip.plots.selection.fits import plot_travel_residuals as plot_travel_residuals
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
+from stickslip.plots.selection.intervals import INTERVAL_SIZE as INTERVAL_SIZE
+from stickslip.plots.selection.intervals import Interval as Interval
+from stickslip.plots.selection.intervals import draw_intervals as draw_intervals
 from stickslip.plots.selection.joints import joint_figure as joint_figure
 from stickslip.plots.selection.joints import joint_sizes as joint_sizes
 from stickslip.plots.selection.joints import plot_joints as plot_joints

@@ -1,24 +1,26 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.selection.applicability import checked as checked
+from stickslip.selection.candidates import LEFT_OUT as LEFT_OUT
+from stickslip.selection.candidates import Watch as Watch
+from stickslip.selection.candidates import check_apart as check_apart
 from stickslip.selection.candidates import specifications as specifications
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
 from stickslip.selection.choice import NEAR as NEAR
 from stickslip.selection.choice import apart as apart
+from stickslip.selection.choice import as_good as as_good
+from stickslip.selection.choice import choose as choose
+from stickslip.selection.choice import effective_aic as effective_aic
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of
+from stickslip.selection.cross_validation import CrossValidated as CrossValidated
 from stickslip.selection.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
+from stickslip.selection.cross_validation import CrossValidation as CrossValidation
 from stickslip.selection.design.discriminating_settings import Proposal as Proposal
 from stickslip.selection.design.discriminating_settings import Separation as Separation
 from stickslip.selection.design.discriminating_settings import unit_of as unit_of
 from stickslip.selection.design.experiments import Experiment as Experiment
 from stickslip.selection.design.predictors import Steady as Steady
-from stickslip.selection.feature_verdict import FeatureCandidate as FeatureCandidate
-from stickslip.selection.feature_verdict import FeatureVerdict as FeatureVerdict
-from stickslip.selection.feature_verdict import OtherSpeed as OtherSpeed
-from stickslip.selection.feature_wording import share_parts as share_parts
-from stickslip.selection.feature_wording import share_text as share_text
-from stickslip.selection.features import feature_laws as feature_laws
-from stickslip.selection.features import select_features as select_features
 from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step as largest_step
@@ -36,15 +38,10 @@ from stickslip.selection.lab_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.selection.limits import limit_of as limit_of
 from stickslip.selection.limits import limits_of as limits_of
 from stickslip.selection.next_measurements import predictor_of as predictor_of
+from stickslip.selection.parallel_fit import fitted_side_by_side as fitted_side_by_side
+from stickslip.selection.parallel_fit import watched as watched
 from stickslip.selection.planning import plan as plan
 from stickslip.selection.planning import setting_of as setting_of
-from stickslip.selection.rate_state import RateStateLaw as RateStateLaw
-from stickslip.selection.rate_state import RateStateLaws as RateStateLaws
-from stickslip.selection.rate_state import rate_state_laws as rate_state_laws
-from stickslip.selection.rate_state import select_rate_state as select_rate_state
-from stickslip.selection.rate_state_verdict import OtherStep as OtherStep
-from stickslip.selection.rate_state_verdict import RateStateCandidate as RateStateCandidate
-from stickslip.selection.rate_state_verdict import RateStateVerdict as RateStateVerdict
 from stickslip.selection.record_verdict import RecordCandidate as RecordCandidate
 from stickslip.selection.record_verdict import RecordVerdict as RecordVerdict
 from stickslip.selection.record_verdict import SecondRecord as SecondRecord
@@ -70,23 +67,25 @@ from stickslip.selection.verdict import Wording as Wording
 from stickslip.selection.verdict import plain as plain
 from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
+from stickslip.selection.wording import NOT_DISTINGUISHED as NOT_DISTINGUISHED
+from stickslip.selection.wording import ONE_LAW as ONE_LAW
+from stickslip.selection.wording import UNMEASURED as UNMEASURED
+from stickslip.selection.wording import corrections as corrections
 from stickslip.selection.wording import friction_of as friction_of
+from stickslip.selection.wording import held_out_text as held_out_text
 from stickslip.selection.wording import in_sentence as in_sentence
+from stickslip.selection.wording import longer as longer
+from stickslip.selection.wording import not_distinguished as not_distinguished
 from stickslip.selection.wording import on_second_record as on_second_record
+from stickslip.selection.wording import to_predict as to_predict
 
 __all__ = [
     "Candidate",
     "Criteria",
-    "FeatureCandidate",
-    "FeatureVerdict",
     "FixedStepRow",
     "JointVerdict",
-    "OtherSpeed",
-    "OtherStep",
     "PURPOSES",
     "Plan",
-    "RateStateCandidate",
-    "RateStateVerdict",
     "RecordCandidate",
     "RecordVerdict",
     "TravelCandidate",
@@ -95,9 +94,7 @@ __all__ = [
     "compare_fixed_steps",
     "criteria_of",
     "plan",
-    "select_features",
     "select_joints",
-    "select_rate_state",
     "select_records",
     "select_travels",
 ]

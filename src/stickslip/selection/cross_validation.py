@@ -5,7 +5,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, Protocol, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from stickslip.experiments import Checks, Measurement, interval_of
 from stickslip.formatting import quantity
 from stickslip.identification import (
     LEAST,
-    RateStateFit,
+    Fit,
+    Inference,
     RecordFit,
     RecordProblem,
     interleaved,
@@ -27,7 +28,7 @@ from stickslip.identification import (
 from stickslip.selection.verdict import Candidate, Verdict
 
 Array = NDArray[np.float64]
-Fit_co = TypeVar("Fit_co", bound=RecordFit[Any] | RateStateFit, covariant=True)
+Fit_co = TypeVar("Fit_co", bound=Fit[Any], covariant=True)
 
 FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
@@ -99,6 +100,15 @@ class _Loss:
     joints: Mapping[str, "_Loss"] = field(default_factory=dict)
 
 
+class _WithResiduals(Protocol):
+    """What a fit has whose residuals are those of a record in time."""
+
+    inference: Inference
+
+    @property
+    def rms(self) -> float: ...
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CrossValidated(Candidate[Fit_co]):
     """A candidate whose residuals are those of a record in time, judged on held-out blocks."""
@@ -123,12 +133,12 @@ class CrossValidated(Candidate[Fit_co]):
     @property
     def residual(self) -> float:
         """Root mean square of the residuals of the fit to the whole record, infinite without."""
-        return self.fit.rms if self.fit else math.inf
+        return cast("_WithResiduals", self.fit).rms if self.fit else math.inf
 
     @property
     def effective(self) -> float:
         """Effective number of independent residuals, 0 without a fit."""
-        return self.fit.inference.effective if self.fit else 0.0
+        return cast("_WithResiduals", self.fit).inference.effective if self.fit else 0.0
 
     @property
     @abstractmethod

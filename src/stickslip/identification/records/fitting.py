@@ -37,7 +37,6 @@ from stickslip.identification.estimation.jackknife import Inference, infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.features.features import FEATURES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import told
@@ -102,12 +101,12 @@ def record_route_name(measurement: Measurement, route: str | None = None) -> Rec
         for known in ROUTES:
             if route == known:
                 return known
-        if route == FEATURES:
+        if route == "features":
             raise InputError(
                 "the route 'features' has no residuals in time: use fit_features, `fit` or"
                 " `select`."
             )
-        raise UnknownNameError("route", route, (*ROUTES, FEATURES))
+        raise UnknownNameError("route", route, (*ROUTES, "features"))
     return "force-map" if "friction" in measurement.quantities() else "shooting"
 
 

@@ -21,7 +21,6 @@ from stickslip.identification.estimation.problem import (
     ResidualJacobian,
     SubsetProblem,
 )
-from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.route_choice import RouteName
@@ -254,7 +253,7 @@ NOT_ALONE = (
 
 
 def _refuse(measurement: Measurement) -> None:
-    if measurement.travelled or by_features(measurement):
+    if measurement.travelled or measurement.only_spring_force:
         raise InputError(NOT_ALONE)
     if len(measurement.records()) < 2:
         raise InputError("a comparison needs at least two trials, got one record.")

@@ -66,7 +66,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
         return _drawn(draw, figure, given, narrow=width * 72 / figure.dpi < NARROW_BELOW)
 
 
-def on_axes(draw: Draw, ax: Target, size: Size) -> Axes:
+def on_axes(draw: Draw, ax: PanelTarget, size: Size) -> Axes:
     """Draw what has a single panel, as `on_panels` does.
 
     Examples

@@ -5,15 +5,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.identification import FeatureFit, Fit, RateStateFit, RecordFit, TravelFit
+from stickslip.identification import Fit, RecordFit, TravelFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, DATA
 from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.plots.selection.fit_data import (
     MapPoints,
@@ -181,32 +179,6 @@ def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
     rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
     draw = draw_intervals(rows, "measured minus predicted travel", "mm")
     return on_axes(draw, ax, INTERVAL_SIZE)
-
-
-def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
-    """Plot relative errors of the features of stick-slip, held out where they can be."""
-    kind = "held-out" if fit.held_out_errors else "fitted"
-    found = fit.held_out_errors or fit.errors
-    rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
-    return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
-
-
-def plot_coefficient(fit: RateStateFit, ax: Target = None) -> Axes:
-    """Plot the coefficient of friction over time, measured and fitted."""
-    shown = sampled(len(fit.time))
-
-    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
-        axes = figure.subplots()
-        axes.plot(
-            fit.time[shown], fit.measured[shown], "o", color=DATA, markersize=2.2, alpha=0.6,
-            markeredgewidth=0, label="measured",
-        )  # fmt: skip
-        axes.plot(fit.time, fit.fitted, color=C1, label=fit.law.title)
-        axes.set_xlabel("time, s")
-        axes.set_ylabel("coefficient of friction")
-        axes.legend()
-
-    return on_axes(draw, ax, MAP_SIZES["wide"])
 
 
 def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:

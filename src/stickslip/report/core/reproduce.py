@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Final
 
 from stickslip.formatting import joined
@@ -27,9 +28,13 @@ def reproduce(
     *,
     code: Sequence[tuple[str, str]] = (),
     items: Sequence[KeyValue] = (),
-    references: Sequence[Reference] = (),
+    data: str = "",
+    laws: Iterable[FrictionLaw | RateState] = (),
+    cited: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> Section:
-    """Return the section with commands, code, versions, hashes and references.
+    """Return the section with commands, code, data, versions, hashes and the sources of laws.
+
+    `cited` has by key what else is cited, and for what.
 
     Examples
     --------
@@ -46,7 +51,8 @@ def reproduce(
         blocks.append(Code(text=text))
         if caption:
             blocks.append(Caption(text=caption))
-    known = [*items, *(KeyValue(key=name, value=one) for name, one in origin.versions.items())]
+    known = [*items, *([KeyValue(key="Data", value=data)] if data else [])]
+    known += (KeyValue(key=name, value=one) for name, one in origin.versions.items())
     known += [
         KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
     ]
@@ -54,9 +60,10 @@ def reproduce(
         known.append(KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
     if known:
         blocks.append(KeyValues(items=tuple(known)))
+    references = law_references(laws, cited)
     if references:
         text = "Sources of the laws and criteria on this page."
-        blocks += [References(items=tuple(references)), Caption(text=text)]
+        blocks += [References(items=references), Caption(text=text)]
     return Section(id="reproduce", nav=HEADING, heading=HEADING, blocks=tuple(blocks))
 
 

@@ -264,13 +264,14 @@ _SHORTEST: Final = 0.2
 """Share of a score down to which its bar is drawn at most."""
 
 
-def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowPlot:
+def error_plot(score: float, error: float, scale: Scale, colour: Colour, axis: Axis) -> RowPlot:
     """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
 
     Examples
     --------
-    >>> [mark.kind for mark in error_plot(2e-3, 1e-4, Scale(1e3, "mm"), "c1").marks]
-    ['bar', 'dot']
+    >>> bar, dot = error_plot(2e-3, 3e-3, Scale(1e3, "mm"), "c1", Axis(low=0.0, high=5.0)).marks
+    >>> bar.at, bar.to, dot.at
+    (0.0, 5.0, 2.0)
     """
     if not math.isfinite(score):
         return RowPlot(marks=())
@@ -278,8 +279,8 @@ def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowP
     marks = [Mark(kind="dot", at=at, colour=colour)]
     if math.isfinite(error):
         half = scale.factor * error
-        low = max(at - half, _SHORTEST * at)  # a bar has a place on a logarithmic axis
-        marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
+        low = _SHORTEST * at if axis.log else axis.low  # a bar has a place on a logarithmic axis
+        marks.insert(0, Mark(kind="bar", at=max(at - half, low), to=at + half, colour=colour))
     return RowPlot(marks=tuple(marks))
 
 

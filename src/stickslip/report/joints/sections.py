@@ -13,17 +13,15 @@ import numpy as np
 from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
 from stickslip.plots import inline_svg, joint_figure, joint_sizes
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues, Paragraph, Subheading
-from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import (
     LawLine,
-    Opening,
     Origin,
     Section,
     SectionMaker,
     made_sections,
 )
-from stickslip.report.core.headings import checks_heading
 from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.core.shared_sections import opening, record_and_checks
 from stickslip.report.core.tables import Column, Name, Number, Row, Table
 from stickslip.report.records.appendix import dropped_section, record_figure
 from stickslip.report.records.certificate import certificate_section as certificate_of
@@ -81,7 +79,6 @@ def joint_sections(
 
 def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
-    words = verdict.words
     symbols = symbols_of(c for one in verdict.joints.values() for c in one.candidates)
     laws, facts = [], []
     for name, own in verdict.joints.items():
@@ -90,17 +87,7 @@ def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Sec
             laws.append(LawLine(label=f"{label}: {line.label}", formula=line.formula))
         fact = error_fact(own)
         facts += [replace(fact, what=f"{label}: {fact.what}")] if fact else []
-    opening = Opening(
-        kicker=kicker,
-        verdict=typeset(words.verdict, symbols),
-        lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
-        law=tuple(laws),
-        facts=tuple(facts[:3]),
-        settles=tuple(typeset(line, symbols) for line in words.settles),
-        cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell),
-        measure_next=tuple(typeset(line, symbols) for line in words.measure_next),
-    )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+    return opening(verdict.words, kicker, remark, symbols=symbols, law=laws, facts=facts)
 
 
 def forces_section(verdict: JointVerdict) -> Section | None:
@@ -230,16 +217,7 @@ def combinations_section(verdict: JointVerdict) -> Section:
 
 def checks_section(verdict: JointVerdict) -> Section | None:
     """Return the section on what was checked of the records."""
-    items = check_items(verdict.checks)
-    if not items:
-        return None
-    warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
-    return Section(
-        id="record",
-        nav="Record and checks",
-        heading=checks_heading(warned),
-        blocks=(KeyValues(items=items),),
-    )
+    return record_and_checks(verdict.checks)
 
 
 def certificate_section(verdict: JointVerdict) -> Section | None:

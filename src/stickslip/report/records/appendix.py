@@ -7,11 +7,10 @@ import numpy as np
 from stickslip.formatting import Scale, in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
 from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, speeds_of, thinned
-from stickslip.report.core.blocks import Block, Figure, KeyValues
-from stickslip.report.core.checks import check_items
+from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.core.headings import checks_heading
 from stickslip.report.core.markup import typeset
+from stickslip.report.core.shared_sections import record_and_checks
 from stickslip.report.core.tables import Column, Number, Row, Table
 from stickslip.report.records.scores import error_column
 from stickslip.report.records.texts import symbols_of
@@ -73,19 +72,9 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
 
 def record_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the record and what was checked of it."""
-    blocks: list[Block] = []
     fit = verdict.closest.fit
     figure = record_figure(verdict, fit) if fit else None
-    if figure is not None:
-        blocks.append(figure)
-    items = check_items(verdict.checks)
-    if items:
-        blocks.append(KeyValues(items=items))
-    if not blocks:
-        return None
-    warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
-    heading = checks_heading(warned)
-    return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
+    return record_and_checks(verdict.checks, blocks=[figure] if figure else [])
 
 
 def record_figure(

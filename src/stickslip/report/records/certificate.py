@@ -17,9 +17,9 @@ from stickslip.formatting import (
     significant,
 )
 from stickslip.identification import SEPARABLE, RecordFit
-from stickslip.report.core.blocks import KeyValue, KeyValues
+from stickslip.report.core.blocks import KeyValue
 from stickslip.report.core.documents import Section
-from stickslip.report.core.headings import CERTIFICATE
+from stickslip.report.core.shared_sections import certificate
 from stickslip.report.records.scores import picks_text
 from stickslip.selection import JointVerdict, RecordVerdict, restarts_text
 
@@ -52,12 +52,7 @@ def certificate_section(verdict: RecordVerdict | JointVerdict) -> Section | None
     text = picks_text(verdict)
     if text:
         items.append(KeyValue(key="Criteria", value=text, mark="ok" if agree else "warn"))
-    return Section(
-        id="certificate",
-        nav="Certificate",
-        heading=CERTIFICATE,
-        blocks=(KeyValues(items=tuple(items)),),
-    )
+    return certificate(items)
 
 
 def _search(fit: RecordFit) -> list[KeyValue]:

@@ -11,9 +11,8 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import LAW, RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
-from stickslip.report.core.blocks import KeyValue
 from stickslip.report.core.documents import Origin, Section
-from stickslip.report.core.reproduce import law_references, reproduce
+from stickslip.report.core.reproduce import reproduce
 from stickslip.selection import JointVerdict, RecordVerdict, specifications
 
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
@@ -56,7 +55,7 @@ def reproduced(
         code.append(
             (fit.to_toml().strip(), "The fitted law as code and as a file for simulations.")
         )
-    return reproduce(origin, code=code, items=_data(verdict), references=law_references(laws, {}))
+    return reproduce(origin, code=code, data=_data(verdict), laws=laws)
 
 
 def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
@@ -158,12 +157,11 @@ def _settings(settings: RecordSettings) -> str:
     return f"RecordSettings({', '.join(said)})"
 
 
-def _data(verdict: RecordVerdict | JointVerdict) -> list[KeyValue]:
+def _data(verdict: RecordVerdict | JointVerdict) -> str:
     records = verdict.measurement.records()
     said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
     whole = verdict.measurement.provenance
-    text = whole or "; ".join(said[:3])
-    return [KeyValue(key="Data", value=text)] if text else []
+    return whole or "; ".join(said[:3])
 
 
 def _as_code(law: FrictionLaw) -> str:

@@ -3,10 +3,11 @@
 import math
 from typing import Final
 
-from stickslip.formatting import Scale, in_words, joined, number, percent, quantity
+from stickslip.formatting import Scale, joined, number, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.markup import typeset
+from stickslip.report.core.shared_sections import candidates_heading
 from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of
@@ -33,10 +34,7 @@ NAMES: Final = {
 def scores_section(verdict: RecordVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = list(verdict.candidates) + ([verdict.control] if verdict.control else [])
-    count = len(rows)
-    heading = f"{in_words(count).capitalize()} candidates, scored on held-out blocks"
-    if count == 1:
-        heading = "One candidate, scored on held-out blocks"
+    heading = candidates_heading(len(rows), "held-out blocks")
     scale = verdict.scale
     axis = error_axis((c.score for c in rows), scale, (c.score_error for c in rows))
     second = any(c.second is not None for c in rows)
@@ -84,7 +82,9 @@ def _row(
     ]
     if axis is not None:
         cells.append(
-            error_plot(c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c))
+            error_plot(
+                c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c), axis
+            )
         )
     if verdict.plan.length:
         cells.append(score_text(scale, last).value if math.isfinite(last) else "—")

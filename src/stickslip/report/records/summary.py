@@ -26,8 +26,9 @@ from stickslip.identification import Estimate, RecordFit
 from stickslip.plots import map_points
 from stickslip.quantities import fields_of, turned
 from stickslip.report.core.blocks import Fact
-from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.core.documents import LawLine, Section
+from stickslip.report.core.markup import label_of
+from stickslip.report.core.shared_sections import opening
 from stickslip.report.records.texts import paired, rival_of, symbols_of, to_digits
 from stickslip.selection import (
     RecordVerdict,
@@ -53,19 +54,16 @@ FEW: Final = 0.05
 
 def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
-    words, symbols = verdict.words, symbols_of(verdict.candidates)
     fit = verdict.closest.fit if verdict.best else None
-    opening = Opening(
-        kicker=kicker,
-        verdict=typeset(words.verdict, symbols),
-        lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
+    return opening(
+        verdict.words,
+        kicker,
+        remark,
+        symbols=symbols_of(verdict.candidates),
         law=law_lines(fit, verdict.closest.left_out) if fit else (),
         facts=_facts(verdict),
-        settles=_settles(fit) if fit else words.settles[:3],
-        cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell[:3]),
-        measure_next=tuple(typeset(line, symbols) for line in words.measure_next[:3]),
+        settles=_settles(fit) if fit else verdict.words.settles,
     )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
 
 
 def _settles(fit: RecordFit) -> tuple[str, ...]:

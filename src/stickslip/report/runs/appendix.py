@@ -12,7 +12,7 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.certificates import evidence
 from stickslip.report.core.documents import Origin, Section
-from stickslip.report.core.reproduce import law_references, reproduce
+from stickslip.report.core.reproduce import reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Band
@@ -129,7 +129,6 @@ def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
 
 def reproduce_section(about: RunReport) -> Section:
     """Return commands, versions, hashes and the sources of the law."""
-    references = law_references([about.law], {"paper": ["criteria"]})
     origin = Origin(
         title=about.rig.heading,
         data="",
@@ -137,4 +136,4 @@ def reproduce_section(about: RunReport) -> Section:
         commands=about.commands,
         versions=about.versions,
     )
-    return reproduce(origin, references=references)
+    return reproduce(origin, laws=[about.law], cited={"paper": ["criteria"]})

@@ -21,7 +21,7 @@ from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
 from stickslip.report.core.documents import Opening, Origin, Page, Section, made_sections
 from stickslip.report.core.headings import ended_early
 from stickslip.report.core.page import render
-from stickslip.report.core.reproduce import law_references, reproduce
+from stickslip.report.core.reproduce import reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.core.versions import colophon
 from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
@@ -271,4 +271,4 @@ def reproduce_section(about: ContactsReport) -> Section:
         commands=about.commands,
         versions=about.versions,
     )
-    return reproduce(origin, references=law_references(laws.values(), {}))
+    return reproduce(origin, laws=laws.values())

@@ -17,13 +17,12 @@ from stickslip.report.core.blocks import (
     Code,
     Figure,
     KeyValue,
-    KeyValues,
     Math,
 )
 from stickslip.report.core.certificates import evidence
 from stickslip.report.core.documents import Origin, Section
-from stickslip.report.core.headings import CERTIFICATE
-from stickslip.report.core.reproduce import law_references, reproduce
+from stickslip.report.core.reproduce import reproduce
+from stickslip.report.core.shared_sections import certificate
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
     estimate_range,
@@ -167,12 +166,7 @@ def certificate_section(verdict: TravelVerdict) -> Section:
             )
         )
     items.append(_data(verdict))
-    return Section(
-        id="certificate",
-        nav="Certificate",
-        heading=CERTIFICATE,
-        blocks=(KeyValues(items=tuple(items)),),
-    )
+    return certificate(items)
 
 
 def _data(verdict: TravelVerdict) -> KeyValue:
@@ -195,4 +189,4 @@ def _data(verdict: TravelVerdict) -> KeyValue:
 def reproduce_section(verdict: TravelVerdict, origin: Origin) -> Section:
     """Return the section with commands, versions, hash and references."""
     laws = [candidate.law for candidate in verdict.candidates]
-    return reproduce(origin, references=law_references(laws, {"paper": ["criteria"]}))
+    return reproduce(origin, laws=laws, cited={"paper": ["criteria"]})

@@ -2,7 +2,8 @@
 
 from stickslip.formatting import percent, quantity, signed_percent, with_unit, within
 from stickslip.report.core.blocks import Fact
-from stickslip.report.core.documents import Opening, Section
+from stickslip.report.core.documents import Section
+from stickslip.report.core.shared_sections import opening
 from stickslip.report.travels.texts import (
     estimate_range,
     score_scale_of,
@@ -13,19 +14,14 @@ from stickslip.selection import DOUBT_NAMES, TravelCandidate, TravelVerdict, mis
 
 def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
-    words = verdict.words
     several = len(travels(verdict)) > 1
-    opening = Opening(
-        kicker=kicker,
-        verdict=words.verdict,
-        lede=f"{words.lede} {remark}".strip(),
+    return opening(
+        verdict.words,
+        kicker,
+        remark,
         facts=_facts(verdict),
-        settles=words.settles[:3],
-        cannot_tell=words.cannot_tell[:3],
-        measure_next=words.measure_next[:3],
         record="record" if several else "travel",
     )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
 
 
 def _facts(verdict: TravelVerdict) -> tuple[Fact, ...]:

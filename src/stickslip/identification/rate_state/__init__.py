@@ -1,1 +1,0 @@
-"""Rate-and-state friction from velocity steps."""

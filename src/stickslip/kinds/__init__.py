@@ -1,0 +1,58 @@
+"""Kinds of measurement, each from its fit to its page; and the verbs that take any."""
+
+from stickslip.lazy import attach
+
+HOMES = {
+    "AnyKind": "registry",
+    "Column": "columns",
+    "Comparison": "kind",
+    "FeatureCandidate": "features.verdict",
+    "FeatureFit": "features.result",
+    "FeatureVerdict": "features.verdict",
+    "FitRequest": "kind",
+    "FitSummary": "kind",
+    "Kind": "kind",
+    "Law": "kind",
+    "Options": "kind",
+    "OtherSpeed": "features.verdict",
+    "OtherStep": "velocity_steps.verdict",
+    "RateStateCandidate": "velocity_steps.verdict",
+    "RateStateFit": "velocity_steps.result",
+    "RateStateVerdict": "velocity_steps.verdict",
+    "Request": "kind",
+    "SelectRequest": "kind",
+    "SliderHistory": "velocity_steps.slider",
+    "StickSlipFeatures": "features.features",
+    "compare_features": "features.fit",
+    "data_row": "columns",
+    "features_of": "features.features",
+    "fit": "verbs",
+    "fit_features": "features.fit",
+    "fit_rate_state": "velocity_steps.fit",
+    "kind_of": "registry",
+    "kind_of_route": "registry",
+    "kinds": "registry",
+    "page_table": "columns",
+    "refuse_unused": "registry",
+    "select": "verbs",
+    "select_features": "features.selection",
+    "select_rate_state": "velocity_steps.selection",
+    "simulate_velocity_steps": "velocity_steps.slider",
+    "terminal_table": "columns",
+    "verdict_page": "page",
+    "write_report": "report",
+}
+
+INSIDE = {
+    "DOCUMENT": "report",
+    "PAGE": "report",
+    "VERDICT_FILES": "report",
+    "refuse_uninformed": "registry",
+    "unused_text": "registry",
+    "write_verdict": "report",
+}
+"""Names that other subpackages use, and that are not part of the public interface."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -1,0 +1,86 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.kinds.columns import Column as Column
+from stickslip.kinds.columns import data_row as data_row
+from stickslip.kinds.columns import page_table as page_table
+from stickslip.kinds.columns import terminal_table as terminal_table
+from stickslip.kinds.features.features import StickSlipFeatures as StickSlipFeatures
+from stickslip.kinds.features.features import features_of as features_of
+from stickslip.kinds.features.fit import compare_features as compare_features
+from stickslip.kinds.features.fit import fit_features as fit_features
+from stickslip.kinds.features.result import FeatureFit as FeatureFit
+from stickslip.kinds.features.selection import select_features as select_features
+from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidate
+from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
+from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
+from stickslip.kinds.kind import Comparison as Comparison
+from stickslip.kinds.kind import FitRequest as FitRequest
+from stickslip.kinds.kind import FitSummary as FitSummary
+from stickslip.kinds.kind import Kind as Kind
+from stickslip.kinds.kind import Law as Law
+from stickslip.kinds.kind import Options as Options
+from stickslip.kinds.kind import Request as Request
+from stickslip.kinds.kind import SelectRequest as SelectRequest
+from stickslip.kinds.page import verdict_page as verdict_page
+from stickslip.kinds.registry import AnyKind as AnyKind
+from stickslip.kinds.registry import kind_of as kind_of
+from stickslip.kinds.registry import kind_of_route as kind_of_route
+from stickslip.kinds.registry import kinds as kinds
+from stickslip.kinds.registry import refuse_uninformed as refuse_uninformed
+from stickslip.kinds.registry import refuse_unused as refuse_unused
+from stickslip.kinds.registry import unused_text as unused_text
+from stickslip.kinds.report import DOCUMENT as DOCUMENT
+from stickslip.kinds.report import PAGE as PAGE
+from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
+from stickslip.kinds.report import write_report as write_report
+from stickslip.kinds.report import write_verdict as write_verdict
+from stickslip.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
+from stickslip.kinds.velocity_steps.result import RateStateFit as RateStateFit
+from stickslip.kinds.velocity_steps.selection import select_rate_state as select_rate_state
+from stickslip.kinds.velocity_steps.slider import SliderHistory as SliderHistory
+from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
+from stickslip.kinds.velocity_steps.verdict import OtherStep as OtherStep
+from stickslip.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
+from stickslip.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
+from stickslip.kinds.verbs import fit as fit
+from stickslip.kinds.verbs import select as select
+
+__all__ = [
+    "AnyKind",
+    "Column",
+    "Comparison",
+    "FeatureCandidate",
+    "FeatureFit",
+    "FeatureVerdict",
+    "FitRequest",
+    "FitSummary",
+    "Kind",
+    "Law",
+    "Options",
+    "OtherSpeed",
+    "OtherStep",
+    "RateStateCandidate",
+    "RateStateFit",
+    "RateStateVerdict",
+    "Request",
+    "SelectRequest",
+    "SliderHistory",
+    "StickSlipFeatures",
+    "compare_features",
+    "data_row",
+    "features_of",
+    "fit",
+    "fit_features",
+    "fit_rate_state",
+    "kind_of",
+    "kind_of_route",
+    "kinds",
+    "page_table",
+    "refuse_unused",
+    "select",
+    "select_features",
+    "select_rate_state",
+    "simulate_velocity_steps",
+    "terminal_table",
+    "verdict_page",
+    "write_report",
+]

@@ -1,0 +1,341 @@
+"""What the force of the spring tells of a slider that it pulls: slips, levels, frequency."""
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.described import Described
+from stickslip.errors import InputError, check_even_times
+from stickslip.experiments import Finding, Measurement, sentences_of
+from stickslip.formatting import estimate, interval, number, percent, quantity, within
+from stickslip.kinds.features.frequencies import frequency_of, refuse_without_cycles
+from stickslip.kinds.features.slip_detection import Slips, slips_of
+from stickslip.mechanisms import Mechanism, TowedBlock
+
+Array: TypeAlias = NDArray[np.float64]
+Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
+
+COMPARED = ("frequency", "mean", "standard_deviation")
+"""Features that a simulated limit cycle is compared by."""
+FEATURES = "features"
+"""What `fit` and `select` call the way that compares features."""
+READ = 2e-3
+"""Features are read off samples to this share at best, however regular the record is."""
+STEADY = 0.02
+"""Sliding is steady if the force scatters by less than this share of its mean."""
+LONG = 1.5
+"""Cycles longer than so many natural periods are of sticking and slipping."""
+DRIFTS = 0.03
+"""The force drifts if means of thirds differ by more than this share of the mean."""
+DOUBT = 2.5
+"""And by more than so many standard errors of the mean."""
+FASTER = 1.05
+"""A frequency that many times the natural one is not that of the nominal mass."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StickSlipFeatures(metaclass=Described):
+    """Features of one record; forces are over the load, so they read as coefficients."""
+
+    mean: float
+    """Mean force."""
+    standard_deviation: float
+    """Standard deviation of the force."""
+    frequency: float
+    """Slips a second; that of the spectrum where the motion is not stick-slip [Hz]."""
+    natural_frequency: float
+    """sqrt(k/m) / (2 pi) of the nominal mass [Hz]."""
+    slips: int
+    """Number of slips; 0 where the motion is not stick-slip."""
+    waiting_times: Array
+    """Times between slips (slips - 1,) [s]."""
+    levels: Array
+    """Highest force before each slip (slips,)."""
+    drops: Array
+    """Fall of the force in each slip (slips,)."""
+    slope_ratio: float
+    """Median slope of the force between slips over k V; NaN without slips."""
+    thirds: tuple[float, float, float]
+    """Mean force in the first, second and last third of the record."""
+    halves: tuple[float, float]
+    """Mean force in the first and the second half."""
+    drifts: bool
+    """Whether means of thirds differ by more than 3 % and more than chance."""
+    regime: Regime
+    """Kind of motion."""
+    covariance: Array
+    """Of the logarithms of frequency, mean and standard deviation (3, 3), by block bootstrap."""
+    findings: tuple[Finding, ...]
+    """What can be said: of kinds ``"frequency"``, ``"slips"``, ``"scatter"`` and ``"drift"``."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings in words."""
+        return sentences_of(self.findings)
+
+    @property
+    def waiting_time(self) -> float:
+        """Median time between slips [s]; NaN with fewer than two."""
+        return float(np.median(self.waiting_times)) if len(self.waiting_times) else math.nan
+
+    @property
+    def break_away(self) -> float:
+        """Mean of the highest force before slips; NaN without slips."""
+        return float(self.levels.mean()) if self.slips else math.nan
+
+    @property
+    def drop(self) -> float:
+        """Median fall of the force in a slip; NaN without slips."""
+        return float(np.median(self.drops)) if self.slips else math.nan
+
+    @property
+    def compared(self) -> Array:
+        """Frequency, mean and standard deviation (3,)."""
+        return np.array([getattr(self, name) for name in COMPARED])
+
+    @override
+    def __str__(self) -> str:
+        """Return the numbers in a line, then the sentences."""
+        head = (
+            f"{self.regime}: {quantity(self.frequency, 'Hz')}, mean F/N {number(self.mean)},"
+            f" standard deviation {number(self.standard_deviation)}"
+        )
+        return "\n".join([head, *self.sentences])
+
+    @override
+    def __repr__(self) -> str:
+        return f"<StickSlipFeatures: {str(self).splitlines()[0]}>"
+
+    def _repr_html_(self) -> str:
+        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the features as plain numbers and strings."""
+        numbers = {
+            "regime": self.regime,
+            "frequency": self.frequency,
+            "natural_frequency": self.natural_frequency,
+            "mean": self.mean,
+            "standard_deviation": self.standard_deviation,
+            "slips": self.slips,
+            "median_waiting_time": self.waiting_time,
+            "break_away": self.break_away,
+            "break_away_spread": float(self.levels.std()) if self.slips else math.nan,
+            "drop": self.drop,
+            "slope_ratio": self.slope_ratio,
+            "mean_of_thirds": list(self.thirds),
+            "drifts": self.drifts,
+            "sentences": list(self.sentences),
+        }
+        empty = (name for name, v in numbers.items() if isinstance(v, float) and math.isnan(v))
+        return {**numbers, **dict.fromkeys(empty)}
+
+
+def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipFeatures:
+    """Return the features of the force of a spring that pulls a block.
+
+    Slips are falls of the force over half a natural period that stand out of its scatter and are
+    at least a quarter of the median fall. The frequency of stick-slip is one over the mean time
+    between them. That of other motions is where a spectrum, averaged over half overlapping eighths
+    of the record, carries most by octave; for stick-slip it is the cross-check.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        One record with ``time`` and ``spring_force`` [N].
+    mechanism : TowedBlock
+        Mass, stiffness, pulling speed and load.
+
+    Returns
+    -------
+    StickSlipFeatures
+        With forces over the load.
+
+    Raises
+    ------
+    InputError
+        If the record or the mechanism will not do; if the spectrum contradicts the slips by more
+        than the doubt of both; if what the spectrum shows is mains hum.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> t = np.linspace(20.0, 200.0, 9001)
+    >>> run = simulate(block, law, t_end=200.0).at(t)
+    >>> record = Measurement(time=t, spring_force=2.0 * (0.1 * t - run["x"]))
+    >>> features = features_of(record, mechanism=block)
+    >>> features.regime, features.slips, round(features.waiting_time, 2)
+    ('stick-slip', 24, 7.62)
+    """
+    block = towed(mechanism)
+    step, force = evenly(measurement, block)
+    natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
+    found = slips_of(force, max(1, round(0.5 / natural / step)))
+    events, waiting = found.place, step * np.diff(found.place)
+    slow = _is_slow(waiting, natural)
+    read = frequency_of(force, step, natural=natural, slips=events if slow else None)
+    regime: Regime = "stick-slip" if slow else _regime(force, read.frequency, natural)
+    if regime == "stick-slip" and not slow:
+        refuse_without_cycles(force, step, read.frequency)
+    if regime != "stick-slip":
+        none = np.empty(0)
+        found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
+        waiting = none
+    pull = block.stiffness * block.speed * step / block.steady_load
+    thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
+    covariance = _covariance(force, read.draws, read.chosen)
+    halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
+    parts: dict[str, Any] = {
+        "mean": float(force.mean()),
+        "standard_deviation": float(force.std()),
+        "frequency": read.frequency,
+        "natural_frequency": natural,
+        "slips": len(found.place),
+        "waiting_times": waiting,
+        "levels": found.level,
+        "drops": found.drop,
+        "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
+        "thirds": thirds,
+        "halves": halves,
+        "drifts": max(thirds) - min(thirds)
+        > abs(float(force.mean())) * max(DRIFTS, DOUBT * math.sqrt(covariance[1, 1])),
+        "regime": regime,
+        "covariance": covariance,
+    }
+    plain = StickSlipFeatures(**parts, findings=())
+    return StickSlipFeatures(**parts, findings=findings_of(plain))
+
+
+def refuse_uncertainties(measurement: Measurement) -> None:
+    """Refuse uncertainties of the mechanism, which fits to features do not propagate.
+
+    Examples
+    --------
+    >>> refuse_uncertainties(Measurement(time=[0.0, 1.0], spring_force=[0.1, 0.2]))
+    """
+    stated = [
+        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
+    ]
+    if stated:
+        raise InputError(
+            f"fits to features do not propagate the uncertainty of {stated[0]}: leave it out."
+        )
+
+
+def towed(mechanism: Mechanism) -> TowedBlock:
+    """Return the mechanism if a spring pulls it at a steady speed."""
+    if not isinstance(mechanism, TowedBlock) or mechanism.speed <= 0.0:
+        raise InputError(
+            f"features of stick-slip need a TowedBlock with a speed above 0 m/s, got {mechanism!r}."
+        )
+    return mechanism
+
+
+def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
+    """Return the time between samples [s] and the force over the load, sampled evenly."""
+    if measurement.trials or measurement.time is None or measurement.spring_force is None:
+        raise InputError(
+            "features of stick-slip need one record with time and spring_force [N]. Convert a"
+            " coefficient to a force with gain={'spring_force': load}."
+        )
+    time = measurement.time
+    force = np.asarray(measurement.values("spring_force")) / block.steady_load
+    step = float(np.median(np.diff(time)))
+    count = round(float(time[-1] - time[0]) / step) + 1
+    check_even_times(count)
+    natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
+    if count < 100 or step * natural > 0.25:
+        raise InputError(
+            f"features of stick-slip need at least 100 samples and 4 in a natural period of"
+            f" {quantity(1.0 / natural, 's')}, got {count} samples {quantity(step, 's')} apart."
+        )
+    if count * step * natural < 1.0:
+        raise InputError(
+            f"features of stick-slip need a record of one natural period or more, here"
+            f" {quantity(1.0 / natural, 's')}, got {quantity(count * step, 's')}: check mass and"
+            " stiffness of the block."
+        )
+    return step, np.interp(time[0] + step * np.arange(count), time, force)
+
+
+def _is_slow(waiting: Array, natural: float) -> bool:
+    """Whether slips are so far apart that the block sticks between them."""
+    return len(waiting) >= 3 and float(np.median(waiting)) * natural > LONG
+
+
+def _regime(force: Array, frequency: float, natural: float) -> Regime:
+    """Return what moves without slips that stand out."""
+    if float(force.std()) < STEADY * abs(float(force.mean())):
+        return "steady sliding"
+    return "inertial oscillation" if frequency * LONG > natural else "stick-slip"
+
+
+def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> Array:
+    """Return the covariance of the logarithms of the compared features by block bootstrap.
+
+    `frequencies` (draws,) are those of the stretches `chosen` (draws, stretches).
+    """
+    stretches = chosen.shape[1]
+    parts = np.array_split(force, stretches)
+    means = np.array([part.mean() for part in parts])[chosen].mean(axis=1)
+    squares = np.array([np.mean(part**2) for part in parts])[chosen].mean(axis=1)
+    spread = np.sqrt(np.maximum(squares - means**2, 1e-30))
+    found = np.column_stack([frequencies, np.abs(means), spread])
+    # means of eight stretches scatter too little by a factor of 7/8
+    scatter = np.cov(np.log(np.maximum(found, 1e-300)).T) * stretches / (stretches - 1)
+    return np.asarray(scatter + READ**2 * np.eye(3), dtype=float)
+
+
+def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding, ...]:
+    """Return what can be said of features of a record, or of a part of it that has a name."""
+    said = []
+
+    def add(kind: str, sentence: str) -> None:
+        said.append(Finding(kind=kind, sentence=sentence))
+
+    ratio = found.frequency / found.natural_frequency
+    error = math.sqrt(found.covariance[0, 0])
+    if ratio > FASTER and found.regime == "inertial oscillation":
+        low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
+        add(
+            "frequency",
+            f"The observed frequency is {within(ratio, low, high)} ({interval(low, high)}) times"
+            " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of the nominal mass cannot"
+            f" oscillate so fast; an effective mass of {number(1.0 / ratio**2, 2)} times the"
+            " nominal one could.",
+        )
+    if found.slips > 1:
+        spread = found.waiting_times.std() / found.waiting_times.mean()
+        add(
+            "slips",
+            f"{found.slips} slips, {quantity(found.waiting_time, 's')} apart in the median;"
+            " break-away at"
+            f" {estimate(found.break_away, float(found.levels.std()))}, median drop"
+            f" {number(found.drop)},"
+            f" slope between slips {number(found.slope_ratio, 2)} k V.",
+        )
+        if spread > 0.2:
+            add(
+                "scatter",
+                f"Waiting times scatter by {percent(spread)}: a law with fixed parameters predicts"
+                " a single waiting time and cannot explain the scatter.",
+            )
+    if found.drifts:
+        first, second = found.halves
+        thirds = ", ".join(number(value) for value in found.thirds)
+        add(
+            "drift",
+            f"The {part} drifts: the mean F/N is {number(first)} in the first half and"
+            f" {number(second)} in the second ({thirds} in thirds). Features of the whole record"
+            " mix different states.",
+        )
+    return tuple(said)

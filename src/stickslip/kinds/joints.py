@@ -1,0 +1,146 @@
+"""Records of several joints, fitted by inverse dynamics with all joints at once."""
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import NO_VALUE
+from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
+from stickslip.kinds.kind import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Kind,
+    Law,
+    Options,
+    SelectRequest,
+    SeveralLaws,
+)
+from stickslip.kinds.records import title_of
+from stickslip.mechanisms import Mechanism, input_names
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import (
+    JointVerdict,
+    joint_specifications,
+    limits_of,
+    restarts_text,
+    score_text,
+    select_joints,
+)
+
+
+@final
+class JointKind(Kind[RecordFit[Any], JointVerdict]):
+    """Friction of every joint by inverse dynamics, with the parameters of all in one problem."""
+
+    routes = (JOINTS,)
+    measured = "records of several joints"
+    uses = frozenset({"validate", "executor"})
+    settings = frozenset({"hold", "starts", "seed", "position_zeros"})
+    by_contact = True
+    climbs = True
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return bool(measurement.joint_names())
+
+    @override
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
+        specs = joint_specifications(laws)
+        return [f"{joint}: {one.name}" for joint in measurement.joint_names() for one in specs]
+
+    @override
+    def law_and_parameters(
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        return law, vary
+
+    @override
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        own = {name: 0 for one in mechanism.contacts() for name in input_names(mechanism, one.name)}
+        return (*own, *measurement.input_names())  # fits ask for those of each contact
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> RecordFit[Any]:
+        return fit_joints(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            settings=options.settings or RecordSettings(),
+            **request.shared,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> JointVerdict:
+        return select_joints(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
+        )
+
+    @override
+    def comparison(self, verdict: JointVerdict) -> Comparison:
+        second = verdict.second is not None
+        heads = ["joint", "law", "free", "held-out error", *(["second record"] if second else [])]
+        rows, notes = [], []
+        for name, own in verdict.joints.items():
+            for one in own.candidates:
+                value = score_text(own.scale, one.score, one.score_error)
+                error = " ".join(value).strip()
+                cells = [name, one.name, str(one.parameters) if one.fit else NO_VALUE]
+                cells.append(f"{error} {own.scale.unit}" if one.validation else NO_VALUE)
+                if second:
+                    cells.append(own.scale.error(one.second.rms) if one.second else NO_VALUE)
+                rows.append(cells)
+                notes.append(f"{name}, {one.name}: {one.outcome}")
+            notes += [f"{name}: {line}" for line in own.missing]
+        closest = verdict.closest
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=notes,
+            checks=verdict.checks,
+            fitted=(title_of(verdict), closest.fit.estimates) if closest.fit else None,
+        )
+
+    @override
+    def summary(
+        self,
+        fit: RecordFit[Any],
+        validate: Measurement | None = None,
+        horizon: float | None = None,
+    ) -> FitSummary:
+        own = fit.score()
+        second = None if validate is None else fit.score(validate)
+        heads = ["joint", "residual of the force", *(["second record"] if second else [])]
+        rows = []
+        for name, one in own.joints.items():
+            other = [] if second is None else [second.joints[name]]
+            scale = own.scales[one.unit]
+            rows.append([name, *(scale.quantity(each.rms) for each in (one, *other))])
+        return FitSummary(
+            heads=heads,
+            rows=rows,
+            lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks, *fit.assumptions],
+            limits=limits_of(fit),
+            open=("Limitations", fit.sentences),
+            second=None if second is None else _by_joint(second.joints),
+        )
+
+    @override
+    def sections(
+        self, verdict: JointVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report import joint_sections  # figures are loaded where a page is made
+
+        return joint_sections(verdict, origin, remark)
+
+
+def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:
+    return {name: one.rms for name, one in scores.items()}

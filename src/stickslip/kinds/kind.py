@@ -1,0 +1,270 @@
+"""What belongs to one kind of measurement, from its fit to its page."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Generic, TypeAlias, final
+
+from typing_extensions import TypeVar, override
+
+from stickslip.experiments import Checks, Measurement
+from stickslip.formatting import number
+from stickslip.friction import FrictionLaw, specification
+from stickslip.identification import (
+    LAW,
+    AnyLaw,
+    Estimate,
+    Fit,
+    RecordSettings,
+    RouteChoice,
+    TrialComparison,
+    known_inputs,
+    names_of,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import PurposeName, Verdict
+
+F = TypeVar("F", bound="Fit[Any]")
+V = TypeVar("V", bound=Verdict)
+Law: TypeAlias = Any
+"""A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
+SeveralLaws: TypeAlias = Any
+"""A mapping or a sequence of such laws."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What `fit` and `select` may be told beside the request; None where nothing was said.
+
+    Each kind uses some of it, `Kind.uses`, and refuses the rest.
+    """
+
+    route: str | RouteChoice | None = None
+    """Name of the route for records, or what `choose_route` returned."""
+    settings: RecordSettings | None = None
+    """Segments, starts and seed of fits to records."""
+    purpose: PurposeName | None = None
+    """What the law is for: ``"simulate"``, ``"position"`` or ``"compensate"``."""
+    horizon: float | None = None
+    """Length of the stretches that are predicted [s]."""
+    validate: Measurement | None = None
+    """A second record, which no fit sees."""
+    assumed: Mapping[str, Sequence[str]] | None = None
+    """By name of the law, parameters whose values were assumed."""
+    t_end: float | None = None
+    """Time after which a body counts as stopped [s]."""
+    executor: Executor | None = None
+    """Processes that fit laws at the same time; one after the other if None."""
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Names of what was said."""
+        return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
+
+    def only(self, names: Collection[str]) -> "Options":
+        """Return what was said under some names."""
+        return Options(**{name: getattr(self, name) for name in self.given if name in names})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What was measured, and what is fitted beside the laws."""
+
+    mechanism: Mechanism
+    """Mechanism that was measured."""
+    measurement: Measurement
+    """Travels, records in time, measured friction, or the force of a spring."""
+    vary: str | Sequence[str] | None = None
+    """Parameters to fit; ``"friction.*"`` if None."""
+    fixed: Mapping[str, float] | None = None
+    """Values of parameters that are held [SI], by the same names."""
+    progress: Callable[..., object] | None = None
+    """Called with the number of runs or the least residual so far, after the name of the law where
+    several are compared; False ends searches in records."""
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What all functions that fit or select take, beside mechanism, laws and measurement."""
+        return {"vary": self.vary, "fixed": self.fixed, "progress": self.progress}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FitRequest(Request):
+    """A law to fit."""
+
+    law: Law
+    """An instance, whose values are the start, or a type."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SelectRequest(Request):
+    """Laws to compare."""
+
+    laws: SeveralLaws | None
+    """The candidates; the usual ones if None."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """The laws of a verdict beside each other, as a terminal shows them."""
+
+    heads: Sequence[str]
+    """Titles of the columns."""
+    rows: Sequence[Sequence[str]]
+    """Cells, a row for each law."""
+    notes: Sequence[str] = ()
+    """Lines below: what became of each law, and why a cell is empty."""
+    checks: Checks | None = None
+    """What is doubtful about the record."""
+    fitted: tuple[str, Sequence[Estimate]] | None = None
+    """The law that is named or closest, with its parameters, where the table does not have them."""
+    trials: TrialComparison | None = None
+    """Whether several trials share one law."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FitSummary:
+    """What a terminal shows of a fit below its estimates."""
+
+    heads: Sequence[str] = ()
+    """Titles of the columns of a table; empty for no table."""
+    rows: Sequence[Sequence[str]] = ()
+    """Cells of that table."""
+    lines: Sequence[str] = ()
+    """Residuals, restarts, remarks."""
+    findings: Sequence[str] = ()
+    """Errors of the model."""
+    limits: Sequence[str] = ()
+    """What limits each interval: the readings, or the rig."""
+    open: tuple[str, Sequence[str]] = ("Limitations", ())
+    """What is left open, below a heading."""
+    second: float | Mapping[str, float] | None = None
+    """Error on a second record, for documents."""
+    trials: TrialComparison | None = None
+    """Whether several trials share the law."""
+
+
+class Kind(ABC, Generic[F, V]):
+    """How one kind of measurement is fitted, compared and shown; the only place that knows.
+
+    A kind of one's own is a subclass, registered by an entry point ``stickslip.kinds``.
+    """
+
+    routes: ClassVar[tuple[str, ...]]
+    """Ways to fit, which ``route=`` may ask for; each fit and verdict says one of these."""
+    measured: ClassVar[str]
+    """What was measured, in the plural, such as ``"travels"``."""
+    uses: ClassVar[frozenset[str]]
+    """Names of the `Options` that are used."""
+    settings: ClassVar[frozenset[str]] = frozenset()
+    """Names of the fields of `RecordSettings` that are used; any makes `settings` an option."""
+    has_criteria: ClassVar[bool] = False
+    """Whether candidates meet or miss the criteria of runs to rest, which ``--enforce`` heeds."""
+    counts_runs: ClassVar[bool] = False
+    """Whether progress is a number of runs; else it is the least residual so far."""
+    by_contact: ClassVar[bool] = False
+    """Whether laws are given by the name of the contact."""
+    climbs: ClassVar[bool] = False
+    """Whether the candidates that are compared by default are only fitted as far as they gain."""
+    longest_first: ClassVar[bool] = False
+    """Whether a law that takes as long as any is fitted first, which bounds the time left."""
+    fits: ClassVar[type] = FrictionLaw
+    """Base class of the laws that are fitted."""
+    usual_law: ClassVar[str] = "coulomb-viscous"
+    """Law that a command fits where none is named."""
+    simulated: ClassVar[bool] = True
+    """Whether fitted laws can be simulated, and written as rig files."""
+
+    @override
+    def __init_subclass__(cls) -> None:
+        """Check the names of options and settings: a misspelt one would never be used."""
+        super().__init_subclass__()
+        for own, kind in (("uses", Options), ("settings", RecordSettings)):
+            known = {f.name for f in fields(kind)}
+            if wrong := sorted({*getattr(cls, own, ())} - known):
+                raise TypeError(
+                    f"{cls.__name__}.{own} has {wrong[0]!r}, which is no field of"
+                    f" {kind.__name__}; known: {', '.join(sorted(known))}."
+                )
+        if cls.settings:
+            cls.uses |= {"settings"}
+
+    @abstractmethod
+    def serves(self, measurement: Measurement) -> bool:
+        """Whether a measurement is of this kind, where nobody asks for a route."""
+
+    @abstractmethod
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
+        """Return the names of the laws that are compared, as progress calls them."""
+
+    def owner(self, law: Law) -> AnyLaw:
+        """Return the law or the type whose parameters a law has that may be given by its name."""
+        found: AnyLaw = specification(law).law if isinstance(law, str) else law
+        return found
+
+    def law_and_parameters(
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        """Return the law that a name stands for, with what is fitted of it put into `vary`."""
+        if not isinstance(law, str):
+            return law, vary
+        found = specification(law)
+        if found.free is None:
+            return found.law, vary
+        own = [f"friction.{one}" for one in found.free if not {one, f"friction.{one}"} & {*fixed}]
+        names = [LAW] if vary is None else names_of(vary)
+        return found.law, [path for one in names for path in (own if one == LAW else [one])]
+
+    @abstractmethod
+    def fit(self, request: FitRequest, options: Options) -> F:
+        """Fit a law."""
+
+    @abstractmethod
+    def select(self, request: SelectRequest, options: Options) -> V:
+        """Compare laws and name one."""
+
+    @abstractmethod
+    def comparison(self, verdict: V) -> Comparison:
+        """Return the table of a verdict."""
+
+    @abstractmethod
+    def summary(
+        self, fit: F, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        """Return what a terminal shows of a fit, with its error on a second record."""
+
+    @abstractmethod
+    def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
+        """Return what makes the sections of the page of a verdict."""
+
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        """Return the contact inputs that laws may depend on."""
+        return known_inputs(mechanism, measurement)
+
+    def residual_text(
+        self,
+        error: float,
+        measurement: Measurement,
+        options: Options,
+    ) -> str:
+        """Return the least residual so far in words; without what it is of, if not replaced."""
+        return f"residual {number(error, 2)}"
+
+    def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
+        """Return the options with what is chosen for this measurement, before any fit."""
+        return options
+
+    def why_unused(self, name: str, options: Options) -> str:
+        """Return why an option or a setting that some kinds use has no effect here.
+
+        It is the end of a sentence that begins with the name, and empty where nothing special is to
+        be said.
+        """
+        return ""

@@ -1,0 +1,131 @@
+"""A verdict as files: a page, a JSON document, the law as a rig."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.documents import document, json_text, write_folder
+from stickslip.errors import InputError
+from stickslip.kinds.page import verdict_page
+from stickslip.kinds.registry import kind_of_route
+from stickslip.report import Origin, render
+from stickslip.selection import Verdict
+
+PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
+VERDICT_FILES = (PAGE, DOCUMENT, LAW_FILE)
+"""What is written into a folder."""
+
+
+def write_report(
+    verdict: Verdict,
+    folder: str | Path,
+    *,
+    title: str = "",
+    subject: str = "",
+    digest: str = "",
+    commands: Sequence[str] = (),
+    overwrite: bool = False,
+) -> Path:
+    """Write what ``stickslip select`` writes of a verdict into a folder.
+
+    These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
+    that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
+    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. There is no ``law.toml``
+    without a law to name, nor of laws that are not simulated. The command's page of the bundled rig
+    also audits the source paper.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` gave.
+    folder : str or Path
+        Made if it is not there.
+    title : str
+        What was measured, for the title of the page; the kind of mechanism if not given.
+    subject : str
+        The data in one line; if not given what the measurement says of where it is from.
+    digest : str
+        Hash of the inputs, to be shown.
+    commands : sequence of str
+        Commands that give this report again, to be shown.
+    overwrite : bool
+        Whether files of an earlier report in the folder may be replaced, if they are as they were
+        written.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    InputError
+        If a report is already there, a file in the way was not written here or was changed, or
+        the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, load_rig, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = write_report(verdict, folder, title="Block")
+    ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
+    ...     sorted(file.name for file in page.parent.glob("[!.]*"))
+    ['index.html', 'law.toml', 'verdict.json']
+    >>> f"{law.kinetic_coefficient:.3f}"
+    '0.255'
+    """
+    if not isinstance(verdict, Verdict):
+        raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
+    folder = Path(folder)
+    title = title or verdict.mechanism.title
+    origin = Origin(
+        title=title,
+        data=subject or verdict.measurement.provenance or verdict.mechanism.title,
+        digest=digest,
+        commands=tuple(commands),
+    )
+    there = [name for name in VERDICT_FILES if (folder / name).exists()]
+    if there and not overwrite:
+        raise InputError(
+            f"{folder / there[0]} already exists: give overwrite=True to replace it, or another"
+            " folder."
+        )
+    content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
+    write_verdict(folder, verdict, content, page=render(verdict_page(verdict, origin)))
+    return folder / PAGE
+
+
+def write_verdict(
+    folder: Path,
+    verdict: Verdict,
+    content: Mapping[str, Any],
+    *,
+    page: str | None = None,
+) -> None:
+    """Write a verdict as its page, its document and its law, over those of an earlier one.
+
+    All appear at once. What this verdict does not have is removed of an earlier one: a page that
+    could not be drawn, a law where none is named. Files that were not written here stay.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_verdict(Path(folder), verdict, {})
+    ...     sorted(file.name for file in Path(folder).glob("[!.]*"))
+    ['law.toml', 'verdict.json']
+    """
+    files: dict[str, str | bytes] = {} if page is None else {PAGE: page}
+    files[DOCUMENT] = json_text(content)
+    saved = kind_of_route(verdict.route).simulated
+    if saved and verdict.best is not None and verdict.best.fit is not None:
+        files[LAW_FILE] = verdict.best.fit.to_toml()
+    write_folder(folder, files, stale=VERDICT_FILES)

@@ -1,0 +1,1 @@
+"""Velocity steps of a load point, fitted by rate-and-state friction."""

@@ -1,0 +1,131 @@
+"""Velocity steps of a load point, fitted by rate-and-state friction."""
+
+from collections.abc import Collection, Sequence
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import number, percent
+from stickslip.friction import RateState
+from stickslip.identification import AGREE, RecordSettings
+from stickslip.kinds.columns import terminal_table
+from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
+from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
+from stickslip.kinds.velocity_steps.problem import serves
+from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
+from stickslip.kinds.velocity_steps.selection import (
+    RateStateLaw,
+    RateStateLaws,
+    rate_state_laws,
+    select_rate_state,
+)
+from stickslip.kinds.velocity_steps.verdict import COLUMNS, RateStateVerdict
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import on_second_record
+
+
+@final
+class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
+    """A slider without inertia behind a spring, fitted to the coefficient of friction."""
+
+    routes = (VELOCITY_STEPS,)
+    measured = "velocity steps"
+    uses = frozenset({"route", "validate", "executor"})
+    settings = frozenset({"starts", "seed"})
+    longest_first = True
+    fits = RateState
+    usual_law = "rate-and-state"
+    simulated = False
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return serves(measurement)
+
+    @override
+    def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in rate_state_laws(laws)]
+
+    @override
+    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+        return f"coefficient off by {number(error, 2)}"
+
+    @override
+    def owner(self, law: RateStateLaw) -> RateState | type[RateState]:
+        return RateState if isinstance(law, str) else law
+
+    @override
+    def law_and_parameters(
+        self, law: RateStateLaw, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[RateStateLaw, str | Sequence[str] | None]:
+        return law, vary
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> RateStateFit:
+        settings = options.settings or RecordSettings(starts=STARTS)
+        return fit_rate_state(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            starts=settings.starts,
+            seed=settings.seed,
+            **request.shared,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> RateStateVerdict:
+        return select_rate_state(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            validate=options.validate,
+            settings=options.settings,
+            executor=options.executor,
+            **request.shared,
+        )
+
+    @override
+    def comparison(self, verdict: RateStateVerdict) -> Comparison:
+        heads, rows = terminal_table(COLUMNS, verdict.candidates)
+        closest = verdict.closest
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        fit = closest.fit
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+            checks=verdict.checks,
+            fitted=(title, (*fit.estimates, fit.rate)) if fit else None,
+        )
+
+    @override
+    def summary(
+        self,
+        fit: RateStateFit,
+        validate: Measurement | None = None,
+        horizon: float | None = None,
+    ) -> FitSummary:
+        second = None if validate is None else fit.judged(validate)
+        lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
+        if second is not None:
+            lines.append(on_second_record(number(second, 2)))
+        agreeing, starts = fit.starts_agreeing, len(fit.optimum.costs)
+        lines.append(
+            f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
+            f" {percent(AGREE)}"
+        )
+        return FitSummary(
+            lines=[*lines, *fit.remarks],
+            open=("Remarks", fit.sentences),
+            second=second,
+        )
+
+    @override
+    def sections(
+        self, verdict: RateStateVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.kinds.velocity_steps.page import (
+            sections,  # figures are loaded where a page is made
+        )
+
+        return sections(verdict, origin, remark)

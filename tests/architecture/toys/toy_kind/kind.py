@@ -1,0 +1,106 @@
+"""Steady speeds: the kind that joins fit, selection and page."""
+
+from dataclasses import replace
+from functools import partial
+from typing import final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.friction import Viscous
+from stickslip.identification import Estimate, Laws
+from stickslip.kinds import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Kind,
+    Options,
+    SelectRequest,
+    terminal_table,
+)
+from stickslip.quantities import fields_of
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import Wording
+
+from .fit import ToyFit
+from .verdict import COLUMNS, NAME, ToyCandidate, ToyVerdict
+
+
+@final
+class ToyKind(Kind[ToyFit, ToyVerdict]):
+    """Force over velocity."""
+
+    routes = (NAME,)
+    measured = "steady speeds"
+    uses = frozenset({"route"})
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return measurement.conditions.get("kind") == NAME
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [Viscous.name]
+
+    @override
+    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+        return f"{error} m/s"
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> ToyFit:
+        force, speed = (request.measurement.values(name) for name in ("force", "velocity"))
+        slope = float(np.mean(np.asarray(force) / np.asarray(speed)))
+        estimate = Estimate(
+            path="friction.viscous_coefficient",
+            quantity=fields_of(Viscous)["viscous_coefficient"],
+            value=slope,
+            low=0.9 * slope,
+            high=1.1 * slope,
+            interval="95 %",
+        )
+        law = Viscous(viscous_coefficient=slope)
+        return ToyFit(law=law, mechanism=request.mechanism, estimates=(estimate,))
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> ToyVerdict:
+        fitted = self.fit(
+            FitRequest(mechanism=request.mechanism, law=Viscous, measurement=request.measurement),
+            options,
+        )
+        one = ToyCandidate(name=Viscous.name, title=Viscous.title, fit=fitted)
+        words = Wording(
+            verdict="Use viscous friction.",
+            lede="",
+            settles=(),
+            cannot_tell=("All else.",),
+            measure_next=(),
+            no_score="",
+        )
+        return ToyVerdict(
+            mechanism=request.mechanism,
+            measurement=request.measurement,
+            words=words,
+            candidates=(one,),
+            best=replace(one, outcome="chosen"),
+            ranked=False,
+        )
+
+    @override
+    def comparison(self, verdict: ToyVerdict) -> Comparison:
+        heads, rows = terminal_table(COLUMNS, verdict.candidates)
+        return Comparison(heads=heads, rows=rows)
+
+    @override
+    def summary(
+        self, fit: ToyFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        return FitSummary(lines=["Toy."])
+
+    @override
+    def sections(
+        self, verdict: ToyVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from .page import toy_section  # loaded where a page is made
+
+        return (partial(toy_section, verdict),)

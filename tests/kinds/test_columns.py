@@ -1,0 +1,143 @@
+"""Columns of tables of candidates: one list, read by DataFrames, terminals and pages."""
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import pytest
+
+from stickslip.formatting import EstimateText, Scale
+from stickslip.kinds import Column, data_row, page_table, terminal_table
+from stickslip.kinds.features.verdict import COLUMNS as OF_FEATURES
+from stickslip.kinds.features.verdict import FeatureCandidate
+from stickslip.kinds.velocity_steps.verdict import COLUMNS as OF_STEPS
+from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.report import Number, RowPlot
+from stickslip.selection import CrossValidation
+
+
+@dataclass
+class One:
+    """What a column asks of a candidate here."""
+
+    name: str
+    size: float
+    second: float | None = None
+    dropped: str = ""
+    score_error = 2e-3
+
+    @property
+    def score(self):
+        return self.size or math.inf
+
+
+COLUMNS = (
+    Column(key="law", title="law", page="model", value=lambda one: one.name,
+           text=lambda one: one.name, numeric=False),
+    Column(key="score", title="error", page="error", unit="mm", why_empty="no score",
+           value=lambda one: one.size,
+           text=lambda one: EstimateText(f"{1e3 * one.size:.1f}", "± 0.1") if one.size else None),
+    Column(title="second", page="second\nrecord", optional=True, value=lambda one: one.second,
+           text=lambda one: "none" if one.second is None else str(one.second)),
+    Column(key="loss", value=lambda one: one.size**2),
+)  # fmt: skip
+ROWS = [One("dahl", 1e-3), One("stribeck", 4e-3), One("lugre", 0.0, dropped="not fitted")]
+
+
+def page(rows, **more):
+    return page_table(
+        COLUMNS,
+        rows,
+        cells=more,
+        scale=Scale(1e3, "mm"),
+        colour=lambda one: "c1" if one.name == "dahl" else "muted",
+        chosen=lambda one: one.name == "dahl",
+        caption="",
+    )
+
+
+def test_each_medium_has_the_columns_that_have_a_name_for_it():
+    assert list(data_row(COLUMNS, ROWS[0])) == ["law", "score", "loss"]
+    assert terminal_table(COLUMNS, ROWS)[0] == ["law", "error"]
+    assert [one.head for one in page(ROWS).columns] == ["model", "error\nmm", ""]
+
+
+def test_a_terminal_says_the_unit_in_the_cell_and_a_page_in_the_heading():
+    assert terminal_table(COLUMNS, ROWS)[1] == [
+        ["dahl", "1.0 ± 0.1 mm"],
+        ["stribeck", "4.0 ± 0.1 mm"],
+        ["lugre", "—"],
+    ]
+    first, _, second = page(ROWS).rows
+    assert first.cells[1] == Number(value="1.0", doubt="± 0.1")
+    assert second.cells[1] == "no score"
+    assert (first.chosen, first.muted, second.chosen, second.muted) == (True, False, False, True)
+
+
+def test_a_column_that_is_optional_is_there_if_any_candidate_has_a_value():
+    rows = [*ROWS, One("viscous", 1e-3, second=0.5)]
+    heads, cells = terminal_table(COLUMNS, rows)
+    assert heads[-1] == "second"
+    assert [row[-1] for row in cells] == ["none", "none", "none", "0.5"]
+    assert page(rows).columns[-1].head == "second\nrecord"
+
+
+def test_a_page_draws_the_errors_of_several_laws_with_bars_that_end_at_0():
+    table = page(ROWS)
+    assert (table.columns[2].axis.low, table.columns[2].axis.high) == (0.0, 10.0)
+    bar, dot = table.rows[0].cells[2].marks
+    assert (bar.at, bar.to, dot.at, dot.colour) == (0.0, 3.0, 1.0, "c1")  # 1 mm ± 2 mm
+    assert table.rows[2].cells[2] == RowPlot(marks=())
+    assert [one.head for one in page(ROWS[:1]).columns] == ["model", "error\nmm"]
+
+
+def test_a_page_may_say_a_cell_otherwise():
+    (first, *_) = page(ROWS, model=lambda one: f"**{one.name}**").rows
+    assert first.cells[0] == "**dahl**"
+
+
+def rate_state(**values):
+    return RateStateCandidate(name="rate-and-state", title="Rate and state", fit=None, **values)
+
+
+def test_a_law_on_velocity_steps_without_a_fit_has_all_columns_of_a_dataframe():
+    row = rate_state(dropped="the slider runs away").to_row()
+    assert list(row) == [
+        "law", "parameters", "score", "score_error", "a_minus_b", "rmse", "outcome",
+    ]  # fmt: skip
+    assert row["score"] == math.inf
+    assert all(math.isnan(row[name]) for name in ("score_error", "a_minus_b", "rmse"))
+
+
+def test_a_terminal_and_a_page_show_the_same_error_of_a_law_on_velocity_steps():
+    judged = rate_state(
+        validation=CrossValidation(losses=(1e-6, 2e-6, 3e-6), extrapolation=math.nan), second=2e-3
+    )
+    heads, ((_, free, error, rate, second),) = terminal_table(OF_STEPS, [judged])
+    assert heads == ["law", "free", "held-out error", "a − b", "second record"]
+    assert (free, rate, second) == ("—", "—", "0.00200")
+    score = next(one for one in OF_STEPS if one.key == "score").on_page(judged)
+    assert error == f"{score.value} {score.doubt}"
+
+
+def test_a_law_on_features_shows_what_it_misses_and_says_why_it_has_no_score():
+    fit = SimpleNamespace(
+        estimates=(1, 2), score=0.05, held_out_errors={"frequency": -0.03, "mean": 0.04}
+    )
+    one = FeatureCandidate(
+        name="coulomb", title="Coulomb", fit=fit, score_error=0.01, second={"mean": 0.08}
+    )
+    heads, (row,) = terminal_table(OF_FEATURES, [one])
+    assert heads == ["law", "free", "held-out, %", "frequency", "mean", "deviation", "second"]
+    assert row == ["coulomb", "2", "5.0 ± 1.0", "−3 %", "+4 %", "—", "8 %"]
+    without = FeatureCandidate(name="dahl", title="Dahl", fit=None, dropped="not fitted")
+    score = next(column for column in OF_FEATURES if column.key == "score")
+    assert score.on_page(without) == "no score"
+
+
+@pytest.mark.parametrize("columns", [OF_FEATURES, OF_STEPS])
+def test_keys_and_headings_of_a_kind_stand_once(columns):
+    for names in ([one.key for one in columns], [one.title for one in columns],
+                  [one.page for one in columns]):  # fmt: skip
+        given = [name for name in names if name]
+        assert len(set(given)) == len(given)

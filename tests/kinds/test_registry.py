@@ -1,0 +1,298 @@
+"""Which measurement gets which route, and what each route refuses."""
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    Dahl,
+    Measurement,
+    RecordSettings,
+    SpringBlock,
+    TowedBlock,
+    fit,
+    select,
+)
+from stickslip.errors import InputError, StickslipError, UnknownNameError
+from stickslip.friction import RateState
+from stickslip.identification.records.route_choice import RouteChoice
+from stickslip.kinds import registry
+from stickslip.kinds.kind import Kind, Options
+from stickslip.kinds.registry import kind_of, kind_of_route, kinds, refuse_unused
+
+T = np.linspace(0.0, 1.0, 50)
+RISE, WAVE = 1e-6 * T, np.sin(6.0 * T)
+TOWED = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
+AXIS = Axis(inertia=1.0)
+KINDS = {
+    "one travel": (
+        SpringBlock(mass=1.0, stiffness=100.0, compression=0.1),
+        {"travel": 0.2, "uncertainty": 0.005},
+        "travel",
+    ),
+    "spring force": (TOWED, {"time": T, "spring_force": WAVE}, "features"),
+    "velocity steps": (TOWED, {"time": T, "pull": RISE, "friction": 0.6 + WAVE}, "rate-state"),
+    "motion and force": (AXIS, {"time": T, "position": WAVE, "force": WAVE}, "shooting"),
+    "friction over velocity": (AXIS, {"velocity": WAVE, "friction": WAVE}, "shooting"),
+    "friction of a measured motion": (
+        TOWED,
+        {"time": T, "pull": RISE, "velocity": WAVE, "friction": WAVE},
+        "shooting",
+    ),
+}
+"""Mechanism, values and the first name of the route."""
+USED = {
+    "travel": {"assumed", "t_end"},
+    "features": {"route", "settings", "validate", "executor"},
+    "rate-state": {"route", "settings", "validate", "executor"},
+    "shooting": {"route", "settings", "purpose", "horizon", "validate", "executor"},
+}
+GIVEN = {
+    "route": "shooting",
+    "settings": RecordSettings(starts=2),
+    "purpose": "position",
+    "horizon": 1.0,
+    "validate": Measurement(time=T, position=WAVE, force=WAVE),
+    "assumed": {"coulomb": ["friction.kinetic_coefficient"]},
+    "t_end": 5.0,
+    "executor": ThreadPoolExecutor(1),
+}
+OF_FIT = ("route", "settings", "t_end")
+
+
+def measured(kind):
+    mechanism, values, _ = KINDS[kind]
+    return mechanism, Measurement(**values)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_measurement_gets_the_route_of_its_kind(kind):
+    _, record = measured(kind)
+    assert kind_of(record).routes[0] == KINDS[kind][-1]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_last_route_leaves_nothing_without_one(kind):
+    _, record = measured(kind)
+    own = [one for one in kinds() if one.serves(record)]
+    assert own  # the first is taken, and the more special ones are asked first
+    assert own[0] is kind_of(record)
+
+
+@pytest.mark.parametrize("asked", ["force-map", "features", "rate-state"])
+def test_a_record_gets_the_route_that_is_asked_for(asked):
+    for kind in KINDS:
+        _, record = measured(kind)
+        if kind == "one travel":  # which then refuses the option
+            assert kind_of(record, asked).routes == ("travel",)
+        else:
+            assert asked in kind_of(record, asked).routes
+
+
+def test_a_choice_asks_for_its_route():
+    _, record = measured("velocity steps")
+    choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings())
+    assert "inverse-dynamics" in kind_of(record, choice).routes
+
+
+def test_names_of_routes_are_known_and_apart():
+    names = [name for kind in kinds() for name in kind.routes]
+    assert len(set(names)) == len(names)
+    assert all(name in kind_of_route(name).routes for name in names)
+    with pytest.raises(UnknownNameError, match=r"'rate-stat'.*'rate-state'"):
+        kind_of(measured("velocity steps")[1], "rate-stat")
+
+
+def test_a_route_of_another_package_needs_names_of_its_own(monkeypatch):
+    class Other(type(kind_of_route("travel"))):
+        routes = ("features",)
+
+    monkeypatch.setattr(registry, "plugins", lambda *_: [("other:Other", Other)])
+    with pytest.raises(StickslipError, match=r"other:Other is named .*, which is taken: rename it"):
+        kinds.__wrapped__()
+    Other.routes = ("other",)
+    assert [kind.routes for kind in kinds.__wrapped__()][:2] == [("other",), ("features",)]
+
+
+@pytest.mark.parametrize("name", GIVEN)
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
+    mechanism, record = measured(kind)
+    route = KINDS[kind][-1]
+    if name in USED[route]:
+        refuse_unused(kind_of_route(route), {name: name}, Options(**{name: GIVEN[name]}))
+        return
+    verbs = [(select, None)] + ([(fit, "coulomb")] if name in OF_FIT else [])
+    for verb, law in verbs:
+        with pytest.raises(InputError) as refused:
+            verb(mechanism, law, record, **{name: GIVEN[name]})
+        said = str(refused.value)
+        assert said.startswith(f"{name} ")
+        assert said.count(". ") == 0
+        if (route, name) == ("travel", "validate"):
+            assert "give more trials instead" in said
+            continue
+        assert f"it has no effect on {kind_of_route(route).measured}: leave it out." in said
+        for other, used in USED.items():
+            assert (kind_of_route(other).measured in said.partition(";")[0]) is (name in used)
+
+
+SETTINGS = {"segment": 0.5, "resolution": 99, "hold": "first", "starts": 2, "seed": 3}
+WITHOUT = {
+    ("velocity steps", None): ({"segment", "resolution", "hold"}, "velocity steps"),
+    ("spring force", None): (
+        {"segment", "resolution", "hold", "starts"},
+        "the force of a spring",
+    ),
+    ("motion and force", "shooting"): (set(), ""),
+    ("motion and force", "inverse-dynamics"): ({"segment", "resolution"}, "inverse-dynamics"),
+    ("friction over velocity", None): ({"segment", "resolution", "hold"}, "force-map"),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+@pytest.mark.parametrize(("kind", "asked"), WITHOUT)
+def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, monkeypatch):
+    mechanism, record = measured(kind)
+    settings = RecordSettings(**{name: SETTINGS[name]})
+    unused, where = WITHOUT[kind, asked]
+    law = "logarithmic" if kind == "velocity steps" else "coulomb"
+    way, seen = type(kind_of(record, asked)), []
+    for method in ("fit", "select"):
+        monkeypatch.setattr(way, method, lambda self, request, options: seen.append(options))
+    for verb in (fit, select):
+        if name not in unused:
+            verb(mechanism, law, record, route=asked, settings=settings)
+            assert getattr(seen[-1].settings, name) == SETTINGS[name]
+            continue
+        with pytest.raises(InputError, match=f"^RecordSettings.{name} applies to") as refused:
+            verb(mechanism, law, record, route=asked, settings=settings)
+        assert where in str(refused.value)
+        assert str(refused.value).endswith("leave it out.")
+        assert seen == []
+
+
+def test_settings_beside_a_choice_that_has_its_own_are_refused():
+    mechanism, record = measured("motion and force")
+    choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings(starts=3))
+    with pytest.raises(InputError, match="settings has no effect beside a `RouteChoice`"):
+        fit(mechanism, "coulomb", record, route=choice, settings=RecordSettings(starts=2))
+    options = Options(route=choice, settings=RecordSettings(starts=3))
+    refuse_unused(kind_of(record), {"settings": "settings"}, options)
+
+
+def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():
+    with pytest.raises(TypeError, match=r"Other.uses has 'jobs', which is no field of Options"):
+
+        class Other(Kind):
+            uses = frozenset({"jobs"})
+
+    with pytest.raises(TypeError, match=r"Next.settings has 'start', which is no .*: .*hold"):
+
+        class Next(Kind):
+            uses, settings = frozenset(), frozenset({"start"})
+
+
+def test_the_least_residual_has_words_on_every_route():
+    table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
+    words = {one.routes[0]: one.residual_text(0.012, table, Options()) for one in kinds()}
+    assert words == {
+        "features": "error of the features 1.2 %",
+        "travel": "residual 0.012",
+        "rate-state": "coefficient off by 0.012",
+        "joints": "residual 0.012",
+        "shooting": "12 mN",
+    }
+
+
+def test_options_that_say_nothing_are_not_refused():
+    assert Options().given == ()
+    assert Options(horizon=1.0, t_end=2.0).only({"t_end"}) == Options(t_end=2.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "free"),
+    [
+        ("dahl", ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient"]),
+        (
+            "dahl-exponent",
+            ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient", "exponent"],
+        ),
+        ("coulomb", None),
+    ],
+)
+@pytest.mark.parametrize("route", ["shooting", "features"])
+def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
+    way, stiffness = kind_of_route(route), "mechanism.stiffness"
+    kind = Coulomb if name == "coulomb" else Dahl
+    own = ["friction.*"] if free is None else [f"friction.{one}" for one in free]
+    assert way.law_and_parameters(name, None) == (kind, None if free is None else own)
+    law, vary = way.law_and_parameters(name, ["friction.*", stiffness])
+    assert (law, list(vary)) == (kind, [*own, stiffness])
+    # what is named by itself is fitted alone, whatever the name stands for
+    assert way.law_and_parameters(name, ["exponent"]) == (kind, ["exponent"])
+
+
+def test_what_is_held_is_not_varied_by_the_name():
+    vary = kind_of_route("shooting").law_and_parameters(
+        "dahl", None, ["bristle_stiffness", "friction.viscous_coefficient"]
+    )[1]
+    assert vary == ["friction.kinetic_coefficient"]
+
+
+def test_a_law_that_is_given_itself_keeps_what_is_asked_for():
+    law = Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e3, viscous_coefficient=0.0)
+    for given in (Dahl, law):
+        found, vary = kind_of_route("shooting").law_and_parameters(given, ["exponent"])
+        assert found is given
+        assert vary == ["exponent"]
+
+
+def test_of_travels_a_name_is_the_law_alone_and_of_steps_the_name_stays():
+    assert kind_of_route("travel").law_and_parameters("dahl", None) == (Dahl, None)
+    with pytest.raises(InputError, match=r"only for fits to records.*Give dahl"):
+        kind_of_route("travel").law_and_parameters("dahl-exponent", None)
+    way = kind_of_route("rate-state")
+    assert way.law_and_parameters("logarithmic", ["friction.*"]) == ("logarithmic", ["friction.*"])
+    assert way.owner("logarithmic") is RateState
+
+
+STATE = RateState(
+    reference_coefficient=0.6,
+    direct_effect=0.01,
+    evolution_effect=0.0,
+    reference_velocity=1e-6,
+    evolution="none",
+)
+
+
+@pytest.mark.parametrize("law", [RateState, STATE, int, 3.0])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_law_of_another_kind_is_refused_before_any_work(kind, law):
+    mechanism, record = measured(kind)
+    if KINDS[kind][-1] == "rate-state" and law in (RateState, STATE):
+        law = Coulomb
+    what = re.escape(kind_of(record).measured)
+    for verb, given in ((fit, law), (select, law), (select, [law]), (select, {"mine": law})):
+        with pytest.raises(InputError, match=rf"A fit to {what} takes a \w+, its type or its name"):
+            verb(mechanism, given, record)
+    with pytest.raises(InputError, match=what) as refused:
+        fit(mechanism, law, record)
+    assert ("which is for" in str(refused.value)) is (law not in (int, 3.0))
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "velocity steps"])
+def test_names_of_laws_for_velocity_steps_say_what_these_are(kind):
+    mechanism, record = measured(kind)
+    with pytest.raises(InputError, match="rate-and-state is a law for velocity steps"):
+        fit(mechanism, "rate-and-state", record)
+
+
+def test_the_route_of_other_measurements_is_refused_by_what_it_is_for() -> None:
+    table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
+    with pytest.raises(InputError, match=r"^route 'travel' applies to travels, not to this"):
+        kind_of(table, "travel")
