@@ -186,6 +186,8 @@ class Memory(Part, ABC):
     """States of the contact around a level curve g."""
 
     role: ClassVar[str] = "memory"
+    drops: ClassVar[bool] = False
+    """Whether its force falls at once where a state reaches its limit."""
 
     def states(self, argument: str) -> tuple[str, ...]:
         """Return the names of its states."""
