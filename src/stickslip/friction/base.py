@@ -83,6 +83,10 @@ class Passivity:
     """Whether it is known of a law with values, at a load [N]."""
 
 
+ALWAYS = Passivity(condition="always", holds=lambda _law, _load: True)
+"""Friction opposes slip at any speed, or yields as bristles that only take energy up."""
+
+
 @final
 class _Undeclared:
     """Stands for a class attribute that each law has to declare; to ask for it is an error."""
