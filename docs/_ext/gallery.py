@@ -13,7 +13,7 @@ from typing import Any
 
 from docutils import nodes
 from docutils.statemachine import StringList
-from generated import BIBLIOGRAPHY, symbol, table
+from generated import symbol, table
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -208,7 +208,7 @@ def page(
     yield from ("The figures are of these values:", "")
     yield from table(("parameter", "symbol", "unit", "value"), rows)
     yield from code(name, kind, law)
-    keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in kind.sources)
+    keys = ",".join(kind.sources)
     if keys:
         yield from (f"Sources: {{cite}}`{keys}`.", "")
 

@@ -44,8 +44,8 @@ GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
 DROPS: Final = (
-    " Where a bristle gives way, friction falls at once: the velocity may then err by that fall times"
-    " the period over the mass."
+    " Where a bristle gives way, friction falls at once: the velocity may then err by that fall"
+    " times the period over the mass."
 )
 CLOSE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
