@@ -131,7 +131,7 @@ class DirectionDependent:
     A constant force is not told apart from half the difference of the levels: give the mechanism
     an offset, or let the levels differ, not both, unless something else tells them apart.
 
-    >>> law.towards(-1).title, law.towards(-1).kinetic_coefficient
+    >>> law.towards(-1).title, law.towards(-1).break_away(load=1.0)
     ('Coulomb + viscous', 20.6277)
     """
 
