@@ -49,7 +49,7 @@ nb_output_stderr = "remove"  # what an empty cache has to say is no part of a pa
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # pages load nothing from the network
 nb_render_image_options = {"width": "100%"}
 
-bibtex_bibfiles = ["references.bib"]
+bibtex_bibfiles = ["../src/stickslip/friction/references.bib"]
 bibtex_default_style = "plain"
 
 html_theme = "furo"

@@ -183,9 +183,10 @@ def held_by(law: FrictionLaw, friction: Any, load: Any) -> Any:
 
 
 def example_of(kind: type[FrictionLaw]) -> Any:
-    """Return one law of a kind with everyday parameters."""
+    """Return one law of a kind with everyday parameters, of rare units those of its entry."""
     values: dict[str, float] = {}
-    typical = {
+    own = {} if kind.typical is None else kind.typical.values
+    everyday = {
         "1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2,
         "1/N": 0.1, "1/N^2": 0.05, "1/K": 0.01, "1/Pa": 1e-6, "1/s": 10.0,
     }  # fmt: skip
@@ -193,8 +194,9 @@ def example_of(kind: type[FrictionLaw]) -> Any:
         if quantity.structural:
             continue
         surplus = 0.0 if quantity.at_least is None else values[quantity.at_least] * 0.4
-        assert surplus or quantity.unit in typical, f"{name}: `typical` has no {quantity.unit}"
-        values[name] = values[quantity.at_least] + surplus if surplus else typical[quantity.unit]
+        value = everyday.get(quantity.unit, own.get(name))
+        assert surplus or value, f"{kind.__name__}.{name}: `typical` of the entry has no value"
+        values[name] = values[quantity.at_least] + surplus if surplus else value
     return kind(**values)
 
 

@@ -13,12 +13,13 @@ from typing import Any
 
 from docutils import nodes
 from docutils.statemachine import StringList
-from generated import BIBLIOGRAPHY, symbol, table
+from generated import symbol, table
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from stickslip.characterization import Characterization, characterize
 from stickslip.characterization.battery import law_with_values
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction import LAWS, FrictionLaw, said_of
 from stickslip.plots import draw_characteristic
 from stickslip.plots.core.svg import standalone_svg
@@ -35,7 +36,7 @@ FIGURE, THUMBNAIL = (620, 270), (200, 130)
 COLUMNS = 4
 """Thumbnails beside each other."""
 INPUTS = {"temperature": (20.0, 60.0), "position": (0.0, 0.26)}
-"""Values of inputs that pages show, a tooth and a gap; others are 0 and as large as the load."""
+"""Values of inputs that pages show, a tooth and a gap; others are 0 and of their usual size."""
 BACKWARD = 0.7
 """Levels backwards over those forwards, where nobody knows how a law's directions differ."""
 
@@ -123,7 +124,7 @@ def written(name: str) -> dict[str, str]:
     """Return the files of a law by their names: its page and figures."""
     kind = LAWS[name]
     law = shown(kind)
-    inputs = {one: INPUTS.get(one, (0.0, 1.0)) for one in law.inputs}
+    inputs = {one: INPUTS.get(one, (0.0, CONTACT_INPUTS[one].size)) for one in law.inputs}
     tests = ["steady"] if inputs else ["steady", "drift", "creep"]
     if law.states and not inputs:
         tests[1:1] = ["presliding"]
@@ -208,7 +209,7 @@ def page(
     yield from ("The figures are of these values:", "")
     yield from table(("parameter", "symbol", "unit", "value"), rows)
     yield from code(name, kind, law)
-    keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in kind.sources)
+    keys = ",".join(kind.sources)
     if keys:
         yield from (f"Sources: {{cite}}`{keys}`.", "")
 

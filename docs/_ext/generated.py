@@ -17,8 +17,6 @@ from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
 from stickslip.kinds.registry import kinds
 from stickslip.quantities import fields_of
 
-BIBLIOGRAPHY = {"paper": "pendulumcart"}
-"""Keys of sources that are called otherwise in references.bib."""
 GREEK = ("alpha", "beta", "mu", "phi", "rho", "sigma")
 RIG_LISTS = {
     "RunTable": "[run]",
@@ -92,9 +90,8 @@ def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
             f"`{text}`" if heading == "Composition" else text.rstrip(".") + "."
         )
     yield ""
-    keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in law.sources)
     yield f"In Python: {{py:obj}}`stickslip.{law.__name__}`."
-    yield f"Sources: {{cite}}`{keys}`."
+    yield f"Sources: {{cite}}`{','.join(law.sources)}`."
     yield ""
 
 

@@ -48,17 +48,18 @@ class ContactInput:
 
     def over(self, quantity: Quantity) -> Quantity:
         """Return the quantity of a parameter that goes with this input."""
-        power = 0 if "{0}" not in quantity.unit else 2 if "{0}^2" in quantity.unit else 1
+        over = {"": 0, "{0}": -1, "1/{0}": 1, "1/{0}^2": 2}
+        power = over[quantity.unit if "{0}" in quantity.unit else ""]
         changes: dict[str, object] = {
             "symbol": quantity.symbol.replace("{0}", self.index),
             "unit": quantity.unit.replace("{0}", "K" if self.unit == "degC" else self.unit),
         }
         if power and quantity.bounds is not None and quantity.start is not None:
-            over = f"/{self.scale}^{power}" if power > 1 else f"/{self.scale}"
-            level = "level" if quantity.scale == "level" else "1"
+            scale = {-1: self.scale, 1: f"/{self.scale}", 2: f"/{self.scale}^2"}[power]
+            level = "level" if quantity.scale == "level" else "1" * (power > 0)
             least, most = (bound / self.size**power for bound in quantity.bounds)
             changes |= {
-                "scale": f"{level}{over}" if self.scale else "none",
+                "scale": f"{level}{scale}" if self.scale else "none",
                 "bounds": (least, most),
                 "start": quantity.start / self.size**power,
             }

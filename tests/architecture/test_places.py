@@ -112,7 +112,6 @@ class ToyEntry:
     name = "toy-entry"
     title = "Toy entry"
     sources = ("coulomb1785",)
-    on_request = True
 """
 
 

@@ -126,6 +126,18 @@ def test_every_law_names_sources_that_are_known(law):
     assert set(law.sources) <= set(SOURCES)
 
 
+def test_citations_are_read_from_the_bibliography():
+    assert SOURCES["olsson1998"] == (
+        "H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert, P. Lischinsky. Friction models and"
+        " friction compensation. European Journal of Control 4(3), 1998."
+    )
+    assert SOURCES["dahl1968"].endswith("El Segundo, California, TOR-0158(3107-18)-1, 1968.")
+    assert SOURCES["ambrosio2003"].endswith(". Virtual Nonlinear Multibody Systems, Kluwer, 2003.")
+    assert SOURCES["paper"] == "Modelling of the pendulum-driven cart system with friction."
+    for text in SOURCES.values():
+        assert not re.search(r"[{}\\]|, ,|\. \.", text)
+
+
 @pytest.mark.parametrize("law", LAWS.values(), ids=called)
 def test_the_order_of_fitting_names_real_parameters_once(law):
     assert law.fit_order

@@ -36,6 +36,12 @@ def test_compiled_steps_come_near_the_run_at_short_periods_and_at_long_ones(name
         assert {found[f"{one}_end"] for one in flags} <= {0.0, 1.0}
 
 
+def test_programs_say_what_a_step_errs_by_where_friction_falls_at_once():
+    said = "may then err by that fall times"
+    assert said in " ".join(export(RESET, "c", name="reset").files["reset.h"].split())
+    assert said not in " ".join(export(MAXWELL, "c", name="maxwell").files["maxwell.h"].split())
+
+
 def test_elements_far_stiffer_than_the_period_resolves_cost_no_accuracy(tmp_path):
     own = replace(GMS, bristle_stiffness=1e6)  # 1.5 um of deflection, crossed in 1 ms at 1.5 mm/s
     compiled = library(tmp_path, export(own, "c", name="gms").files)

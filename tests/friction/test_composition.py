@@ -12,7 +12,7 @@ from stickslip import Axis, LuGre, Measurement, Stribeck, fit, load_rig, simulat
 from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.rigs.rig_writer import rig_toml
-from stickslip.friction import LAWS, bound, law, law_type, laws, specification
+from stickslip.friction import LAWS, anywhere, bound, law, law_type, laws, specification
 from stickslip.friction.equations import equations_of
 from stickslip.friction.notation import read
 from stickslip.friction.parts import PARTS
@@ -480,3 +480,35 @@ def test_an_exponent_that_must_be_given_is_fitted_and_one_with_a_default_is_kept
     table = Measurement(velocity=v, friction=2.0 + 1.0 / (1.0 + (v / 0.1) ** 2) + 3.0 * v**0.6)
     found = fit(Axis(inertia=1.0), law("level + lorentz + power"), table)
     assert found.law.viscous_exponent == pytest.approx(0.6, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "level + lorentz + drag",
+        "both_ways(level + stribeck) + power",
+        "tanh(level + hyperbolic) + saturating",
+        "makkar + viscous",
+        "bengisu_akay",
+        "level + logarithmic",
+        "level * exponential[temperature] + weight2[pressure]",
+    ],
+)
+def test_a_law_without_memory_whose_parts_oppose_slip_is_passive_unasked(text):
+    kind = law(text)
+    assert kind.passivity.condition == "always"
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        values = {}
+        for name, one in fields_of(kind).items():
+            low, high = one.bounds
+            above = values.get(one.at_least, 0.0) if one.at_least else 0.0
+            values[name] = above + rng.uniform(low, high)
+        own = anywhere(kind(**values))
+        for v in (-3.0, -0.1, -1e-5, 1e-5, 0.01, 0.2, 5.0):
+            assert own.force(v, 2.0) * v >= 0.0
+
+
+def test_of_parts_that_may_drive_and_of_memories_passivity_is_not_claimed():
+    for text in ("level + polynomial[3]", "level * linear[temperature]", "gms[3](level) + viscous"):
+        assert law(text).passivity is None

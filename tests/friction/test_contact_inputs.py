@@ -8,11 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Axis, FixedStep, Pendulum, SpringBlock, ensemble, load_rig, simulate
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import PiecewiseLinear, Ramp, Sampled, Sine
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import bound, law
 from stickslip.mechanisms import given_inputs
+from stickslip.quantities import Quantity
 
 WARM = law("level + viscous * exponential[temperature]")(
     kinetic_coefficient=2.0, viscous_coefficient=10.0, viscous_temperature_decay=0.03
@@ -300,3 +302,13 @@ def test_an_override_gives_an_input_that_the_file_does_not(tmp_path):
     path.write_text(RIG.replace("[contact]\ntemperature = {temperature}\n", ""), encoding="utf-8")
     rig = load_rig(path, overrides={"contact.temperature": "35 degC"})
     assert rig.mechanism.contact_temperature == 35.0
+
+
+def test_a_parameter_in_the_unit_of_an_input_is_looked_for_at_the_inputs_size():
+    own = Quantity("c_{0}", "{0}", above=0, scale="none", bounds=(0.1, 10.0), start=1.0)
+    pressure = CONTACT_INPUTS["pressure"].over(own)
+    assert (pressure.symbol, pressure.unit, pressure.scale) == ("c_P", "Pa", "none")
+    assert (*pressure.bounds, pressure.start) == pytest.approx((1e4, 1e6, 1e5))
+    assert CONTACT_INPUTS["temperature"].over(own).unit == "K"
+    torque = CONTACT_INPUTS["transmitted"].over(own)
+    assert (torque.scale, torque.start) == ("force", 1.0)

@@ -25,7 +25,7 @@ from stickslip import (
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.mechanisms import Contact, Lining, Prescribed, Rotor, Torque
+from stickslip.mechanisms import Contact, Lining, Link, Prescribed, Rotor, SerialArm, Torque
 from stickslip.results import Status
 
 PLAIN = EventDriven(tier="python")
@@ -274,6 +274,8 @@ def test_an_ensemble_varies_one_lining_and_one_law():
         (lambda: Contact(slip="x", load=1.0, name="a.b"), "kebab case"),
         (lambda: Contact(slip="x", load=1.0, name="Left Pad"), "kebab case"),
         (lambda: Contact(slip="x", load=1.0, name="1"), "kebab case"),
+        # its inputs would stand in the fields of pad-2
+        (lambda: Contact(slip="x", load=1.0, name="pad_2"), "kebab case"),
     ],
 )
 def test_what_no_such_mechanism_can_be_is_refused(make, message):
@@ -305,3 +307,28 @@ def test_a_body_that_begins_where_its_loads_have_no_solution_says_so(height, spe
     assert run.status is status
     assert run.events[-1].reason == reason
     assert run.span[1] == 0.0
+
+
+@pytest.mark.parametrize("tier", ["compiled", pytest.param("python", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("joints", [2, 3, 4, 6])
+def test_joints_that_break_away_in_one_instant_move_as_if_it_were_nearly_one(joints, gravity, tier):
+    def run(share):
+        one = Link(mass=0.5, length=0.3, centre=0.15, inertia=0.015)
+        links = tuple(
+            dataclasses.replace(one, torque=Sine(amplitude=1.0 + share * i, frequency=0.5))
+            for i in range(joints)
+        )
+        arm = SerialArm(links=links, gravity=gravity)
+        return simulate(arm, coulomb(0.2), t_end=0.3, solver=EventDriven(tier=tier))
+
+    tied, first, last = map(run, (0.0, -1e-7, 1e-7))
+    assert tied.certificate.certified
+    # all reach the level at once; reactions of the last joint hold those before it
+    assert tied.events[0].contact == f"joint-{joints}"
+    assert tied.events[1].t > tied.events[0].t + 0.01
+    times = np.linspace(0.0, 0.3, 31)
+    for name in tied.states[:joints]:
+        for near in (first, last):
+            # torques that differ by up to 6e-7 N m turned links by 6e-7 rad at most
+            assert tied.at(times)[name] == pytest.approx(near.at(times)[name], abs=2e-6)

@@ -80,6 +80,8 @@ class Equations:
     """Levels that rest gives way to, forward and backward."""
     holds: bool
     """Whether a body is held at rest by a force of any size up to break-away."""
+    drops: bool
+    """Whether the force falls at once where a bristle gives way."""
 
 
 VELOCITY, LOAD, PERIOD = map(se.Symbol, ("velocity", "load", "period"))
@@ -133,6 +135,7 @@ def equations_of(law: FrictionLaw) -> Equations:
             else None,
             break_away=_levels(traced),
             holds=law.holds,
+            drops=law.made_of is not None and law.made_of.drops,
         )
     except TracingError as error:
         raise InputError(

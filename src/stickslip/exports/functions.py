@@ -43,6 +43,10 @@ from stickslip.quantities import turned
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
+DROPS: Final = (
+    " Where a bristle gives way, friction falls at once: the velocity may then err by that fall"
+    " times the period over the mass."
+)
 CLOSE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
@@ -494,7 +498,8 @@ class _Writer:
         moved = ("velocity_end", *self.ends, "displacement", "friction", "sticks")
         return Function(
             name="step",
-            summary="Motion over one period of a body under a constant force and friction.",
+            summary="Motion over one period of a body under a constant force and friction."
+            + DROPS * self.law.drops,
             inputs=(
                 _variable("applied"),
                 _variable("velocity", "slip velocity at the start; 0 at rest"),

@@ -86,6 +86,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "CITATIONS": "sources",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",

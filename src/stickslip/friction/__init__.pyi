@@ -49,6 +49,7 @@ from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import simpler_laws as simpler_laws
 from stickslip.friction.registry import specification as specification
+from stickslip.friction.sources import CITATIONS as CITATIONS
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given

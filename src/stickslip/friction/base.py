@@ -83,6 +83,10 @@ class Passivity:
     """Whether it is known of a law with values, at a load [N]."""
 
 
+ALWAYS = Passivity(condition="always", holds=lambda _law, _load: True)
+"""Friction opposes slip at any speed, or yields as bristles that only take energy up."""
+
+
 @final
 class _Undeclared:
     """Stands for a class attribute that each law has to declare; to ask for it is an error."""
@@ -228,6 +232,12 @@ class FrictionLaw(Parametrised, ABC):
         -------
         float or array
             Friction force, with the sign of the velocity in steady sliding [N].
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb
+        >>> Coulomb(kinetic_coefficient=0.25).force(-0.1, load=9.81)
+        -2.4525
         """
 
     @abstractmethod
@@ -451,28 +461,6 @@ class SetValuedLaw(FrictionLaw, ABC):
     @final
     @override
     def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
-        """Return the friction force at a slip velocity, 0 at rest.
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        load : float or array
-            Normal force [N].
-        states : tuple
-            Empty: the law has no memory.
-
-        Returns
-        -------
-        float or array
-            Friction force, with the sign of the velocity [N].
-
-        Examples
-        --------
-        >>> from stickslip import Coulomb
-        >>> Coulomb(kinetic_coefficient=0.25).force(-0.1, load=9.81)
-        -2.4525
-        """
         return sign(velocity) * self.sliding(abs(velocity), load)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, cast, final
 
-from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction.base import ALWAYS, BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
 from stickslip.friction.containment import Contained
 from stickslip.friction.equations import equations_of, one_way
@@ -57,6 +57,11 @@ class Entry:
         return tuple(dict.fromkeys(one for name in names for one in name.inputs))
 
     @property
+    def on_request(self) -> bool:
+        """Whether it is tried on travels only where it is named, as unless the entry says not."""
+        return getattr(self.statement, "on_request", True)
+
+    @property
     def compared(self) -> bool:
         """Whether the formula was compared with its source: that of the law, and of its parts."""
         own = getattr(self.statement, "compared", True)
@@ -69,19 +74,21 @@ class Entry:
         space = {**said, "__module__": PUBLIC}
         c = Composition(read(self.composition), self.names)
         made = _made(c, self.statement.__name__, space)
-        made.__doc__ = self._documented(made.formula)
+        made.__doc__ = self._documented(made)
         return made
 
-    def _documented(self, formula: str) -> str:
-        """Return the docstring of the class: what the entry says is known, and its sources."""
-        prose, heading, examples = inspect.cleandoc(self.statement.__doc__ or "").partition(
-            "\n\nExamples\n--"
-        )
-        notes = "\n\n".join([f".. math:: {formula}", *(f"{k}: {v}" for k, v in said_of(self))])
-        sources = "\n\n".join(SOURCES[key] for key in self.sources)
-        return (
-            f"{prose}\n\nNotes\n-----\n{notes}\n\nReferences\n----------\n{sources}"
-            f"{heading}{examples}"
+    def _documented(self, law: type[FrictionLaw]) -> str:
+        """Return the docstring of the class: what is known of it, and an example with values."""
+        prose, mark, example = inspect.cleandoc(self.statement.__doc__ or "").partition(">>> ")
+        notes = "\n\n".join([f".. math:: {law.formula}", *(f"{k}: {v}" for k, v in said_of(law))])
+        sections = {"Notes": notes, "References": "\n\n".join(SOURCES[key] for key in law.sources)}
+        if law.typical is not None:
+            name, values = law.__name__, law.typical.values.items()
+            given = "".join(f"...     {field}={value!r},\n" for field, value in values)
+            made = f">>> from stickslip import {name}\n>>> law = {name}(\n{given}... )\n"
+            sections["Examples"] = made + mark + example
+        return prose.rstrip() + "".join(
+            f"\n\n{heading}\n{'-' * len(heading)}\n{text}" for heading, text in sections.items()
         )
 
 
@@ -147,8 +154,11 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
             setattr(kind, key, equation)
     kind.composition, kind.made_of = c.term, c
     kind.directional, kind.inputs = c.directional, c.inputs
+    kind.on_request = bool(space.get("on_request", True))
     kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
     kind.contained = Contained(c, _by_parts)
+    if kind.passivity is None and all(one.part.opposes for one in c.term.parts()):
+        kind.passivity = ALWAYS
     if "formula" not in space:
         kind.formula = formula_of(c)
     abc.update_abstractmethods(kind)
@@ -186,6 +196,5 @@ def _by_text(text: str) -> type[FrictionLaw]:
         "name": text,
         "title": text,
         "sources": (),
-        "on_request": True,
     }
     return _made(c, text, said)

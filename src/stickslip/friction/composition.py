@@ -344,6 +344,11 @@ class Composition:
         return tuple(dict.fromkeys(one for name in self.term.parts() for one in name.inputs))
 
     @property
+    def drops(self) -> bool:
+        """Whether friction falls at once where a state reaches its limit."""
+        return any(getattr(name.part, "drops", False) for name in self.term.parts())
+
+    @property
     def directional(self) -> bool:
         """Whether the directions have parameters of their own."""
         return any(name.name == BOTH_WAYS for name in self.term.parts())

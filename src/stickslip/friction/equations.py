@@ -10,7 +10,6 @@ from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Le
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
 from stickslip.friction.parts.base import (
     Extra,
-    Factor,
     Flow,
     Level,
     Memory,
@@ -209,7 +208,7 @@ LEAST = 1e-3
 
 def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
     """Return the method that gives the factors that may fall below 0."""
-    found = {text: leaf for text, leaf in c.factors.items() if not cast(Factor, leaf.part).positive}
+    found = {text: leaf for text, leaf in c.factors.items() if not leaf.part.opposes}
 
     def limits(self: Any) -> dict[str, Scalar]:
         if c.directional:

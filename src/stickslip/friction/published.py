@@ -124,16 +124,16 @@ class _Switched(PrintedForm, ABC):
 class PrintedCoulomb(_Memoryless):
     """Eq. (1), of the paper's reference [6]: sgn(0) = 0, so nothing is held at rest."""
 
-    name: ClassVar[str] = "printed-1"
-    title: ClassVar[str] = "Coulomb, of [6]"
-    equation: ClassVar[str] = "(1)"
-    formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
-    defect: ClassVar[str] = (
+    name = "printed-1"
+    title = "Coulomb, of [6]"
+    equation = "(1)"
+    formula = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
+    defect = (
         "no stiction: with sgn 0 = 0 there is no friction at rest, so a cart that should stick"
         " creeps, at a rate set by the time step"
     )
-    cure: ClassVar[str] = "the same, with stick while the required force is at most $mu_s$ $N$"
-    corrected: ClassVar[type[FrictionLaw]] = Coulomb
+    cure = "the same, with stick while the required force is at most $mu_s$ $N$"
+    corrected = Coulomb
 
     kinetic_coefficient: Mu
     """Friction force of sliding over the normal force."""
@@ -163,22 +163,20 @@ CART_DYNAMICS = RightEquation(
 class PrintedImprovedCoulomb(_Memoryless):
     """Eq. (3), of the paper's reference [7]: the coefficient and the force carry the sign of v."""
 
-    name: ClassVar[str] = "printed-3"
-    title: ClassVar[str] = "improved friction model of [7]"
-    equation: ClassVar[str] = "(3)"
-    formula: ClassVar[str] = (
+    name = "printed-3"
+    title = "improved friction model of [7]"
+    equation = "(3)"
+    formula = (
         r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y, \quad"
         r" \mu = \begin{cases} \operatorname{sign}(F_x) \mu_k & (\dot x = 0) \\"
         r" \operatorname{sign}(\dot x) \mu_k & (\dot x \neq 0) \end{cases}"
     )
-    defect: ClassVar[str] = (
+    defect = (
         "the sign of the velocity enters twice and cancels: friction accelerates a cart that moves"
         " backwards; at rest sgn 0 = 0 removes it, whatever $mu$ is"
     )
-    cure: ClassVar[str] = (
-        "$mu_k$ $N$ sgn $v$, with stick while the required force is at most $mu_s$ $N$"
-    )
-    corrected: ClassVar[type[FrictionLaw]] = Coulomb
+    cure = "$mu_k$ $N$ sgn $v$, with stick while the required force is at most $mu_s$ $N$"
+    corrected = Coulomb
 
     kinetic_coefficient: Mu
     """Friction force of sliding over the normal force; the form gives it a sign."""
@@ -200,20 +198,20 @@ class PrintedCartDynamics(_Memoryless):
     alone, mu having a sign already. So the weight is a parameter here, apart from the load.
     """
 
-    name: ClassVar[str] = "printed-4"
-    title: ClassVar[str] = "dynamic model with (3), of [7]"
-    equation: ClassVar[str] = "(4)"
-    formula: ClassVar[str] = (
+    name = "printed-4"
+    title = "dynamic model with (3), of [7]"
+    equation = "(4)"
+    formula = (
         r"(M+m) \ddot x - m l \ddot\theta (\mu \sin\theta + \cos\theta)"
         r" \quad {} + m l \dot\theta^2 (\sin\theta - \mu \cos\theta)"
         r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
     )
-    defect: ClassVar[str] = (
+    defect = (
         "with $mu$ of (3), the sign enters the pendulum terms once and the weight term twice: the"
         " friction due to the weight accelerates a cart that moves backwards"
     )
-    cure: ClassVar[str] = "(2), with the stick rule"
-    corrected: ClassVar[type[FrictionLaw]] = Coulomb
+    cure = "(2), with the stick rule"
+    corrected = Coulomb
 
     kinetic_coefficient: Mu
     """Friction force of sliding over the normal force."""
@@ -237,25 +235,23 @@ class PrintedCartDynamics(_Memoryless):
 class PrintedStribeck(_Memoryless):
     """Eq. (5): the exponent has no absolute value and F(v) no sign; its rule for rest is right."""
 
-    name: ClassVar[str] = "printed-5"
-    title: ClassVar[str] = "Stribeck"
-    equation: ClassVar[str] = "(5)"
-    formula: ClassVar[str] = (
+    name = "printed-5"
+    title = "Stribeck"
+    equation = "(5)"
+    formula = (
         r"F = \begin{cases} F(v) & (\dot x \neq 0) \\ F_e = F_x &"
         r" (\dot x = 0 \; \& \; |F_e| < |F_s|) \\"
         r" F_s \operatorname{sgn}(F_e) & (\text{otherwise}) \end{cases} \quad"
         r" F_v = F_c + (F_s - F_c) e^{-\frac{\dot x}{\dot x_s}} + \mu \dot x"
     )
-    defect: ClassVar[str] = (
+    defect = (
         "moving backwards, $F_v$ grows without limit (the exponent lacks |·|) and has the wrong"
         " sign (sgn $v$ is missing); the force of sliding is $F$($v$) in the cases and $F_v$ below"
         " them"
     )
-    cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
-    right: ClassVar[str] = (
-        "the rule for rest with its limit $F_s$; it is the only correct one in the paper"
-    )
-    corrected: ClassVar[type[FrictionLaw]] = Stribeck
+    cure = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
+    right = "the rule for rest with its limit $F_s$; it is the only correct one in the paper"
+    corrected = Stribeck
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""
@@ -285,19 +281,18 @@ class PrintedStribeck(_Memoryless):
 class PrintedDahl(_Switched):
     """Eq. (6): the bristle force is multiplied by sgn v; at rest it equals the applied force."""
 
-    name: ClassVar[str] = "printed-6"
-    title: ClassVar[str] = "Dahl"
-    equation: ClassVar[str] = "(6)"
-    formula: ClassVar[str] = (
-        r"\frac{dz}{dt} = \dot x - \sigma_0 \frac{|\dot x|}{F_c} Z, \quad "
-        + _switched(r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)")
+    name = "printed-6"
+    title = "Dahl"
+    equation = "(6)"
+    formula = r"\frac{dz}{dt} = \dot x - \sigma_0 \frac{|\dot x|}{F_c} Z, \quad " + _switched(
+        r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)"
     )
-    defect: ClassVar[str] = (
+    defect = (
         f"$Z$ already has a sign: for backward motion, sgn reverses the bristle force; {NO_LIMIT}"
     )
-    cure: ClassVar[str] = "$F$ = $sigma_0$ $z$, at rest too, which ends at $F_c$"
-    corrected: ClassVar[type[FrictionLaw]] = Dahl
-    states: ClassVar[tuple[str, ...]] = ("z",)
+    cure = "$F$ = $sigma_0$ $z$, at rest too, which ends at $F_c$"
+    corrected = Dahl
+    states = ("z",)
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""
@@ -320,16 +315,16 @@ class PrintedDahl(_Switched):
 class PrintedCoulombSwitch(_Switched, _Memoryless):
     """Eq. (7): Coulomb with the static switch; at rest friction equals the applied force."""
 
-    name: ClassVar[str] = "printed-7"
-    title: ClassVar[str] = "Coulomb"
-    equation: ClassVar[str] = "(7)"
-    formula: ClassVar[str] = _switched(r"F_c = \mu N \operatorname{sgn}(\dot x)")
-    defect: ClassVar[str] = (
+    name = "printed-7"
+    title = "Coulomb"
+    equation = "(7)"
+    formula = _switched(r"F_c = \mu N \operatorname{sgn}(\dot x)")
+    defect = (
         f"{NO_LIMIT}; $F_c$ denotes the force with its sgn here, and its magnitude in (5), (6), (9)"
         " and (10)"
     )
-    cure: ClassVar[str] = f"$mu_k$ $N$ sgn $v$; {LIMIT}"
-    corrected: ClassVar[type[FrictionLaw]] = Coulomb
+    cure = f"$mu_k$ $N$ sgn $v$; {LIMIT}"
+    corrected = Coulomb
 
     kinetic_coefficient: Mu
     """Friction force of sliding over the normal force."""
@@ -344,16 +339,16 @@ class PrintedCoulombSwitch(_Switched, _Memoryless):
 class PrintedViscousSwitch(_Switched, _Memoryless):
     """Eq. (8): purely viscous, multiplied by sgn v; at rest it equals the applied force."""
 
-    name: ClassVar[str] = "printed-8"
-    title: ClassVar[str] = "viscous"
-    equation: ClassVar[str] = "(8)"
-    formula: ClassVar[str] = _switched(r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)")
-    defect: ClassVar[str] = (
+    name = "printed-8"
+    title = "viscous"
+    equation = "(8)"
+    formula = _switched(r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)")
+    defect = (
         f"one sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}; the legend"
         " explains $mu_v$ twice, the second time where $F_x$ is meant"
     )
-    cure: ClassVar[str] = "$sigma_2$ $v$"
-    corrected: ClassVar[type[FrictionLaw]] = Viscous
+    cure = "$sigma_2$ $v$"
+    corrected = Viscous
 
     viscous_coefficient: Sigma2
     """Viscous force over the velocity."""
@@ -373,10 +368,10 @@ class PrintedLuGre(_Switched):
     numbers the sigmas 1 to 3; they are named here as everywhere else.
     """
 
-    name: ClassVar[str] = "printed-9"
-    title: ClassVar[str] = "LuGre"
-    equation: ClassVar[str] = "(9)"
-    formula: ClassVar[str] = (
+    name = "printed-9"
+    title = "LuGre"
+    equation = "(9)"
+    formula = (
         r"\frac{dz}{dt} = \dot x - \frac{\sigma_1 |\dot x|}{F_v} Z, \quad"
         r" F_v = F_c + (F_s - F_c) e^{-\frac{-(\dot x)}{v_s} \alpha}, \quad "
         + _switched(
@@ -384,18 +379,18 @@ class PrintedLuGre(_Switched):
             r" \operatorname{sgn}(\dot x)"
         )
     )
-    defect: ClassVar[str] = (
+    defect = (
         "for backward motion, sgn reverses all three parts, which then accelerate the body; $F_v$"
         " denotes two quantities; the exponent is ambiguous (two minus signs, $alpha$ beside the"
         f" fraction); {NO_LIMIT}"
     )
-    cure: ClassVar[str] = (
+    cure = (
         "$F$ = $sigma_0$ $z$ + $sigma_1$ $z$′ + $sigma_2$ $v$, at rest too, with"
         " exp(−|$v$/$v_s$|^{n}); the $sigma_1$, $sigma_2$, $sigma_3$ of (9) are $sigma_0$,"
         " $sigma_1$, $sigma_2$ here"
     )
-    corrected: ClassVar[type[FrictionLaw]] = LuGre
-    states: ClassVar[tuple[str, ...]] = ("z",)
+    corrected = LuGre
+    states = ("z",)
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""
@@ -433,19 +428,17 @@ class PrintedLuGre(_Switched):
 class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     """Eq. (10): the viscous part is multiplied by sgn v; no limit at rest."""
 
-    name: ClassVar[str] = "printed-10"
-    title: ClassVar[str] = "Coulomb + viscous"
-    equation: ClassVar[str] = "(10)"
-    formula: ClassVar[str] = _switched(
-        r"F_c \operatorname{sgn}(\dot x) + \mu \dot x \operatorname{sgn}(\dot x)"
-    )
-    defect: ClassVar[str] = (
+    name = "printed-10"
+    title = "Coulomb + viscous"
+    equation = "(10)"
+    formula = _switched(r"F_c \operatorname{sgn}(\dot x) + \mu \dot x \operatorname{sgn}(\dot x)")
+    defect = (
         "the viscous part has one sgn too many and accelerates a body that moves backwards;"
         f" {NO_LIMIT}; with $F_c$ of (7), which has its sgn, the dry part is $mu$ $N$ sgn² $v$,"
         " even in $v$, and would accelerate that body too: $F_c$ is taken here as $mu$ $N$"
     )
-    cure: ClassVar[str] = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"
-    corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
+    cure = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"
+    corrected = CoulombViscous
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""

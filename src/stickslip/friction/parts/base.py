@@ -89,6 +89,8 @@ class Part(ABC):
     """Parts that are not there without it, for values that these have where they are not."""
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
+    opposes: ClassVar[bool] = True
+    """Whether its force, whatever its values, is against the slip at any speed."""
     compared: ClassVar[bool] = True
     """Whether its formula was compared with its source, or with a public program of it."""
 
@@ -144,8 +146,7 @@ class Factor(Part, ABC):
 
     role: ClassVar[str] = "factor"
     argument: ClassVar[str] = "input"
-    positive: ClassVar[bool] = False
-    """Whether it is above 0 for all values of the input."""
+    opposes: ClassVar[bool] = False
 
     @abstractmethod
     def factor(self, p: Values, s: Slip) -> Scalar:
@@ -186,6 +187,9 @@ class Memory(Part, ABC):
     """States of the contact around a level curve g."""
 
     role: ClassVar[str] = "memory"
+    opposes: ClassVar[bool] = False
+    drops: ClassVar[bool] = False
+    """Whether its force falls at once where a state reaches its limit."""
 
     def states(self, argument: str) -> tuple[str, ...]:
         """Return the names of its states."""

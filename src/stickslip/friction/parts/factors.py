@@ -33,7 +33,7 @@ class Exponential(Factor):
     """A decay from 1 where the input is 0, as of a viscosity with the temperature."""
 
     name = "exponential"
-    positive = True
+    opposes = True
     tex = r"e^{-\beta_{1} {0}}"
     vanishes = {"decay": 0.0}
     decay: Annotated[

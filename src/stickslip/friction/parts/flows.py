@@ -99,6 +99,7 @@ class Polynomial(Flow):
     """A polynomial of the speed, up to the power in its brackets."""
 
     name = "polynomial"
+    opposes = False
     argument = "number"
     tex = r"\textstyle\sum_{i=1}^{{0}} c_i |v|^i \operatorname{sgn} v"
 

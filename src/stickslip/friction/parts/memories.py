@@ -298,6 +298,7 @@ class Reset(Memory):
 
     name = "reset"
     compared = False
+    drops = True
     tex = r"\left(\tfrac{g}{g(0)} (1 + a)\, \sigma_0 z + \sigma_1 \dot z\right)"
     tex_where = (
         r"\dot z = v \text{ while } \sigma_0 z \operatorname{sgn} v < g(0),"

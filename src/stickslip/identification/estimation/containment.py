@@ -1,7 +1,8 @@
 """Searches from the fits of simpler laws, and what to say where a richer law ends above one."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
@@ -23,6 +24,8 @@ DECADES = tuple(float(f"{10.0 ** (0.5 * power):.3g}") for power in range(-4, 5))
 SURPLUS = 0.3
 """Static surplus over the kinetic level that is tried as well where the simpler law has none: the
 closest fit may lie beyond a ridge."""
+OFF = 10.0
+"""Factor by which an unknown is moved off a bound, at least."""
 SHARES = (0.1, 0.5, 0.9)
 """Where in its range such a parameter is tried that does not span decades."""
 WORSE = 0.02
@@ -115,29 +118,75 @@ def starts_from(
     >>> starts_from(QuadraticDrag, FreeParameters((drag,)), [simple], 1.0)
     (array([0.]),)
     """
+    found = []
+    for one in _nearest(kind, fitted):
+        for point in _embedded(kind, free_parameters, one, fitted, load):
+            found.append(_placed(free_parameters, point, problem))
+            risen = _risen(free_parameters, point)
+            if problem is not None and _open(free_parameters, point) and risen != point:
+                found.append(_placed(free_parameters, risen, problem))
+    return tuple(found)
+
+
+def elsewhere(
+    problem: LeastSquaresProblem, values: Array, met: Mapping[str, str]
+) -> Iterator[Array]:
+    """Yield values (p,) with an unknown of the law off the bound that it met, where it promises.
+
+    Where it has no effect no slope leads back from there, and the other unknowns would be told
+    apart as if it were known to be at the bound.
+    """
+    unknowns = problem.free_parameters
+    for item in unknowns.items:
+        if item.path not in met or not (item.log and item.low > 0.0 and item.high < math.inf):
+            continue
+        up, down = (OFF, 1.0) if met[item.path] == "lower" else (1.0, OFF)
+        low, high = item.low * up, item.high / down
+        inside = replace(item, low=low, high=high, start=math.sqrt(low * high))
+        near = dict(zip(unknowns.paths, values.tolist(), strict=True))
+        for other in unknowns.items:  # a surplus fades with it
+            near[other.path] = near.get(other.above, near[other.path])
+        del near[item.path]
+        items = tuple(inside if one is item else one for one in unknowns.items)
+        own = replace(unknowns, items=items)
+        if _open(own, near):
+            yield _placed(own, _risen(own, near), problem)
+
+
+def _open(free_parameters: FreeParameters, point: Mapping[str, float]) -> list[tuple[str, float]]:
+    """Return values over the ranges of what a point, by path, leaves open."""
+    silent = [item for item in free_parameters.items if item.path not in point]
+    return [(item.path, value) for item in silent for value in _spread(item)]
+
+
+def _risen(free_parameters: FreeParameters, point: Mapping[str, float]) -> dict[str, float]:
+    """Return a point with a static surplus where it has none."""
+    return {
+        **point,
+        **{
+            item.path: (1.0 + SURPLUS) * point[item.above]
+            for item in free_parameters.items
+            if item.path in point and point.get(item.above) == point[item.path]
+        },
+    }
+
+
+def _placed(
+    free_parameters: FreeParameters,
+    point: Mapping[str, float],
+    problem: LeastSquaresProblem | None,
+) -> Array:
+    """Return the values (p,) of a point, by path, with what it leaves open where it promises."""
 
     def placed(point: Mapping[str, float]) -> Array:
         given = [(item, point.get(item.path, item.start)) for item in free_parameters.items]
         values = np.array([not_whole(item, value) for item, value in given])
         return free_parameters.values(free_parameters.coordinates(values))
 
-    found = []
-    for one in _nearest(kind, fitted):
-        for point in _embedded(kind, free_parameters, one, fitted, load):
-            silent = [item for item in free_parameters.items if item.path not in point]
-            spread = [(item.path, value) for item in silent for value in _spread(item)]
-            if problem is None or not spread:
-                found.append(placed(point))
-                continue
-            risen = {
-                item.path: (1.0 + SURPLUS) * point[item.above]
-                for item in free_parameters.items
-                if item.path in point and point.get(item.above) == point[item.path]
-            }
-            for base in [point, {**point, **risen}] if risen else [point]:
-                tried = [placed(base), *(placed({**base, path: value}) for path, value in spread)]
-                found.append(min(tried, key=partial(_promised, problem)))
-    return tuple(found)
+    tried = [placed({**point, path: value}) for path, value in _open(free_parameters, point)]
+    if problem is None or not tried:
+        return placed(point)
+    return min([placed(point), *tried], key=partial(_promised, problem))
 
 
 def _spread(item: FreeParameter) -> Sequence[float]:

@@ -21,6 +21,7 @@ from stickslip.identification.contact_inputs import (
 )
 from stickslip.identification.estimation.containment import (
     FittedLaw,
+    elsewhere,
     reachable,
     search_failure,
     starts_from,
@@ -249,7 +250,9 @@ def _searched(
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, wanted.settings, watch, rival)
     if kind.states and not found.hopeless:
-        found = _to_the_end(ready, found, watch, rounds=min(CONTINUED, wanted.settings.starts))
+        rounds = min(CONTINUED, wanted.settings.starts)
+        found = _to_the_end(ready, found, watch, rounds=rounds)
+        found = _off_bounds(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -375,21 +378,48 @@ def _to_the_end(
     return found
 
 
+def _off_bounds(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> OptimizeResult:
+    """Return a search that ends off the bounds of what was searched, if that fits as closely.
+
+    Errors of the other unknowns would take what ended at a bound for known.
+    """
+    unknowns = ready.problem.free_parameters
+    met = bounds_met(unknowns, found.best.values)
+    for start in elsewhere(ready.problem, found.best.values, met):
+        again = None if found.cancelled else _from(ready, start, watch)
+        if again is None:
+            continue
+        again = _to_the_end(ready, again, watch, rounds=CONTINUED)
+        fewer = len(bounds_met(unknowns, again.best.values)) < len(met)
+        if again.best.cost < (1.0 + LEFT * fewer) * found.best.cost:
+            found = replace(
+                again,
+                costs=(*found.costs, *again.costs),
+                values=np.concatenate([found.values, again.values]),
+                evaluations=found.evaluations + again.evaluations,
+            )
+    return found
+
+
 def _best_of(
     ready: FitSetup, found: OptimizeResult, starts: Sequence[Array], watch: Watch | None
 ) -> OptimizeResult:
     """Return the better of a search and of searches from further starts."""
     for start in starts:
-        if found.cancelled:
-            break
-        try:
-            near = ready.looking_for(ready.problem.free_parameters.starting_at(start)).problem
-            again = search(near, starts=1, watch=watch)
-        except ConvergenceError:
-            continue
-        better = min(found, again, key=lambda one: one.best.cost)
-        found = replace(better, evaluations=found.evaluations + again.evaluations)
+        again = None if found.cancelled else _from(ready, start, watch)
+        if again is not None:
+            better = min(found, again, key=lambda one: one.best.cost)
+            found = replace(better, evaluations=found.evaluations + again.evaluations)
     return found
+
+
+def _from(ready: FitSetup, start: Array, watch: Watch | None) -> OptimizeResult | None:
+    """Return a search from one start; None if nothing is predicted there."""
+    try:
+        near = ready.looking_for(ready.problem.free_parameters.starting_at(start)).problem
+        return search(near, starts=1, watch=watch)
+    except ConvergenceError:
+        return None
 
 
 def widened_search(

@@ -354,13 +354,14 @@ def decide(w: Vector, whole: Wholes) -> bool:
     the time itself.
     """
     now = w[TIME]
-    waiting = begin_decision(whole)
-    if waiting == 0:
+    waiting, broken = begin_decision(whole), 0
+    for i in range(whole[N_DIRECTIONS]):
+        broken += 1 if whole[whole[CANDIDATES] + i] == BROKEN else 0
+    if waiting == 0 and broken < 2:  # of several, one may push another back
         refresh(now, w, whole, whole[Y])
         return True
-    for i in range(whole[N_DIRECTIONS]):
-        if whole[whole[CANDIDATES] + i] == BROKEN:
-            w[TIME] = now + CLOCK * max(now, w[LENGTH])
+    if broken > 0:
+        w[TIME] = now + CLOCK * max(now, w[LENGTH])
     t = w[TIME]
     refresh(t, w, whole, whole[Y])
     scale = scale_of(w, whole)

@@ -1,12 +1,11 @@
 """How to make a page again, and what to cite: the end of every page."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
 from stickslip.formatting import joined
-from stickslip.friction import SOURCES, FrictionLaw, RateState
+from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.report.core.blocks import (
     Block,
     Caption,
@@ -18,8 +17,6 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.documents import Origin, Section
 
-AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
-"""The end of the authors: a full stop after a surname, not after an initial."""
 HEADING: Final = "Reproduce and cite"
 
 
@@ -76,13 +73,7 @@ def law_references(
         for key in law.sources:
             used.setdefault(key, []).append(law.title)
     return tuple(
-        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
+        Reference(**CITATIONS[key]._asdict(), note=joined(who))
+        for key, who in used.items()
+        if key in CITATIONS
     )
-
-
-def _reference(text: str, note: str) -> Reference:
-    """Return a citation in parts: authors, title, where."""
-    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
-    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
-    title, _, where = rest.partition(". ")
-    return Reference(authors=authors, title=title, where=where, note=note)
