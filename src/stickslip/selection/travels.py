@@ -270,6 +270,8 @@ def _beside(
     """Return laws with parts that no candidate has, as far as they can be fitted."""
     known = [type(c.law) for c in candidates]
     closest = chosen(candidates) or closest_of(candidates)
+    if closest is None or closest.fit is None:
+        return []
     found = []
     for kind in BESIDE:
         if any(one is kind or (containment_of(one, kind) and not one.states) for one in known):
@@ -277,7 +279,7 @@ def _beside(
         law = starting_law(kind)
         free = payable(law, trials)
         if kind is DirectionDependent:
-            if closest is None or closest.fit is None or not turning(closest.fit, t_end):
+            if not turning(closest.fit, t_end):
                 continue
             free = [f"friction.{side}_kinetic_coefficient" for side in ("forward", "backward")]
         compile_for(trials, [law])

@@ -331,8 +331,8 @@ class TravelModel:
         together: dict[Hashable, list[Trial]] = {}
         for trial in {trial.run: trial for trial in trials}.values():
             start = tuple(trial.start(self.law).items())
-            alike = structure(trial.mechanism), trial.until(self.t_end), start
-            together.setdefault(alike, []).append(trial)
+            kind = structure(trial.mechanism), trial.until(self.t_end), start
+            together.setdefault(kind, []).append(trial)
         for alike in together.values():
             made = self._together(alike, rows)
             found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
