@@ -119,6 +119,7 @@ INSIDE = {
     "spanning": "results",
     "standard_errors": "travels.model",
     "starting_points": "travels.start_values",
+    "under_cycles": "travels.model",
     "step_intervals": "estimation.estimates",
     "to_compare": "records.route_choice",
     "trials_of": "travels.model",

@@ -92,6 +92,7 @@ from stickslip.identification.travels.model import quantities_read as quantities
 from stickslip.identification.travels.model import standard_errors as standard_errors
 from stickslip.identification.travels.model import trials_of as trials_of
 from stickslip.identification.travels.model import uncertainties_of as uncertainties_of
+from stickslip.identification.travels.model import under_cycles as under_cycles
 from stickslip.identification.travels.propagation import covariance_of as covariance_of
 from stickslip.identification.travels.result import TravelFit as TravelFit
 from stickslip.identification.travels.several_travels import expected_fit as expected_fit

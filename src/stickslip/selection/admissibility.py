@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.formatting import joined, number
-from stickslip.friction import FrictionLaw, anywhere, containment_of
+from stickslip.friction import CoulombViscous, FrictionLaw, anywhere, containment_of
 from stickslip.identification import Estimate, TravelFit, spanning
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate
@@ -20,6 +20,7 @@ sets of readings: it has a bound at 0, where half of such fits end."""
 def doubts(candidate: TravelCandidate) -> dict[str, str]:
     """Return why each fitted parameter that the data do not settle is in doubt, by field name."""
     found = {}
+    several = {one.path for one in candidate.alone if one.pieces}
     for estimate in candidate.fit.estimates if candidate.fit else ():
         name = estimate.path.rpartition(".")[2]
         limit = limit_of(candidate.fit.law, name) if candidate.fit else 0.0
@@ -28,6 +29,9 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
         elif estimate.pieces:
             ranges = estimate.range.replace(" to ", " and ").replace(" or ", ", or between ")
             found[name] = f"lies between {ranges}: these readings do not tell which"
+        elif estimate.path in several:
+            said = estimate.range.replace(" to ", " and ")
+            found[name] = f"lies between {said}: these readings do not tell which of several values"
         elif estimate.low <= limit:
             found[name] = _at(limit, estimate)
     return found
@@ -128,20 +132,40 @@ def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCa
         return best
     found = []
     for one in best.fit.estimates:
-        name = one.path.rpartition(".")[2]
-        limit = limit_of(best.fit.law, name)
+        limit = limit_of(best.fit.law, one.path.rpartition(".")[2])
         parts = [*(one.pieces or ((one.low, one.high),))]
         for fit in fits:
-            same = [e for e in fit.estimates if e.path == one.path]
-            if not same and name not in fields_of(type(fit.law)):
+            same = _same(one, fit, type(best.law))
+            if same is None:
                 parts.append((limit, one.high))
-            for other in same:
+            for other in same or ():
                 parts += other.pieces or ((other.low, other.high),)
         reason = one.reason
         if one.bounded and not all(math.isfinite(end) for part in parts for end in part):
             reason = "another law that explains the readings leaves it open"
         found.append(replace(spanning(one, parts), reason=reason))
-    return replace(best, fit=replace(best.fit, estimates=tuple(found)))
+    fit = replace(best.fit, estimates=tuple(found))
+    return replace(best, fit=fit, alone=best.fit.estimates)
+
+
+def _same(one: Estimate, fit: TravelFit, law: type[FrictionLaw]) -> list[Estimate] | None:
+    """Return what another law's fit says of a parameter of a law; None if it does without it.
+
+    The levels of both directions are each what the level of both is, if the body went there. The
+    factor of a power of the speed is no slope.
+    """
+    name, fields = one.path.rpartition(".")[2], fields_of(type(fit.law))
+    how = containment_of(type(fit.law), law)
+    straight = containment_of(type(fit.law), CoulombViscous)
+    if one.quantity.scale == "slope" and straight is not None:
+        for shape, value in straight.values.items():
+            if fields[shape].scale == "none" and getattr(fit.law, shape) != value:
+                return []
+    if name in fields:
+        return [e for e in fit.estimates if e.path == one.path]
+    names = {own for own, source in (how.values.items() if how else ()) if source == name}
+    told = [e for e in fit.estimates if e.path.rpartition(".")[2] in names and not e.reason]
+    return told if names else None
 
 
 def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:

@@ -180,7 +180,7 @@ def _usual(candidates: Sequence[TravelCandidate], trials: Sequence[Trial]) -> st
         (f"${quantity.symbol}$", name in c.marked)
         for c in candidates
         for name, quantity in fields_of(type(c.law)).items()
-        if name in c.assumed and not quantity.structural and getattr(c.law, name)
+        if not c.beside and name in c.assumed and not quantity.structural and getattr(c.law, name)
     ]
     if not held:
         return text

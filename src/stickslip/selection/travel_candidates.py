@@ -3,8 +3,10 @@
 import dataclasses
 from collections.abc import Collection, Mapping, Sequence
 
+import numpy as np
+
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
-from stickslip.friction import FrictionLaw
+from stickslip.friction import Containment, FrictionLaw, containment_of
 from stickslip.identification import (
     Start,
     TravelFit,
@@ -19,6 +21,7 @@ from stickslip.identification import (
     spanning,
     starting_points,
 )
+from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.candidates import Watch
 from stickslip.selection.criteria import Criteria, criteria_of
@@ -31,6 +34,8 @@ CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
 PART = 0.5
 """The same for a slope with speed that was taken to be 0, over that which doubles friction."""
+SAMPLES, STRAIGHT = 2001, 1.001
+"""Samples of a run, and its path over its travel up to which the body went straight on."""
 SCANNED = 2
 """Parameters of a law that is scanned beside the fits of simpler ones, at most."""
 
@@ -121,24 +126,33 @@ def _starts(
         if other.fit is None or other.dropped:
             continue
         fitted = [e.path for e in other.fit.estimates]
-        if not set(fitted) <= set(every):
+        how = containment_of(type(law), type(other.law))
+        if how is None and not set(fitted) <= set(every):
             continue
-        fields = fields_of(type(other.law))
         for values in (None, *((v,) for v in other.fit.others), *other.fit.rivals):
             own = other.fit.law
             if values is not None:
                 own = vary(own, "friction", dict(zip(fitted, values, strict=True)))
             row: dict[str, float] = {}
             for path in every:
-                last = path.rpartition(".")[2]
-                value = getattr(own, last) if last in fields else None
-                row[path] = _absent(law, path, row) if value is None else float(value)
+                value = _there(path, own, how)
+                row[path] = _absent(law, path, row) if value is None else value
             found.append([row[path] for path in every])
     if not found:
         return None
     if not nuisances and len(names) <= SCANNED and not law.states:
         found += starting_points(TravelModel(law, names, t_end), trials)
     return found
+
+
+def _there(path: str, own: FrictionLaw, how: Containment | None) -> float | None:
+    """Return the value of a parameter with which a law is a simpler one; None if there is none."""
+    name = path.rpartition(".")[2]
+    source = name if how is None else how.values.get(name, name)
+    if not isinstance(source, str):
+        return float(source)
+    value = getattr(own, source) if source in fields_of(type(own)) else None
+    return None if value is None else float(value)
 
 
 def _absent(law: FrictionLaw, path: str, row: Mapping[str, float]) -> float:
@@ -173,6 +187,16 @@ def _seen(
     end = trial.until(t_end)
     run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=throw)
     return run, criteria_of(run, trial.mechanism, trial.travel)
+
+
+def turning(fit: TravelFit, t_end: float) -> bool:
+    """Whether the body turns back in a trial, with the law of a fit."""
+    for trial in {trial.run: trial for trial in fit.trials}.values():
+        run, _ = _seen(trial, fit.law, t_end)
+        path = run.at(np.linspace(*run.span, SAMPLES))[slip_of(trial.mechanism)]
+        if np.abs(np.diff(path)).sum() > STRAIGHT * abs(path[-1] - path[0]):
+            return True
+    return False
 
 
 def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:

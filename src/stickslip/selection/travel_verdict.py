@@ -10,7 +10,7 @@ from typing_extensions import override
 from stickslip.display import plots
 from stickslip.formatting import count, joined, number
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelFit
+from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.criteria import Criteria
 from stickslip.selection.design.discriminating_settings import Proposal, Separation
@@ -53,6 +53,11 @@ class TravelCandidate(Candidate[TravelFit]):
     invented: tuple[str, ...] = ()
     """Names of the parameters that the law cannot do without and that were neither measured, given
     nor fitted."""
+    beside: bool = False
+    """Whether nobody asked for the law: it is tried because it may change what is stated."""
+    alone: tuple[Estimate, ...] = ()
+    """Estimates with the intervals that they have if this law holds, of the law that is named;
+    those of its fit hold whichever law holds that the readings do not rule out."""
     passed_over: str = ""
     """Why the law is not taken whatever its score; empty if it may be."""
     distinguished: bool = True
@@ -69,6 +74,8 @@ class TravelCandidate(Candidate[TravelFit]):
             names = joined([f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented])
             verb = "was" if len(self.invented) == 1 else "were"
             return f"not scored: {names} {verb} assumed, not fitted"
+        if self.fit and self.fit.settings > 1:
+            return "not scored: the readings rule it out"
         return "no held-out trials: all trials repeat one setting"
 
     @property
@@ -109,6 +116,8 @@ class TravelCandidate(Candidate[TravelFit]):
             "parameters": {path: value for path, _, value in parameters(law, "friction")},
             "taken_as_given": list(self.assumed),
             "invented": list(self.invented),
+            "beside": self.beside,
+            "alone": [estimate.to_dict() for estimate in self.alone],
             "distinguished": self.distinguished,
             "influence_on_travel": dict(self.influence),
             "fit": self.fit.to_dict() if self.fit else None,

@@ -19,12 +19,11 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
-from stickslip.friction import DirectionDependent, FrictionLaw, PowerViscous, containment_of
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
-from stickslip.selection.contradictions import Contradiction, closest_of
+from stickslip.selection.contradictions import Contradiction
 from stickslip.selection.design.discriminating_settings import Proposal
 from stickslip.selection.limits import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
@@ -45,6 +44,7 @@ ADVICE = {
         " friction before the stop gives $v_s$."
     ),
     "viscous_coefficient": "Record the velocity of one run: its curvature gives $sigma_2$.",
+    "exponent": "Record the velocity of one run: how its decay changes with the speed gives $n$.",
 }
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
@@ -80,17 +80,17 @@ def wording(
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:
         verdict = "No candidate explains these readings."
-        lede = f"{against.reason}{_untried(trials[0], candidates, closest_of(candidates))}"
+        lede = against.reason
     elif best is None:
         verdict, lede = _nothing_fits(candidates)
     elif ranked:
-        verdict, lede = _ranked(trials, explained, candidates, best)
+        verdict, lede = _ranked(trials, explained, best)
     else:
         verdict, lede = _tie(trials, explained, candidates, best)
     return Wording(
         verdict=verdict,
         lede=lede,
-        settles=_settles(trials, best),
+        settles=_settles(trials, explained, best),
         cannot_tell=_cannot_tell(
             explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
         ),
@@ -115,10 +115,14 @@ def undecided(
     names = {name for c in explaining for name in c.invented}
     titles = joined([c.title for c in explaining])
     explain = "explains" if len(explaining) == 1 else "explain"
-    lede = (
-        f"{titles} friction {explain} them, with values of {_symbols(explaining, names)} that"
-        f" {count(settings, 'setting')} cannot determine."
-    )
+    asked = [c for c in explaining if not c.beside]
+    lede = f"{titles} friction {explain} them"
+    if asked:
+        lede += (
+            f", with values of {_symbols(asked, {n for c in asked for n in c.invented})} that"
+            f" {count(settings, 'setting')} cannot determine"
+        )
+    lede += "." if asked else f", and {'is' if len(explaining) == 1 else 'are'} no candidate."
     if closest is not None:
         lede += f" {_with_estimates(closest, doubts(closest))} does not: {_left(closest)}."
     return Wording(
@@ -129,7 +133,10 @@ def undecided(
         or (UNMEASURED,),
         measure_next=(
             f"Measure at {simplest.parameters + 1} settings or more: {simplest.title} friction has"
-            f" {count(simplest.parameters, 'parameter')} to fit.",
+            f" {count(simplest.parameters, 'parameter')} to fit."
+            if settings <= simplest.parameters
+            else f"Compare with {simplest.title} friction as a candidate: the"
+            f" {count(settings, 'setting')} pay for its {simplest.parameters} parameters.",
             *(advice for name, advice in ADVICE.items() if name in names),
         )[:3],
         no_score="",
@@ -218,7 +225,6 @@ def _tie(
 def _ranked(
     trials: Sequence[Trial],
     explained: Sequence[TravelCandidate],
-    candidates: Sequence[TravelCandidate],
     best: TravelCandidate,
 ) -> tuple[str, str]:
     equals = [c.title for c in explained if c is not best and not c.distinguished]
@@ -233,27 +239,8 @@ def _ranked(
         doubt = f", whose residuals are {times} times the stated uncertainty{doubt}"
     return (
         f"Use {_with_estimates(best, doubts(best))}{doubt}.",
-        f"{held_out}{_fit_quality(best)}{_remarks(explained, best)}"
-        f"{_untried(trials[0], candidates, best, '; the intervals hold for the laws that were')}",
+        f"{held_out}{_fit_quality(best)}{_remarks(explained, best)}",
     )
-
-
-def _untried(
-    trial: Trial,
-    candidates: Sequence[TravelCandidate],
-    best: TravelCandidate | None,
-    follows: str = "",
-) -> str:
-    """Say which kinds of friction were not tried: few travels do not tell most laws apart."""
-    kinds: dict[type[FrictionLaw], str] = {PowerViscous: "with a power of the speed"}
-    if best is not None and _mean_force(trial, best) is None:  # the body turns back
-        kinds[DirectionDependent] = "that differs by direction"
-    left = [
-        said
-        for kind, said in kinds.items()
-        if not any(c.name == kind.name or containment_of(type(c.law), kind) for c in candidates)
-    ]
-    return f" Not tried: friction {' or '.join(left)}{follows}." if left else ""
 
 
 def _fit_quality(best: TravelCandidate) -> str:
@@ -307,7 +294,11 @@ def _mean_force(trial: Trial, candidate: TravelCandidate) -> float | None:
     return abs(seen.work_friction / seen.travel) if path < STRAIGHT * abs(seen.travel) else None
 
 
-def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str, ...]:
+def _settles(
+    trials: Sequence[Trial],
+    explained: Sequence[TravelCandidate],
+    best: TravelCandidate | None,
+) -> tuple[str, ...]:
     if best is None or best.fit is None or best.criteria is None:
         return ()
     seen = best.criteria
@@ -321,25 +312,41 @@ def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str
             )
     open_ = doubts(best) if len(trials) > 1 else {}
     settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
-    lines += [_range_line(one, best) + limit_of(best.fit, one) for one in settled]
+    ties = [c for c in explained if c is not best and not c.distinguished]
+    lines += [_range_line(one, best, ties) + limit_of(best.fit, one) for one in settled]
     return tuple(lines[:3])
 
 
-def _range_line(estimate: Estimate, best: TravelCandidate) -> str:
+def _range_line(estimate: Estimate, best: TravelCandidate, ties: Sequence[TravelCandidate]) -> str:
+    """Return an interval as a sentence, with the law for which it holds if that is but one."""
     name = estimate.path.rpartition(".")[2]
     given = getattr(best.law, name)
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} is bounded on one side only: {estimate.reason}."
-    lies = f"{symbol} lies in {estimate.range}"
-    if not estimate.pieces:
-        lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
+    lies = f"{symbol} {_between(estimate)}"
+    alone = [own for own in best.alone if own.path == estimate.path and own.bounded]
+    shapes = [fields_of(type(c.law))[one] for c in ties for one in c.invented]
+    if best.score is None:
+        lies = f"if {best.title} friction holds, {lies}"
+    elif estimate.quantity.scale == "slope" and any(one.scale == "none" for one in shapes):
+        lies = f"if viscous friction is proportional to the speed, {lies}"
+    elif alone:
+        lies = f"{lies} whichever of these laws holds; if {best.title} friction does, it"
+        lies += f" {_between(alone[0])}"
     if best.ordinary:
-        return f"{lies}."
+        return f"{capital(lies)}."
     parts = estimate.pieces or ((estimate.low, estimate.high),)
     inside = any(low <= given <= high for low, high in parts)
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
-    return f"{lies}; the given {number(given)} is {'inside' if inside else 'outside'} the {doubt}."
+    place = "inside" if inside else "outside"
+    return f"{capital(lies)}; the given {number(given)} is {place} the {doubt}."
+
+
+def _between(estimate: Estimate) -> str:
+    if estimate.pieces:
+        return f"lies in {estimate.range}"
+    return f"lies between {estimate.range.replace(' to ', ' and ')}"
 
 
 def _cannot_tell(

@@ -4,14 +4,26 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, lower_first
-from stickslip.friction import FrictionLaw, anywhere, law_type, listed
+from stickslip.friction import (
+    DirectionDependent,
+    FrictionLaw,
+    PowerViscous,
+    Stribeck,
+    anywhere,
+    containment_of,
+    law_type,
+    listed,
+)
 from stickslip.identification import (
     Laws,
     Parameters,
     TravelFit,
+    TravelModel,
     Trial,
     compile_for,
     payable,
@@ -19,14 +31,17 @@ from stickslip.identification import (
     standard_errors,
     starting_law,
     trials_of,
+    under_cycles,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
+from stickslip.quantities import parameters, vary
 from stickslip.selection.admissibility import (
     LEVEL,
     chosen,
+    limit_of,
     mark_passed_over,
     reaching,
+    told_apart,
     unsettling,
 )
 from stickslip.selection.candidates import Watch, check_any, check_apart
@@ -38,14 +53,19 @@ from stickslip.selection.design.discriminating_settings import (
     separations,
 )
 from stickslip.selection.given_levels import refuted_by_travels
-from stickslip.selection.travel_candidates import try_law, with_held_out
+from stickslip.selection.travel_candidates import try_law, turning, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import undecided, wording
 
 PLAIN = tuple(name for name, one in listed().items() if not one.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
+BESIDE = (Stribeck, PowerViscous, DirectionDependent)
+"""Laws that are tried beside those that were asked for, with what travels seldom exclude: more
+friction at rest, a power of the speed, and other friction to the other side."""
 WORTH = 0.7
 """Share of the root mean square residual that fitting assumed values must leave at most."""
+STEP = 0.1
+"""Step over half the interval of a parameter at which it is seen how far a prediction moves."""
 UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 
@@ -108,6 +128,8 @@ def select_travels(
     if scored:
         candidates = _freed(candidates, trials, t_end, progress)
     candidates = [_refuted(c, trials, t_end) for c in candidates]
+    if scored:
+        candidates += _beside(candidates, trials, t_end, progress)
     candidates, best, against, open_ = (
         _ranked(candidates, trials, t_end, progress)
         if scored
@@ -118,7 +140,9 @@ def select_travels(
         best = None
     fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
     predictions = separations(mechanism, fitted, t_end=t_end, trials=trials)
-    proposal = None if best is None else _proposal(trials, candidates, best, predictions)
+    proposal = (
+        None if best is None else _proposal(mechanism, trials, candidates, best, predictions, t_end)
+    )
     words = (
         undecided(trials, candidates, closest, open_)
         if open_
@@ -237,6 +261,37 @@ def _refuted(candidate: TravelCandidate, trials: Sequence[Trial], t_end: float) 
     return replace(candidate, fit=None, run=None, criteria=None, refuted=said, dropped=why)
 
 
+def _beside(
+    candidates: Sequence[TravelCandidate],
+    trials: Sequence[Trial],
+    t_end: float,
+    watch: Watch | None,
+) -> list[TravelCandidate]:
+    """Return laws with parts that no candidate has, as far as they can be fitted."""
+    known = [type(c.law) for c in candidates]
+    closest = chosen(candidates) or closest_of(candidates)
+    if closest is None or closest.fit is None:
+        return []
+    found = []
+    for kind in BESIDE:
+        if any(one is kind or (containment_of(one, kind) and not one.states) for one in known):
+            continue
+        law = starting_law(kind)
+        free = payable(law, trials)
+        if kind is DirectionDependent:
+            if not turning(closest.fit, t_end):
+                continue
+            free = [f"friction.{side}_kinetic_coefficient" for side in ("forward", "backward")]
+        compile_for(trials, [law])
+        one = try_law(
+            law.name, law, trials, t_end=t_end, ordinary=True, simpler=candidates,
+            free=free, watch=watch,
+        )  # fmt: skip
+        if not one.dropped:
+            found.append(replace(one, beside=True))
+    return found
+
+
 def _to_free(candidate: TravelCandidate, settings: int) -> list[str]:
     """Return the paths to fit where ordinary or assumed values may be wrong.
 
@@ -278,22 +333,26 @@ def _ranked(
     """Choose, order the others by held-out error, and return what speaks against the choice.
 
     That is a contradiction, or laws that explain more, with invented parameters. Those are not
-    scored.
+    scored, nor are those that are ruled out if their runs take long.
     """
+    best = chosen(candidates)
+    slow = under_cycles(trials)
     scored = [
-        c if c.invented else with_held_out(c, trials, t_end=t_end, watch=watch) for c in candidates
+        c
+        if c.invented or (best and (slow or c.law.states) and told_apart(c, best))
+        else with_held_out(c, trials, t_end=t_end, watch=watch)
+        for c in candidates
     ]
     best = chosen(scored)
     if best is None:
-        return scored, None, None, unsettling(scored, None)
+        return scored, None, None, _explaining(trials, unsettling(scored, None))
     against = contradiction(trials, best, scored)
     if against is not None:
         # a law that explains the readings alone explains them beside others too
         tested = [c for c in scored if c.fit is not None and c.fit.freedom > 0]
-        explaining = [c for c in tested if contradiction(trials, c, [c]) is None]
-        if better := chosen(explaining):
+        if better := chosen(_explaining(trials, tested)):
             best, against = better, None
-    if open_ := unsettling(scored, best):
+    if open_ := _explaining(trials, unsettling(scored, best)):
         return scored, best, None, open_
     if against is None:
         marked = mark_passed_over(scored, best)
@@ -303,19 +362,65 @@ def _ranked(
     else:  # where no law is named, none is passed over for it
         marked, best = scored, closest_of(scored) or best
     others = [c for c in marked if c is not best]
-    others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))
+    others.sort(key=lambda c: (c.beside, bool(c.dropped), math.inf if c.score is None else c.score))
     return [best, *others], best, against, []
 
 
+def _explaining(
+    trials: Sequence[Trial], candidates: Sequence[TravelCandidate]
+) -> list[TravelCandidate]:
+    """Return the candidates that the readings do not contradict."""
+    return [c for c in candidates if contradiction(trials, c, [c]) is None]
+
+
 def _proposal(
+    mechanism: Mechanism,
     trials: Sequence[Trial],
     candidates: Sequence[TravelCandidate],
     best: TravelCandidate,
     predictions: Sequence[Separation],
+    t_end: float,
 ) -> Proposal | None:
     """Propose what tells the best law from those not distinguished from it, or else from others."""
     others = [c for c in candidates if c is not best and c.fit is not None and not c.dropped]
     rivals = [c for c in others if not c.distinguished] or others
     errors, _ = standard_errors(trials)
     doubt = max(2.0 * float(errors.max()), best.score or 0.0)
-    return propose(predictions, best.name, [c.name for c in rivals], doubt)
+    asked = [
+        replace(trials[0], mechanism=vary(mechanism, "mechanism", {row.path: row.value}))
+        for row in predictions
+    ]
+    uncertain = {c.name: _prediction_errors(c, asked, t_end) for c in (best, *rivals)}
+    return propose(predictions, best.name, [c.name for c in rivals], doubt, uncertain)
+
+
+def _prediction_errors(
+    candidate: TravelCandidate, asked: Sequence[Trial], t_end: float
+) -> list[float]:
+    """Return half the 95 % interval of what a law predicts at each setting [m].
+
+    It follows, to first order, from what the readings leave of its parameters if it holds.
+    """
+    assert candidate.fit is not None
+    found = candidate.alone or candidate.fit.estimates
+    model = TravelModel(candidate.fit.law, [e.path for e in found], t_end)
+    half = np.array([0.5 * (e.high - e.low) if e.bounded else math.inf for e in found])
+    values = np.array([e.value for e in found])
+    steps = STEP * np.where(np.isfinite(half) & (half > 0.0), half, np.abs(values))
+    if not asked:
+        return []
+    # down where there is room: what must not fall below another value may be as low as that one
+    down = [
+        e.quantity.at_least is None
+        and e.value - step > limit_of(candidate.fit.law, e.path.rpartition(".")[2])
+        for e, step in zip(found, steps.tolist(), strict=True)
+    ]
+    steps = np.where(down, -steps, steps)
+    table = model.table(asked, np.vstack([values, values + np.diag(steps)]))
+    moved = ((table[1:] - table[0]) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
+    parts = np.where(moved != 0.0, moved * np.where(moved != 0.0, half, 0.0), 0.0)
+    open_ = ~np.isfinite(parts).all(axis=1)
+    parts[open_] = 0.0
+    correlation = np.array(candidate.fit.correlation)
+    squares = np.einsum("ni,ij,nj->n", parts, correlation, parts)
+    return [*map(float, np.where(open_, math.inf, np.sqrt(np.maximum(squares, 0.0))))]

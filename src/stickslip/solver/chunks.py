@@ -178,10 +178,13 @@ def run_chunks(
     if not (executor is None or hasattr(executor, "submit")):
         raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
     _runner(job)  # compiled here, if it has to be, and not in all threads at once
+    cuts = [*_cuts(job, columns)]
+    if executor is None and len(cuts) == 1:  # a thread would cost more than many a chunk
+        keep(run_chunk(job, *cuts[0]))
+        return
     own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
     pool = executor or own
     assert pool is not None
-    cuts = _cuts(job, columns)
     most = 2 * (os.cpu_count() or 1) + 2
     pending: set[Future[Chunk]] = set()
     try:

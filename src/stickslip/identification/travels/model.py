@@ -17,9 +17,9 @@ from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import parameters, structure, vary
 from stickslip.simulation import ensemble, simulate
-from stickslip.solver import Samples
+from stickslip.solver import EventDriven, Samples
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -31,6 +31,10 @@ STEADY = 1.98
 LEAST_ERROR = 1e-5
 """Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
 travel was ever measured to this."""
+
+
+SOLVER = EventDriven(tier="compiled", tolerance=1e-8, stiff_tolerance=1e-6)
+"""Travels are wrong by 1e-6 of themselves, a tenth of what readings are told apart by at best."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -323,27 +327,45 @@ class TravelModel:
         """Return the travels of each trial for many values at once, by ensembles."""
         if any(map(is_rig, self.free)) or not self.free:
             return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
-        columns = dict(zip(self.free, rows.T, strict=True))
         found: dict[Hashable, Array] = {}
-        for trial in trials:
-            if trial.run in found:
-                continue
-            slip, end = slip_of(trial.mechanism), trial.until(self.t_end)
-            runs = ensemble(
-                trial.mechanism,
-                self.law,
-                columns,
-                t_end=end,
-                outputs={slip: Samples(slip, (0.0, end))},
-                y0=trial.start(self.law),
-            )
-            made = np.array([status.complete for status in runs.status])
-            ends = np.where(made[:, None], runs[slip], math.nan)
-            found[trial.run] = ends[:, 1] - ends[:, 0]
-            self.runs += len(rows)
-            if self.watch is not None:
-                self.watch(self.runs)
+        together: dict[Hashable, list[Trial]] = {}
+        for trial in {trial.run: trial for trial in trials}.values():
+            start = tuple(trial.start(self.law).items())
+            kind = structure(trial.mechanism), trial.until(self.t_end), start
+            together.setdefault(kind, []).append(trial)
+        for alike in together.values():
+            made = self._together(alike, rows)
+            found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
         return np.stack([found[trial.run] for trial in trials], axis=1)
+
+    def _together(self, trials: Sequence[Trial], rows: Array) -> Array:
+        """Return the travels (n, k) of trials that differ in numbers only, as one ensemble."""
+        first, count = trials[0], len(rows)
+        known = [
+            {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
+            for trial in trials
+        ]
+        columns = {p: np.tile(rows[:, i], len(trials)) for i, p in enumerate(self.free)}
+        for path, value in known[0].items():
+            if any(values[path] != value for values in known):
+                columns[path] = np.repeat([float(values[path]) for values in known], count)
+        slip, end = slip_of(first.mechanism), first.until(self.t_end)
+        runs = ensemble(
+            first.mechanism,
+            self.law,
+            columns,
+            t_end=end,
+            outputs={slip: Samples(slip, (0.0, end))},
+            y0=first.start(self.law),
+            solver=SOLVER,
+        )
+        complete = np.array([status.complete for status in runs.status])
+        ends = np.where(complete[:, None], runs[slip], math.nan)
+        self.runs += len(ends)
+        if self.watch is not None:
+            self.watch(self.runs)
+        travels: Array = ends[:, 1] - ends[:, 0]
+        return travels.reshape(len(trials), count)
 
     def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
         try:

@@ -32,6 +32,7 @@ from stickslip.identification.travels.start_values import (
     Start,
     plausible,
     room_for,
+    spread,
     starting_points,
 )
 from stickslip.quantities import Quantity, parameters
@@ -66,18 +67,25 @@ STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 it should, which its third derivatives change."""
 WALK = (0.3, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)
 """Lengths of an interval, that slopes at the best values give, at which its end is looked for."""
+OUT, OUTWARDS = (1.0, 1.5, 2.2, 4.0, 8.0, 16.0, 32.0, 64.0), 1e-3
+"""Lengths of an interval that known nuisances leave at which it is seen how far it goes where they
+follow, and its least length over the size of the value."""
 BESIDE = 6.0
 """Standard errors from the best values at which searches begin again: mean speeds and travels rise
 and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
 INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
 """What the interval of an estimate is called, by the kind of uncertainty of a single reading."""
-SPAN, LEVELS, MANY = (0.3, 2.0), 48, 24
+SPAN, LEVELS, MANY, FEW = (0.3, 2.0), 48, 24, 8
 """Levels over those of a simpler law at which one with nuisances is scanned where it does not
-explain the travels, how many they are, and from how many of them descents begin."""
+explain the travels, how many they are, and from how many of them descents begin: from fewer where
+runs are of many cycles."""
+FEW_TRIALS = 3
+"""Settings, from the shortest to the longest travel, that such a scan runs."""
 UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 FREED = 4
-"""Drawn points from which descents free what was drawn, at most."""
+"""Drawn points from which descents free what was drawn, at most; one where runs are of many
+cycles."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 TOGETHER = 0.95
@@ -120,9 +128,10 @@ def fit_readings(
     points = problem.unknowns([list(point)[:count] for point in given])
     ends = [*points] if nuisances and starts is not None else problem.ends(points)
     reached: list[list[float]] = []
+    wide: _Problem | None = None
     if nuisances:
         level = [(problem.matrix @ end).tolist() for end in ends]
-        model, reached = _freed(model, trials, level, given, nuisances)
+        model, wide, reached = _freed(model, trials, level, given, nuisances)
         problem = _Problem(model, trials)
         ends = [problem.free_parameters(reached[0][:count])]
     best = problem.nearest(ends)
@@ -142,7 +151,9 @@ def fit_readings(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    return problem.fit(best, ends, walked=True, reached=reached)
+    followed = wide is not None and not model.law.states
+    found = problem.fit(best, ends, walked=not followed, reached=reached)
+    return wide.followed(found, reached) if wide is not None and followed else found
 
 
 def _freed(
@@ -151,28 +162,34 @@ def _freed(
     ends: Sequence[Start],
     given: Sequence[Start],
     nuisances: Sequence[str],
-) -> tuple[TravelModel, list[list[float]]]:
-    """Return the model with the nuisances that explain most, and all values that explain as well.
+) -> tuple[TravelModel, "_Problem", list[list[float]]]:
+    """Return the model with the nuisances that explain most, and that in which these are free.
 
-    `ends` are values of the free parameters, and `given` may have some of the nuisances too.
+    All values that explain as well follow, the best first. `ends` are values of the free
+    parameters, and `given` may have some of the nuisances too.
     """
     count = len(model.free)
     wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
     drawn = plausible(model, trials, ends[0], nuisances)
     more = [point for point in given if len(point) == len(wide.model.free)]
-    slow = bool(model.law.states) or under_cycles(trials)
-    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if model.law.states else None])
+    cycles = under_cycles(trials)
+    slow = bool(model.law.states) or cycles
+    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if model.law.states else FREED])
     own = np.arange(len(wide.model.free)) < count
     found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
-    if not slow:
-        found = wide.with_free(found)
+    if not model.law.states:
+        most = 1 if cycles else FREED
+        found = wide.with_free(found, most)
         if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
-            scanned = wide.scanned(points[-len(drawn) :])
-            found = wide.with_free([*found, *_sorted(*wide.descend(scanned, BRIEF, own))])
+            coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
+            scanned = coarse.scanned(points[-len(drawn) :], FEW if cycles else MANY)
+            ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
+            found = wide.with_free([*found, *_sorted(*ends_of)], most)
     least = wide.cost(found[0])
     whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
     limit = least + _Problem(whole, trials).room(least)
-    return whole, [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
+    reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
+    return whole, wide, reached
 
 
 def _sorted(found: Array, costs: Array) -> list[Array]:
@@ -403,10 +420,10 @@ class _Problem:
         alike = [end for end in ends if self.cost(end) <= limit]
         return min(alike, key=lambda end: abs(float((self.matrix @ end)[0]) - start))
 
-    def with_free(self, found: Sequence[Array]) -> list[Array]:
+    def with_free(self, found: Sequence[Array], most: int) -> list[Array]:
         """Return unknowns with where descents from the best of them end, the best first."""
         best = sorted(found, key=self.cost)
-        free, _ = self.descend(np.array(best[:FREED]), STEPS)
+        free, _ = self.descend(np.array(best[:most]), STEPS)
         return sorted([*best, *free], key=self.cost)
 
     def poor(self, free_parameters: Array) -> bool:
@@ -418,14 +435,14 @@ class _Problem:
             return not np.linalg.norm(left) <= UNSTATED * np.linalg.norm(self.measured)
         return self.cost(free_parameters) > float(chi2.ppf(SIGNIFICANT, len(self.trials)))
 
-    def scanned(self, points: Array) -> Array:
+    def scanned(self, points: Array, most: int) -> Array:
         """Return the best of many values of the first unknown beside the others of each point."""
         levels = np.geomspace(*SPAN, LEVELS)
         rows = np.repeat(points, len(levels), axis=0)
         rows[:, 0] *= np.tile(levels, len(points))
         rows = np.clip(rows, self.least, self.high)
         costs = np.sum(self.residuals_of(rows) ** 2, axis=1)
-        return rows[np.argsort(costs, kind="stable")[:MANY]]
+        return rows[np.argsort(costs, kind="stable")[:most]]
 
     def room(self, cost: float) -> float:
         """Return how much more than the least cost values may leave that explain as well."""
@@ -596,6 +613,60 @@ class _Problem:
         low = max(value - spread, self._lowest(one))
         return replace(one, value=value, low=low, high=value + spread, reason="")
 
+    def followed(self, fit: TravelFit, reached: Sequence[Start]) -> TravelFit:
+        """Return a fit whose intervals end where no values of nuisances explain the travels more.
+
+        The nuisances are the last unknowns here. Bristles take too long for that.
+        """
+        best = self.free_parameters(reached[0])
+        least = self.cost(best)
+        target = least + _Problem(replace(self.model, free=self.model.free[: len(fit.estimates)]),
+                                  self.trials).room(least)  # fmt: skip
+        found = []
+        for i, one in enumerate(fit.estimates):
+            if one.reason or np.count_nonzero(self.matrix[i]) > 1:
+                found.append(one)
+                continue
+            parts = [*(one.pieces or ((one.low, one.high),))]
+            for side, end in ((-1.0, one.low), (1.0, one.high)):
+                step = max(abs(end - best[i]), OUTWARDS * float(self.scale[i]))
+                parts.append((best[i], self._outermost(i, best, side * step, target)))
+            found.append(spanning(one, [(min(p), max(p)) for p in parts], self._lowest(one)))
+        return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
+
+    def _outermost(self, i: int, best: Array, step: float, target: float) -> float:
+        """Return the last value of an unknown with which the others still explain as well.
+
+        They are followed from value to value, since far from the best ones they lie elsewhere.
+        """
+        moving = np.arange(len(best)) != i
+        inside, cost = best, self.cost(best)
+        for times in OUT:
+            there = inside.copy()
+            there[i] = best[i] + times * step
+            there = np.clip(there, self.least, self.high)
+            if there[i] == inside[i]:
+                break
+            ends, costs = self.descend(there[None], REFINED, moving)
+            if costs[0] > target:
+                ends, costs = self.descend(self._turned(ends[0]), REFINED, moving)
+            at = int(np.argmin(costs))
+            if costs[at] > target:
+                share = math.sqrt((target - cost) / (float(costs[at]) - cost))
+                return float(inside[i] + share * (there[i] - inside[i]))
+            inside, cost = ends[at], float(costs[at])
+        return float(inside[i])
+
+    def _turned(self, there: Array) -> Array:
+        """Return unknowns, and the same with other powers of the speed."""
+        rows = [there]
+        for i, path in enumerate(self.model.free):
+            if self.known[path][0].scale == "none":
+                for value in (self.least[i], self.high[i]):
+                    rows.append(there.copy())
+                    rows[-1][i] = value
+        return np.array(rows)
+
     def _lowest(self, one: Estimate) -> float:
         return max(one.quantity.low, one.quantity.above or 0.0, 0.0)
 
@@ -754,16 +825,19 @@ class _Problem:
         A value on which a direction bears that the travels do not determine has infinite ones.
         """
         jacobian = self.slopes_at(best) @ np.linalg.inv(self.matrix)
+        gain = np.full(jacobian.shape[::-1], np.inf)
         sizes = np.linalg.norm(jacobian, axis=0)
-        if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
-            return np.full(jacobian.shape[::-1], np.inf), math.inf
-        left, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
-        condition = float(singular[0] / max(singular[-1], 1e-300))
+        if not np.all(np.isfinite(jacobian)) or not np.any(sizes > 0.0):
+            return gain, math.inf
+        seen = sizes > 0.0  # what travels do not depend on at all bears on nothing else
+        left, singular, rows = np.linalg.svd(jacobian[:, seen] / sizes[seen], full_matrices=False)
+        condition = float(singular[0] / max(singular[-1], 1e-300)) if seen.all() else math.inf
         inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
         cut = np.abs(rows[inverse == 0.0]).max(axis=0, initial=0.0) > FLAT
         # the Jacobian is that of residuals, which fall as a prediction rises
-        gain = -(rows.T * inverse / sizes[:, None]) @ left.T @ self.whitening
-        return np.where(cut[:, None], np.inf, gain), condition
+        known = -(rows.T * inverse / sizes[seen, None]) @ left.T @ self.whitening
+        gain[seen] = np.where(cut[:, None], np.inf, known)
+        return gain, condition
 
     def _kind(self) -> str:
         """Return of which kind the uncertainty of a single reading is, the rig's included."""

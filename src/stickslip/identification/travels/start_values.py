@@ -56,7 +56,8 @@ REACH = 4096.0
 """How far from its start value a first parameter is scanned while the best is at an end of what was
 scanned, as a factor. Beyond it laws only get stiff."""
 DENSE, BESIDE = 240, 8
-"""Levels, and combinations of further parameters, where travels are not monotonic in the level."""
+"""Levels, and combinations of further parameters, where travels are not monotonic in the level;
+half as many levels where runs are of many cycles."""
 DRAWS, FEW_DRAWS, SLOW_DRAWS = 16, 8, 2
 """Combinations of nuisances that are drawn: fewer where runs are of many cycles, or with bristles,
 which take longer."""
@@ -86,7 +87,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     """
     if any(map(is_rig, model.free)):
         return _with_rig(model, trials)
-    trials = _spread(trials, 3)
+    trials = spread(trials, 3)
     first, *others = model.free
     names = {path: path.rpartition(".")[2] for path in model.free}
     centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
@@ -171,11 +172,11 @@ def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
         )
         drawn[:, 0] = np.exp(ends[0] + (ends[1] - ends[0]) * shares[:, 0])
     rows += drawn.tolist()
-    few = _spread(trials, 4 * len(centre))
+    few = spread(trials, 4 * len(centre))
     return _best(rows, _costs(_table(model, few, rows), few))
 
 
-def _spread(trials: Sequence[Trial], most: int) -> list[Trial]:
+def spread(trials: Sequence[Trial], most: int) -> list[Trial]:
     """Return one trial of each setting; of many some, from the shortest to the longest travel."""
     different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
     chosen = np.linspace(0, len(different), most).astype(int)
@@ -216,7 +217,7 @@ def nuisances_of(
 
     These are those that the law cannot do without, and those that add a part of its own beside
     them, such as a viscous one, whose default is that it is not there. Exponents, which shape a
-    part, are as the law has them.
+    part, are as the law has them, but for the power of the speed that a law is fitted by.
 
     Examples
     --------
@@ -228,9 +229,13 @@ def nuisances_of(
     found = []
     for name, quantity in fields_of(law).items():
         path, default = f"friction.{name}", defaults[name].default
-        if path in free or name in known or quantity.structural or quantity.scale == "none":
+        if path in free or name in known:
             continue
-        if default is dataclasses.MISSING or default == 0.0:
+        if quantity.structural or quantity.scale == "none":
+            unknown = name in law.fit_order and not law.states
+        else:
+            unknown = default is dataclasses.MISSING or default == 0.0
+        if unknown:
             found.append(path)
     return found
 
@@ -270,6 +275,9 @@ def plausible(
             drawn[:, i] = share * force / speed
         elif quantity.scale == "drag":
             drawn[:, i] = share * force / speed**2
+        elif quantity.scale == "none" and quantity.bounds:
+            low, high = quantity.bounds
+            drawn[:, i] = low * (high / low) ** share if low > 0.0 else high * share
         else:
             drawn[:, i] = (1.0 + share) * float(getattr(law, path.rpartition(".")[2]) or 0.0)
     for i, path in enumerate(nuisances):  # damping goes with the root of the stiffness beside it
@@ -345,17 +353,18 @@ def _dense(
     model: TravelModel, trials: Sequence[Trial], levels: Array, beside: Sequence[Sequence[float]]
 ) -> list[Start]:
     """Return points of all branches: on each, the levels where travels are explained best."""
-    fine = np.geomspace(levels[0], levels[-1], DENSE)
+    dense = DENSE // 2 if under_cycles(trials) else DENSE
+    fine = np.geomspace(levels[0], levels[-1], dense)
     if len(beside) > BESIDE:
         chosen = np.linspace(0, len(beside) - 1, BESIDE).astype(int)
         beside = [beside[i] for i in chosen]
     found: list[tuple[float, Start]] = []
     rows = [row for rest in beside for row in _rows(model, fine, rest)]
-    costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), DENSE)
+    costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), dense)
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     valleys = (costs <= padded[:, :-2]) & (costs <= padded[:, 2:]) & np.isfinite(costs)
     for i, j in zip(*np.nonzero(valleys), strict=True):
-        found.append((float(costs[i, j]), rows[int(i) * DENSE + int(j)]))
+        found.append((float(costs[i, j]), rows[int(i) * dense + int(j)]))
     found.sort(key=lambda one: one[0])
     return [row for _, row in found[:MANY]]
 
@@ -369,6 +378,8 @@ def room_for(law: FrictionLaw, name: str, free: Collection[str] = ()) -> tuple[f
     quantities = fields_of(type(law))
     quantity = quantities[name]
     low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high
+    if quantity.scale == "none" and quantity.bounds:  # powers: beyond these no law is meant
+        low, high = max(low, quantity.bounds[0]), min(high, quantity.bounds[1])
     if quantity.at_least is not None:
         low = max(low, getattr(law, quantity.at_least))
     for other, bound in quantities.items():

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 from stickslip.errors import StickslipError
@@ -126,6 +126,8 @@ class Proposal:
     """Keys of the laws that these settings separate from the best."""
     widest: float
     """Largest difference of any of these laws from the best at a new setting [m]."""
+    errors: Mapping[str, Sequence[float]]
+    """Half the 95 % interval of what laws predict at each of the settings [m], by key."""
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the proposal as plain numbers and strings."""
@@ -134,6 +136,7 @@ class Proposal:
             "rivals": list(self.rivals),
             "separates": list(self.apart),
             "largest_difference": self.widest,
+            "prediction_errors": {name: list(found) for name, found in self.errors.items()},
         }
 
     def line(self, titles: Mapping[str, str]) -> str:
@@ -148,14 +151,23 @@ class Proposal:
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
             return (
                 f"No setting of {symbol} {ends} would distinguish {titles[self.best]} from"
-                f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)}."
+                f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)},"
+                " which is within the uncertainty of reading and predicting them."
             )
         told = {
             name: [row.predicted[name] for row in self.settings] for name in (self.best, self.rival)
         }
         sizes = [abs(travel) for travel in chain(*told.values())]
         scale = scale_of([max(min(sizes), 1e-3 * max(sizes))], "m")
-        one, other = (joined([scale.quantity(x) for x in travels]) for travels in told.values())
+        one, other = (
+            joined(
+                [
+                    f"{scale.quantity(x)} ± {scale.quantity(error, 2)}"
+                    for x, error in zip(travels, self.errors[name], strict=True)
+                ]
+            )
+            for name, travels in told.items()
+        )
         return (
             f"Set {symbol} to {joined([row.text for row in self.settings])}, three runs each."
             f" {titles[self.best]} predicts {one}, {titles[self.rival]} {other}."
@@ -163,30 +175,50 @@ class Proposal:
 
 
 def propose(
-    rows: Sequence[Separation], best: str, rivals: Sequence[str], doubt: float
+    rows: Sequence[Separation],
+    best: str,
+    rivals: Sequence[str],
+    doubt: float,
+    errors: Mapping[str, Sequence[float]],
 ) -> Proposal | None:
     """Propose the settings that separate the best law from its rivals; None without any to try.
 
     These are the outermost two settings that were not measured if a rival differs there by more
-    than the doubt, since they tell how travel grows; else the one where one differs most.
+    than the doubt, since they tell how travel grows; else the one where one differs most. `errors`
+    have half the 95 % interval of what each law predicts at each of the rows, which a difference
+    must exceed too: what laws predict far from what was measured may be uncertain.
     """
     if not rows or not rivals:
         return None
+    place = {id(row): i for i, row in enumerate(rows)}
+
+    def gap(some: Sequence[Separation], names: Sequence[str]) -> tuple[float, str]:
+        """Return the largest difference from the best law that can be seen, and whose it is."""
+        gaps = dict.fromkeys(names, 0.0)
+        for row, name in product(some, names):
+            uncertain = math.hypot(errors[best][place[id(row)]], errors[name][place[id(row)]])
+            seen = row.gap(best, name)
+            gaps[name] = max(gaps[name], seen if seen > math.hypot(doubt, uncertain) else 0.0)
+        name = max(gaps, key=lambda one: gaps[one])
+        return gaps[name], name
+
     farthest = max(abs(row.predicted[best]) for row in rows)
     least = max(MOVES * farthest, doubt)
     tried = tuple(r for r in rows if not r.measured and abs(r.predicted[best]) > least)
     outer = tried[:1] + tried[1:][-1:]
-    inner = tuple(sorted(tried, key=lambda row: _gap([row], best, rivals)[0])[-1:])
-    settings = next((s for s in (outer, inner) if s and _gap(s, best, rivals)[0] > doubt), ())
+    inner = tuple(sorted(tried, key=lambda row: gap([row], rivals)[0])[-1:])
+    settings = next((s for s in (outer, inner) if s and gap(s, rivals)[0] > 0.0), ())
+    names = [best, *rivals]
     return Proposal(
         what=words_of(rows[0].path),
         best=best,
-        rival=_gap(settings or tried, best, rivals)[1],
+        rival=gap(settings, rivals)[1] if settings else _gap(tried, best, rivals)[1],
         rivals=tuple(rivals),
         settings=settings,
         tried=tried,
-        apart=tuple(name for name in rivals if _gap(settings, best, [name])[0] > doubt),
+        apart=tuple(name for name in rivals if gap(settings, [name])[0] > 0.0),
         widest=_gap(tried, best, rivals)[0],
+        errors={n: tuple(errors[n][place[id(row)]] for row in settings) for n in names},
     )
 
 
