@@ -354,11 +354,6 @@ def _cannot_tell(
     assert best.fit is not None
     others = _other_picks(best, candidates, picks)
     lines = [*far_above_dry(best.fit), *best.fit.sentences]
-    for c in candidates:
-        for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
-            if "step" in line or "not identified" in line:
-                lines.append(f"{c.title}: {line}")
-                break
     lines.append(UNMEASURED)
     # What else there is to say never crowds out that criteria disagree.
     return (*lines[: MOST - len(others)], *others)
