@@ -122,6 +122,8 @@ class Structure:
         return not any(
             (one.kind in DRIVEN and not self.has("inertia", one.channel))
             or (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
+            # after a reversal a level is missing in a gap and in presliding alike
+            or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (
                 one.kind in CARRIED
                 and not self.has("level", one.channel)
