@@ -25,6 +25,8 @@ CARRIED = (
 """Kinds that modify a level or stand beside it, and need one."""
 DRIVEN = ("backlash", "flexible", "loose")
 """Kinds that share an inertia out, and need one."""
+LATE_OR_ELASTIC = ("delay", "backlash", "loose", "flexible")
+"""Kinds that all shift force against motion near reversals."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
 PARAMETER = 0.1
