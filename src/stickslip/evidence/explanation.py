@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -19,11 +19,13 @@ from stickslip.evidence.search import MOST_TIES, Progress, Search
 from stickslip.evidence.series import Series
 from stickslip.evidence.structure import GIVEN, Family, Structure
 from stickslip.evidence.terms import TERMS, Term
-from stickslip.evidence.values import key_of
+from stickslip.evidence.values import Value, key_of
 from stickslip.evidence.vocabulary import vocabulary as usual_vocabulary
 
 Array = NDArray[np.float64]
 
+PLAIN = ((1.0, "viscous"), (2.0, "quadratic"))
+"""Exponents of the speed that have a kind of their own."""
 UNUSUAL = 3
 """Rank from which a term has to differ from 0 surely."""
 
@@ -147,9 +149,18 @@ def _surer(found: Fit, intervals: Mapping[str, Interval]) -> Structure | None:
     """Return the structure without the unusual term that is the least sure, if any is not.
 
     One whose interval holds 0 lowers the error, but not in one way: it stands for something else.
+    A power whose exponent may be 1 or 2 is viscous friction or drag.
     """
+    structure = found.structure
+    for term in structure.free:
+        if term.kind == "power":
+            _, low, high = intervals[Value(term, 0).name]
+            for exponent, kind in PLAIN:
+                plain = replace(term, kind=kind, par=())
+                if low <= exponent <= high and not structure.clashes(plain):
+                    return structure.without(term).having(plain)
     doubts = {}
-    for term in found.structure.free:
+    for term in structure.free:
         names = TERMS[term.kind].columns
         keys = [f"{key_of(term)}.{name}" for name in names] or [key_of(term)]
         if TERMS[term.kind].rank < UNUSUAL or keys[0] not in intervals:
@@ -160,7 +171,7 @@ def _surer(found: Fit, intervals: Mapping[str, Interval]) -> Structure | None:
             doubts[term] = half / max(size, 1e-300)
     if not doubts:
         return None
-    return found.structure.without(max(doubts, key=lambda term: doubts[term]))
+    return structure.without(max(doubts, key=lambda term: doubts[term]))
 
 
 def _admissible(search: Search, structure: Structure) -> Structure:

@@ -10,12 +10,10 @@ from stickslip.evidence.fits import Fit, design
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.moves import moves
 from stickslip.evidence.search import Search
-from stickslip.evidence.structure import Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
 from stickslip.evidence.terms import TERMS, Term
 from stickslip.evidence.values import Value, key_of, polished
 
-LATE_OR_ELASTIC = ("delay", "backlash", "loose", "flexible")
-"""Kinds that all shift force against motion near reversals."""
 NEAR = 1.25
 """Error of a neighbour over that of the best fit from which it is excluded. Measured: at least 1.4
 for the others of a true delay, 1.05 to 1.2 where a delay is named for a gap or a coupling."""

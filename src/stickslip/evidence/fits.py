@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.evidence.balance import RESOLVED, Balance
-from stickslip.evidence.structure import Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -248,14 +248,21 @@ def possible(made: Design, values: Array) -> bool:
 
 
 def _memories_resolved(made: Design) -> bool:
-    """Return whether two memories of a channel differ, and the path resolves both.
+    """Return whether two memories of a channel differ, and the path resolves what stands beside.
 
-    One that it does not resolve would only leave rows at rest open for the other.
+    One that it does not resolve would only leave rows at rest open for the other; and it is as late
+    at reversals as a delay, a gap or a coupling is.
     """
+    resolved = made.balance.resolved
+    unseen = any(
+        shape[0] < RESOLVED * resolved[channel] for channel, shape in made.structure.memories
+    )
+    if unseen and any(term.kind in LATE_OR_ELASTIC for term in made.structure.terms):
+        return False
     for term in made.structure.terms:
         if term.kind == "second":
             lengths = sorted([term.par[0], made.structure.shape(term.channel)[0]])
-            if lengths[0] < RESOLVED * made.balance.resolved[term.channel]:
+            if lengths[0] < RESOLVED * resolved[term.channel]:
                 return False
             if lengths[1] < APART * lengths[0]:
                 return False

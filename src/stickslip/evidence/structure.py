@@ -25,6 +25,8 @@ CARRIED = (
 """Kinds that modify a level or stand beside it, and need one."""
 DRIVEN = ("backlash", "flexible", "loose")
 """Kinds that share an inertia out, and need one."""
+LATE_OR_ELASTIC = ("delay", "backlash", "loose", "flexible")
+"""Kinds that all shift force against motion near reversals."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
 PARAMETER = 0.1
@@ -122,6 +124,8 @@ class Structure:
         return not any(
             (one.kind in DRIVEN and not self.has("inertia", one.channel))
             or (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
+            # after a reversal a level is missing in a gap and in presliding alike
+            or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (
                 one.kind in CARRIED
                 and not self.has("level", one.channel)
