@@ -186,7 +186,7 @@ class Balance:
             force = np.abs(np.concatenate([one.raw for one in own]))
             self.usual_force[c] = float(np.quantile(force, 0.75))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
-        self._late: dict[float, Array] = {}
+        self._late: dict[tuple[float, float], Array] = {}
 
     def _check_motion(self) -> None:
         """Refuse what rests throughout, as far as the sensor shows."""
@@ -249,15 +249,23 @@ class Balance:
             columns = multipliers
         return columns, multipliers
 
-    def late(self, delay: float) -> Array:
-        """Return the forces (n,) that a channel late by a delay [s] shows of each row."""
-        if not delay:
+    def late(self, delay: float, lag: float = 0.0) -> Array:
+        """Return the forces (n,) that a channel shows of each row, late or through a filter [s]."""
+        if not (delay or lag):
             return self.force
-        if delay not in self._late:
-            self._late[delay] = np.concatenate(
-                [np.interp(one.t[:: one.every] + delay, one.t, one.force) for one in self.parts]
+        key = (delay, lag)
+        if key not in self._late:
+            self._late[key] = np.concatenate(
+                [
+                    np.interp(
+                        one.t[:: one.every] + delay,
+                        one.t,
+                        one.force + lag * np.gradient(one.force, one.h) if lag else one.force,
+                    )
+                    for one in self.parts
+                ]
             )
-        return self._late[delay]
+        return self._late[key]
 
     @contextmanager
     def passing(self) -> Iterator[None]:

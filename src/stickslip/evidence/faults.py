@@ -10,7 +10,7 @@ from stickslip.evidence.fits import Fit, design
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.moves import moves
 from stickslip.evidence.search import Search
-from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Term
 from stickslip.evidence.values import Value, key_of, polished
 
@@ -107,8 +107,8 @@ def _best_with(search: Search, rest: Structure, kind: str) -> list[Fit]:
     """Return the best fit of a structure with a fault of a kind, if there is any."""
     if not rest.terms:
         return []
-    if kind == "delay":
-        options = search.late(rest)[:1]
+    if kind in SHOWN_LATE:
+        options = search.late(rest, [kind])[:1]
     else:
         ranked = moves(search.balance, rest, [term for term in search.terms if term.kind == kind])
         options = [one.applied(rest) for one in ranked if one.gone is None][:1]
@@ -121,8 +121,9 @@ def _size(search: Search, best: Fit, terms: Sequence[Term]) -> float:
     made = design(balance, best.structure)
     own = np.array([one in terms for one in made.owners], dtype=bool)
     force = made.columns[:, own] @ best.coef[own]
-    if any(term.kind == "delay" for term in terms):
-        force = force + balance.late(best.structure.delay) - balance.force
+    if any(term.kind in SHOWN_LATE for term in terms):
+        late = best.structure.delay, best.structure.lag
+        force = force + balance.late(*late) - balance.force
     return float(np.sqrt(np.mean(force[balance.use] ** 2)))
 
 

@@ -158,7 +158,7 @@ def design(balance: Balance, structure: Structure) -> Design:
         columns=np.hstack([columns for _, columns, _ in made]),
         multipliers=np.hstack([multipliers for _, _, multipliers in made]),
         owners=tuple(term for term, columns, _ in made for _ in range(columns.shape[1])),
-        force=balance.late(structure.delay),
+        force=balance.late(structure.delay, structure.lag),
         open=balance.open(structure),
     )
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import Fit, design, spread
-from stickslip.evidence.structure import Structure
+from stickslip.evidence.structure import SHOWN_LATE, Structure
 from stickslip.evidence.terms import Term
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ JOINT = 3.0
 ALIKE = 0.5
 """Share of their mean within which they agree as well: each then explains three quarters of the
 power of the term in the other half."""
-SHIFTED = ("delay", "second")
+SHIFTED = (*SHOWN_LATE, "second")
 """Kinds whose coefficients halves are not asked for: they have none, or their memory has it."""
 
 

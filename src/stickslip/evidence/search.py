@@ -12,7 +12,7 @@ from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
 from stickslip.evidence.rule import Rule, repeats
-from stickslip.evidence.structure import Family, Structure
+from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, ripples, shapes
@@ -83,8 +83,8 @@ class Search:
         progress: Progress | None = None,
     ) -> None:
         self.balance, self.rule, self.progress = balance, rule, progress
-        self.terms = [term for term in vocabulary if term.kind != "delay"]
-        self.delays = [term for term in vocabulary if term.kind == "delay"]
+        self.terms = [term for term in vocabulary if term.kind not in SHOWN_LATE]
+        self.delays = [term for term in vocabulary if term.kind in SHOWN_LATE]
         self.shapes = {channel: shapes(balance, channel) for channel in balance.channels}
         self.fits: dict[Structure, Fit] = {}
         self._known: dict[Structure, list[Structure]] = {}
@@ -107,7 +107,7 @@ class Search:
         root = self.fit(start)
         self.scale = friction_scale(self.balance, root)
         beam = [root]
-        for structure in (self._textbook(start), self._peaked(start)):
+        for structure in (self._textbook(start), self._peaked(start), *self._late_memory(start)):
             full = self.prune(self.fit(structure))
             if full.ok and full.structure not in [one.structure for one in beam]:
                 beam.append(full)
@@ -152,6 +152,22 @@ class Search:
             if math.isfinite(errors[best]):
                 found = options[best]
         return polished(self.balance, found)
+
+    def _late_memory(self, start: Structure) -> list[Structure]:
+        """Return Dahl friction that is shown late, at its best length and delay.
+
+        Where friction itself was measured, either alone takes up most of the other.
+        """
+        if any(one.driven for one in self.balance.parts) or not self.delays:
+            return []
+        options = [
+            start.having(Term("viscous", (), channel), late).shaped(channel, shape)
+            for channel, wanted in self.shapes.items()
+            for shape in wanted
+            if shape[1:] == (1.0,)
+            for late in self.delays
+        ]
+        return [polished(self.balance, one) for one in self._best(options, 1)]
 
     def prune(self, found: Fit) -> Fit:
         """Return a fit without the terms and memories that do not earn their place."""
@@ -224,12 +240,12 @@ class Search:
             proposed += [structure.without(term) for term in structure.free]
         return [one for one in proposed if _has_columns(one)]
 
-    def late(self, structure: Structure) -> list[Structure]:
-        """Return the structure with the best delays of the force."""
+    def late(self, structure: Structure, kinds: Sequence[str] = SHOWN_LATE) -> list[Structure]:
+        """Return the structure with the best delays, or filters, of the force."""
         for term in structure.terms:
-            if term.kind == "delay":
+            if term.kind in SHOWN_LATE:
                 structure = structure.without(term)
-        options = [structure.having(term) for term in self.delays]
+        options = [structure.having(term) for term in self.delays if term.kind in kinds]
         return self._best(options, BEST_DELAYS)
 
     def _remembering(self, structure: Structure, channel: str) -> list[Structure]:
@@ -326,7 +342,7 @@ class Search:
 
 def _has_columns(structure: Structure) -> bool:
     """Return whether a structure has a term with a column."""
-    return any(term.kind != "delay" for term in structure.terms)
+    return any(term.kind not in SHOWN_LATE for term in structure.terms)
 
 
 def _between(

@@ -25,8 +25,10 @@ CARRIED = (
 """Kinds that modify a level or stand beside it, and need one."""
 DRIVEN = ("backlash", "flexible", "loose")
 """Kinds that share an inertia out, and need one."""
-LATE_OR_ELASTIC = ("delay", "backlash", "loose", "flexible")
+LATE_OR_ELASTIC = ("delay", "lag", "backlash", "loose", "flexible")
 """Kinds that all shift force against motion near reversals."""
+SHOWN_LATE = ("delay", "lag")
+"""Kinds of which the force channel shows a force late."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
 PARAMETER = 0.1
@@ -111,6 +113,11 @@ class Structure:
     def delay(self) -> float:
         """Return how much later [s] the force channel shows a force."""
         return sum(one.par[0] for one in self.terms if one.kind == "delay")
+
+    @property
+    def lag(self) -> float:
+        """Return the time constant [s] of the filter through which the force channel shows it."""
+        return sum(one.par[0] for one in self.terms if one.kind == "lag")
 
     @property
     def family(self) -> Family:

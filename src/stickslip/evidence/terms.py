@@ -312,6 +312,14 @@ TERMS: dict[str, Kind] = {
         fault=True,
         par=("frequency",),
     ),
+    "lag": Kind(
+        name="lag of the force",
+        column=_no_column,
+        filtered=True,
+        rank=4,
+        fault=True,
+        par=("time constant",),
+    ),
     "delay": Kind(
         name="delay of the force",
         column=_no_column,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import design, matched, solved, training_error
-from stickslip.evidence.structure import SHAPE_NAMES, Structure
+from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -133,7 +133,7 @@ def sane(balance: Balance, structure: Structure) -> bool:
             periods = term.par[0] * balance.span[term.channel] / (2.0 * math.pi)
             if not periods > LEAST_PERIODS:
                 return False
-        if term.kind == "delay" and abs(term.par[0]) > LATEST:
+        if term.kind in SHOWN_LATE and abs(term.par[0]) > LATEST:
             return False
         if term.kind == "saturation" and term.par[0] < balance.usual_force[term.channel]:
             return False

@@ -25,6 +25,8 @@ LIMITS = (0.8, 0.85, 0.9, 0.94, 0.97, 0.985, 0.995)
 """Quantiles of the force at which an amplifier may saturate."""
 LOAD_FREQUENCIES = (20.0, 40.0)
 """Frequencies [Hz] at which a load bounces on a gap."""
+LAGS = (0.004, 0.006, 0.008, 0.012, 0.016, 0.025)
+"""Time constants [s] of a filter through which a sensor shows friction."""
 DELAYS = (0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.016, 0.025, 0.04)
 """Delays [s] of the force channel; negative ones are those of the position."""
 SHAPE_EXPONENTS = (0.0, 0.5, 1.0, 2.0)
@@ -63,6 +65,8 @@ def vocabulary(balance: Balance, *, faults: bool = True) -> list[Term]:
     ]
     if faults and balance.dynamic:
         found += [Term("delay", (sign * x,), "*") for x in DELAYS for sign in (1.0, -1.0)]
+        if not any(one.driven for one in balance.parts):
+            found += [Term("lag", (x,), "*") for x in LAGS]
     return found
 
 

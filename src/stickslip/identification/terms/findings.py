@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.evidence import Balance, Explanation, Fault, Fit, Term, explain
 from stickslip.evidence.motion import resolution
+from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw, Laws
@@ -37,10 +38,9 @@ HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
 """... or so many times the noise of the force sensor in the band."""
-LATE: Final = ("delay", "backlash", "loose", "flexible")
-"""Kinds of faults that all shift force against motion near reversals."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
+    "lag": "a filter of the force channel",
     "backlash": "backlash",
     "loose": "backlash",
     "flexible": "a flexible coupling",
@@ -158,11 +158,11 @@ def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
 
 def _cure(kind: str, value: float, measurement: Measurement) -> str:
     """Return how to fit friction that a sensor shows late."""
-    if kind != "delay" or "friction" not in measurement.quantities():
+    if kind not in SHOWN_LATE or "friction" not in measurement.quantities():
         return ""
     return (
         " If the channel is late, correct for it:"
-        f" RecordSettings(friction_delay={value:.3g}), or --friction-delay {value:.3g}."
+        f" RecordSettings(friction_{kind}={value:.3g}), or --friction-{kind} {value:.3g}."
     )
 
 
@@ -186,7 +186,8 @@ def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
     value = fault.value or 0.0
     ends = fault.interval or (math.nan, math.nan)
     # a delay counts from the force to the motion
-    effect, limits = (-value, sorted(-one for one in ends)) if kind == "delay" else (value, ends)
+    late = kind in SHOWN_LATE
+    effect, limits = (-value, sorted(-one for one in ends)) if late else (value, ends)
     sized = _Sized(
         value=value,
         text=_size(value, ends, _unit(kind, measurement)),
@@ -214,13 +215,13 @@ def _group(kinds: tuple[str, ...]) -> str:
     names = dict.fromkeys(NAMES.get(one, one) for one in kinds)
     if len(names) == 1:
         return next(iter(names))
-    return "late or elastic" if set(kinds) <= set(LATE) else " or ".join(names)
+    return "late or elastic" if set(kinds) <= set(LATE_OR_ELASTIC) else " or ".join(names)
 
 
 def _undecided(fault: Fault, sized: _Sized, others: list[str]) -> str:
     own = f"{CALLED[fault.kinds[0]]} of {sized.text}"
     choice = " or ".join([own, *others])
-    if set(fault.kinds) <= set(LATE):
+    if set(fault.kinds) <= set(LATE_OR_ELASTIC):
         return (
             f"Something late or elastic acts between force and motion: {choice}. The record does"
             " not tell which."
@@ -274,6 +275,7 @@ def _unit(kind: str, measurement: Measurement) -> str:
     force, position = measurement.unit("force"), measurement.unit("position")
     return {
         "delay": "s",
+        "lag": "s",
         "spring": f"{force}/{position}",
         "drift": force,
         "offset_drift": force,
@@ -318,6 +320,10 @@ def _missing_mass(sized: _Sized) -> str:
 
 SAID: Final[Mapping[str, Callable[[_Sized], str]]] = {
     "delay": _late,
+    "lag": lambda s: (
+        f"The recorded force follows friction through a filter with a time constant of {s.text}:"
+        " one of the force sensor or its amplifier"
+    ),
     "saturation": _saturated,
     "mass": _missing_mass,
     "backlash": lambda s: (
