@@ -503,6 +503,16 @@ def test_no_setting_is_advised_whose_prediction_is_as_uncertain_as_the_laws_are_
     assert "within the uncertainty" in verdict.words.measure_next[0]
 
 
+def test_a_law_stays_where_its_best_level_swings_on_and_another_explains_as_well():
+    rig = SpringBlock(mass=0.40955, stiffness=36.5607, compression=0.24019, attached=True)
+    truth, errors = Coulomb(kinetic_coefficient=0.42525), (-5.96e-4, 2.06e-4, 5.18e-4)
+    measured = readings(truth, (0.201, 0.228, 0.23), rig=rig, errors=errors, uncertainty=5.24e-4)
+    verdict = select(rig, PLAIN, measured)
+    coulomb = next(c for c in verdict.candidates if c.name == "coulomb")
+    assert not coulomb.dropped
+    assert verdict.best.name == "coulomb"
+
+
 def test_advice_has_the_uncertainty_of_what_it_predicts_and_truth_meets_it():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=1.5)
     errors = np.random.default_rng(8).normal(0.0, 2e-4, 5)

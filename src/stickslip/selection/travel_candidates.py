@@ -1,5 +1,6 @@
 """One law tried on the trials: as given, as fitted, and predicting each trial from the others."""
 
+import contextlib
 import dataclasses
 from collections.abc import Collection, Mapping, Sequence
 
@@ -80,7 +81,7 @@ def try_law(
         fit = fitted(unknown)
         if unknown and not ordinary:  # the values are as given; what they are not, intervals hold
             fit = _within(fitted([]), fit)
-        check_rest(fit, t_end)
+        fit = _at_rest(fit, law, names, trials, t_end)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
     except (ConvergenceError, SimulationError) as reason:
         return dataclasses.replace(candidate, dropped=str(reason))
@@ -94,6 +95,22 @@ def try_law(
         invented=invented,
         influence=_influence(fit, trials[0], assumed, t_end),
     )
+
+
+def _at_rest(
+    fit: TravelFit, law: FrictionLaw, names: Sequence[str], trials: Sequence[Trial], t_end: float
+) -> TravelFit:
+    """Return a fit with which the body comes to rest: another value, if that explains as well."""
+    try:
+        check_rest(fit, t_end)
+    except ConvergenceError:
+        for value in fit.others:
+            other = fit_trials(law, trials, free=names, starts=[(value,)], t_end=t_end)
+            with contextlib.suppress(ConvergenceError):
+                check_rest(other, t_end)
+                return other
+        raise
+    return fit
 
 
 def _within(fit: TravelFit, wide: TravelFit) -> TravelFit:
