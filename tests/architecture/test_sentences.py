@@ -12,11 +12,7 @@ import stickslip
 ROOT = Path(stickslip.__file__).parent
 LEAST = 24
 """Characters of a sentence at least, and three blanks; shorter strings are keys, units or names."""
-AGREE = {
-    "drift of the viscous part": (
-        "the name of an effect is the key of its sentences, as those of the other effects are"
-    ),
-}
+AGREE = {}
 """Strings that stand in two places, with the reason."""
 
 

@@ -6,18 +6,21 @@ and swaps terms, and one rule judges every change on held-out blocks.
 """
 
 from stickslip.evidence.balance import Balance
-from stickslip.evidence.bristles import SIGN, play
+from stickslip.evidence.bristles import SIGN, Shape, play
 from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
 from stickslip.evidence.fits import Fit, fit
 from stickslip.evidence.intervals import Interval
+from stickslip.evidence.motion import resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series
-from stickslip.evidence.structure import Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.vocabulary import vocabulary
 
 __all__ = [
+    "LATE_OR_ELASTIC",
+    "SHOWN_LATE",
     "SIGN",
     "TERMS",
     "Balance",
@@ -28,6 +31,7 @@ __all__ = [
     "Kind",
     "Rule",
     "Series",
+    "Shape",
     "Structure",
     "Term",
     "begin",
@@ -35,5 +39,6 @@ __all__ = [
     "fit",
     "play",
     "predict",
+    "resolution",
     "vocabulary",
 ]

@@ -87,6 +87,9 @@ HOMES = {
 
 INSIDE = {
     "CITATIONS": "sources",
+    "Composition": "composition",
+    "Leaf": "composition",
+    "OPTIONAL": "notation",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",

@@ -22,10 +22,13 @@ from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
 from stickslip.friction.by_contact import law_of as law_of
 from stickslip.friction.classes import said_of as said_of
+from stickslip.friction.composition import Composition as Composition
+from stickslip.friction.composition import Leaf as Leaf
 from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.ladder import Rung as Rung
 from stickslip.friction.ladder import rungs as rungs
 from stickslip.friction.ladder import usual_specifications as usual_specifications
+from stickslip.friction.notation import OPTIONAL as OPTIONAL
 from stickslip.friction.parts.curves import curves_beside as curves_beside
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS

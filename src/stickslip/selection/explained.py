@@ -11,12 +11,20 @@ from stickslip.errors import InputError
 from stickslip.evidence import TERMS, Fit, Structure, explain
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
-from stickslip.identification import FittedLaw, ModelError, RecordSettings
-from stickslip.identification.estimation.containment import CONSTANTS
-from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.terms.composed_laws import Asked, ComposedLaw
-from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
-from stickslip.identification.terms.findings import law_asked_for, model_errors
+from stickslip.identification import (
+    CONSTANTS,
+    Asked,
+    ComposedLaw,
+    FittedLaw,
+    ModelError,
+    RecordSettings,
+    dense_series,
+    is_dense,
+    law_asked_for,
+    loads_of,
+    mass_of,
+    model_errors,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import REFERENCE, Watch
 

@@ -180,7 +180,7 @@ def _chosen(
             f"Coulomb + viscous friction leaves {percent(seen.left)} of the motion within"
             f" {number(settings.segment)} s unexplained"
             if math.isfinite(seen.left)
-            else f"the motion cannot be simulated over {number(settings.segment)} s"
+            else _no_motion(settings)
         )
     else:
         found = _contradiction(mechanism, measurement, unknown, settings, seen)
@@ -307,6 +307,10 @@ def serves_inverse_dynamics(
     )
 
 
+def _no_motion(settings: RecordSettings) -> str:
+    return f"the motion cannot be simulated over {number(settings.segment)} s"
+
+
 def decided(
     choice: RouteChoice,
     mechanism: Mechanism,
@@ -335,7 +339,7 @@ def decided(
         f"the law that the force balance asks for leaves {percent(left)} of the motion within"
         f" {number(choice.settings.segment)} s unexplained"
         if math.isfinite(left)
-        else f"the motion cannot be simulated over {number(choice.settings.segment)} s"
+        else _no_motion(choice.settings)
     )
     return replace(choice, route=choice.alternative, reason=why, alternative=None)
 

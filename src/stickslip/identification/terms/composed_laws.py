@@ -8,11 +8,16 @@ from typing import Any, final
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.evidence import SIGN, Explanation, Fit, Rule, Structure, Term, fit
-from stickslip.evidence.bristles import Shape
-from stickslip.friction import CandidateSpec, FrictionLaw, Rung, law
-from stickslip.friction.composition import Composition, Leaf
-from stickslip.friction.notation import OPTIONAL
+from stickslip.evidence import SIGN, Explanation, Fit, Rule, Shape, Structure, Term, fit
+from stickslip.friction import (
+    OPTIONAL,
+    CandidateSpec,
+    Composition,
+    FrictionLaw,
+    Leaf,
+    Rung,
+    law,
+)
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""

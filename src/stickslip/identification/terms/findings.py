@@ -8,13 +8,21 @@ from typing import Final, final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.evidence import Balance, Explanation, Fault, Fit, Term, explain
-from stickslip.evidence.motion import resolution
-from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE
+from stickslip.evidence import (
+    LATE_OR_ELASTIC,
+    SHOWN_LATE,
+    Balance,
+    Explanation,
+    Fault,
+    Fit,
+    Term,
+    explain,
+    resolution,
+)
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
@@ -34,6 +42,8 @@ NAMES: Final[Mapping[str, str]] = {
 """Names of findings, where these are not those of the terms."""
 HALF: Final = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
+NEARLY: Final = 1.5
+"""Held-out error over that of presliding up to which a late channel may be meant instead."""
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
@@ -133,7 +143,43 @@ def model_errors(
         for term in found.best.structure.free
         if term.kind in {"ripple", "imbalance"}
     ]
+    presliding = _late_instead(found, measurement)
+    errors += [] if presliding is None else [presliding]
     return tuple(sorted(errors, key=lambda one: -one.share))
+
+
+def _late_instead(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a late channel explains measured friction nearly as well as presliding, if so."""
+    best = found.best
+    if "friction" not in measurement.quantities() or not best.structure.memories:
+        return None
+    late = [
+        one
+        for one in found.family.values()
+        if one.ok and not one.structure.memories and one.rms < NEARLY * best.rms
+        if any(term.kind in SHOWN_LATE for term in one.structure.terms)
+    ]
+    if not late or any(term.kind in SHOWN_LATE for term in best.structure.terms):
+        return None
+    other = min(late, key=lambda one: one.rms)
+    term = next(term for term in other.structure.terms if term.kind in SHOWN_LATE)
+    scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
+    return ModelError(
+        kind="delay or presliding",
+        finding=(
+            f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, a law without memory"
+            f" explains the record nearly as well: held-out error {scale.error(other.rms)},"
+            f" presliding without it {scale.error(best.rms)}."
+        ),
+        consequence=(
+            "After a reversal, presliding ends at a displacement, and a late channel after a time:"
+            " reversals at other accelerations, or a step of force on the sensor alone, tell them"
+            f" apart.{_cure(term.kind, term.par[0], measurement)}"
+        ),
+        effect=-term.par[0],
+        interval=(math.nan, math.nan),
+        share=0.0,
+    )
 
 
 def _noise(balance: Balance) -> float:
@@ -174,7 +220,7 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
             f"No law, and no fault that is looked for, explains {force} of the force,"
             f" {percent(found.left)} of the friction."
         ),
-        consequence="The 95 % intervals do not account for it.",
+        consequence=UNSAID,
         effect=found.best.rms,
         interval=(math.nan, math.nan),
         share=1.0,
@@ -202,7 +248,7 @@ def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
         finding=finding,
         consequence=(
             f"It explains {sized.force} of the force, {percent(fault.share)} of the friction."
-            f" The 95 % intervals do not account for it.{_cure(kind, value, measurement)}"
+            f" {UNSAID}{_cure(kind, value, measurement)}"
         ),
         effect=effect,
         interval=(float(limits[0]), float(limits[1])),
@@ -254,7 +300,7 @@ def _ripple(found: Explanation, term: Term, measurement: Measurement) -> ModelEr
     return ModelError(
         kind=NAMES.get(term.kind, term.kind),
         finding=finding,
-        consequence="No law of friction has it; the 95 % intervals do not account for it.",
+        consequence=f"No law of friction has it. {UNSAID}",
         effect=amplitude,
         interval=(math.nan, math.nan),
         share=share**2,
