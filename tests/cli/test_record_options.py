@@ -140,7 +140,8 @@ def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
     lines = [line for line in err.splitlines() if line.endswith(" ...")]
     # where a step took long there is a time in parentheses, and perhaps a line of its own
     steps = list(dict.fromkeys(re.sub(r" \(.*\) \.\.\.$", " ...", line) for line in lines))
-    assert steps[:4] == [
+    assert steps[:5] == [
+        "Explaining the force balance ...",
         "Fitting coulomb ...",
         "Fitting coulomb-viscous ...",
         "Validating on held-out blocks: coulomb, 1 of 2 ...",

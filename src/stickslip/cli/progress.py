@@ -269,11 +269,14 @@ class Searching(_ByLaw):
         if name in self._names:
             self._interrupts.promise = BEST
             self._law("Fitting", name, reached)
-        else:
-            self._interrupts.promise = NO_SHORTER
-            step = f"Validating on {name}"
-            self._say(step)
-            self._bars.update(self._task, description=step, runs=reached)
+            return not self._interrupts.stopped
+        # what the force balance asks for, a law of which was not known before, or validation
+        what = name.partition(": ")[0]
+        explains, held_out = what.startswith("force balance"), what.startswith("held-out")
+        verb = "Explaining the" if explains else "Validating on" if held_out else "Fitting"
+        self._interrupts.promise = NO_SHORTER if explains or held_out else BEST
+        self._say(f"{verb} {what.partition(',')[0]}" if explains else f"{verb} {name}")
+        self._bars.update(self._task, description=f"{verb} {name}", runs=reached)
         return not self._interrupts.stopped
 
 

@@ -148,11 +148,11 @@ def select_records(
     asked = explained(mechanism, measurement, choice.settings, parameters.unknown, progress)
     usual = laws is None and asked is None
     chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
-    if asked:
+    if asked and laws is None:
         law, start = asked.specs[0].law, asked.starts[asked.specs[0].name].values
         choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
-    if asked and laws is None and "starts" not in choice.settings.changed:
-        choice = replace(choice, settings=replace(choice.settings, starts=1))
+        if "starts" not in choice.settings.changed:
+            choice = replace(choice, settings=replace(choice.settings, starts=1))
     fitted, found = _tried(
         parameters,
         measurement,
