@@ -99,9 +99,8 @@ def test_a_filled_sheet_is_read_by_select(run, folder):
     }  # fmt: skip
     # 1 % of the stiffness is shared by all runs: no number of readings makes it smaller
     assert level["standard_error_from"]["mechanism.stiffness"] == pytest.approx(0.0021, rel=0.05)
-    assert "The stiffness (1 %) contributes more to its uncertainty than the readings." in " ".join(
-        verdict["settles"]
-    )
+    # other laws leave more than the stiffness does: with them in mind, no value is settled
+    assert not verdict["settles"]
 
 
 def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):

@@ -204,7 +204,7 @@ def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(
         data=(), reading=Reading(), validate=None, vary=(), fixed=(), how=FitOptions()
     )
     found = measured(rig, asked, given=True)
-    assert found.route.residual_text(1.0, found.measurement, found.options) == "1 N"
+    assert found.kind.residual_text(1.0, found.measurement, found.options) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(
         out.split()
