@@ -118,6 +118,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         for name, one in fits.items()
         if one is not best and not _accuses(one, best) and not asked.rejects(one)
     ]
+    if not best.structure.memories:  # which fits of take minutes, and nothing asks for
+        alike = [name for name in alike if not fits[name].structure.memories]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])

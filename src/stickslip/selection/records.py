@@ -170,10 +170,9 @@ def select_records(
     work = partial(_judged, plan=plan, validate=validate)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
-    errors = asked.errors if asked else ()
-    judged = [replace(c, fit=replace(c.fit, known_errors=errors)) if c.fit else c for c in judged]
+    if asked:
+        judged = [_told(c, asked) for c in judged]
     judged = with_contained(judged, chosen)
-
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
@@ -589,6 +588,13 @@ def verdict_on(
         half_estimates=halves(closest.fit),
         shown=shown,
     )
+
+
+def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
+    """Return a candidate with what the force balance says is wrong."""
+    if c.fit is None:
+        return c
+    return replace(c, fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)))
 
 
 def _agreed(
