@@ -7,8 +7,8 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, RecordSettings, fit, select
 from stickslip.errors import InputError, ParameterError
-from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.estimation.bristle_integration import Path, follow
+from stickslip.identification.sensor_response import SensorResponse
 
 LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
 AXIS = Axis(inertia=1.0)
