@@ -5,8 +5,12 @@ import pytest
 
 from stickslip import Axis, Measurement, SpringBlock
 from stickslip.evidence import SIGN, Fit, Structure, Term
-from stickslip.identification.terms.composed_laws import composed_law
+from stickslip.friction import law
+from stickslip.identification import RecordSettings
+from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.terms.composed_laws import composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
+from stickslip.selection.explained import explained
 
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
@@ -100,13 +104,6 @@ def test_factors_are_relative_to_what_they_multiply():
     assert law.level_position_harmonic == 8.0
 
 
-def test_what_no_law_has_stands_beside_it():
-    fit = fitted(level=2.0, spring=5.0, ripple=[0.1, 0.2], par={"ripple": (8.0,)})
-    found = composed_law(fit, 1.0)
-    assert found.text == "level"
-    assert sorted(one.kind for one in found.beside) == ["ripple", "spring"]
-
-
 T = 0.01 * np.arange(400.0)
 RECORD = Measurement(time=T, position=np.sin(T), force=np.cos(T))
 
@@ -137,3 +134,42 @@ def test_tables_and_free_decays_have_no_balance_at_every_sample():
     assert is_dense(axis, RECORD)
     assert not is_dense(axis, table)
     assert not is_dense(SpringBlock(mass=1.0, stiffness=1.0), decay)
+
+
+def test_a_temperature_that_each_trial_has_for_itself_is_a_covariate():
+    trials = [
+        Measurement(time=T, position=np.sin(T), friction=np.cos(T), inputs={"temperature": one})
+        for one in (20.0, 40.0 + T)
+    ]
+    first, second = dense_series(Axis(inertia=2.0), Measurement(trials=tuple(trials)), "zero", [])
+    np.testing.assert_allclose(first.covariates["temperature"], 20.0)
+    np.testing.assert_allclose(second.covariates["temperature"], 40.0 + T)
+
+
+def test_a_bristle_without_a_step_has_a_shape_too():
+    lugre = law("lugre(level) + viscous")(
+        kinetic_coefficient=2.0, bristle_stiffness=1e3, bristle_damping=1.0, viscous_coefficient=3.0
+    )
+    found = structure_of(lugre, fitted(level=1.0).structure)
+    assert found.shape("") == (2e-3, 1.0)
+
+
+def test_unknowns_that_a_balance_takes_as_known_leave_a_record_unexplained():
+    settings = RecordSettings()
+    axis = Axis(inertia=1.0, stiffness=2.0)
+    assert explained(axis, RECORD, settings, ["mechanism.stiffness"], None) is None
+
+
+def test_the_cure_adds_to_what_is_corrected_already():
+    random = np.random.default_rng(1)
+    t = np.arange(0.0, 8.0, 0.004)
+    v = 0.12 * np.cos(4.0 * t) + 0.113 * np.cos(11.3 * t)
+    x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t)
+    friction = SensorResponse(delay=0.02).shown(t, 2.0 * np.sign(v) + 3.0 * v)
+    friction = friction + 0.02 * random.normal(size=t.size)
+    record = Measurement(time=t, position=x, friction=friction)
+    half = RecordSettings(friction_delay=0.01)
+    (error,) = explained(Axis(inertia=1.0), record, half, [], None).errors
+    assert error.effect == pytest.approx(-0.01, abs=1e-3)
+    asked = float(error.consequence.partition("friction_delay=")[2].partition(")")[0])
+    assert asked == pytest.approx(0.02, abs=1e-3)

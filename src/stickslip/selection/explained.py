@@ -30,6 +30,8 @@ from stickslip.selection.candidates import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""
+FOUND = ("inertia", "mass", "offset")
+"""Ends of paths of unknowns that a force balance finds itself."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
@@ -60,10 +62,10 @@ class Explained:
 
     def errors_of(self, name: str, law: FrictionLaw) -> tuple[ModelError, ...]:
         """Return what is wrong with a law, the rig or the record."""
-        own, found = self.asked.fit_of(name, law), self.asked.explanation
+        own = self.asked.fit_of(name, law)
         if own is None or not self.rejects(name, law):
             return self.errors
-        asked = law_asked_for(self.asked.best.text, own, found, self.measurement)
+        asked = law_asked_for(self.asked, own, self.measurement)
         return (*self.errors, asked)
 
 
@@ -74,12 +76,18 @@ def explained(
     unknown: Sequence[str],
     watch: Watch | None,
 ) -> Explained | None:
-    """Return what the force balance asks for; None where none can be written down or judged."""
-    if not is_dense(mechanism, measurement):
+    """Return what the force balance asks for; None where none can be written down or judged.
+
+    Nor where parameters of the mechanism other than its mass are to be found, which the balance
+    would take as known, or where the load varies, with which only a level grows in a structure.
+    """
+    if not is_dense(mechanism, measurement) or not all(path.endswith(FOUND) for path in unknown):
         return None
     told = None if watch is None else _told(watch)
     try:
         series = dense_series(mechanism, measurement, settings.holding, unknown, settings.response)
+        if any("load" in one.covariates for one in series):
+            return None
         found = explain(series, progress=told)
     except InputError:
         return None
@@ -91,7 +99,7 @@ def explained(
         asked=asked,
         specs=_compared(asked),
         starts={name: _start(law, unknown) for name, law in asked.laws.items()},
-        errors=model_errors(found, measurement, settings.holding),
+        errors=model_errors(found, measurement, settings.holding, settings.response),
         measurement=measurement,
     )
 

@@ -193,8 +193,9 @@ def _verdict(
         outcome = trials.sentences[0]
         return f"{found}, but {lower_first(outcome)}"
     if best.fit is not None and best.fit.model_errors:
-        finding = best.fit.model_errors[0].finding
-        return f"{found}, but the model does not hold: {lower_first(finding)}"
+        first = best.fit.model_errors[0]
+        fails = "the model does not hold: " if first.share > 0.0 else ""
+        return f"{found}, but {fails}{lower_first(first.finding)}"
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:
         return f"{found}, but the two halves of the record disagree: {apart}."

@@ -145,6 +145,7 @@ def select_records(
         if route is None
         else choice_of(route, measurement, settings)
     ).with_hold(mechanism, measurement)
+    progress = progress and _until_stopped(progress)
     asked = explained(mechanism, measurement, choice.settings, parameters.unknown, progress)
     usual = laws is None and asked is None
     chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
@@ -590,6 +591,18 @@ def verdict_on(
     )
 
 
+def _until_stopped(watch: Watch) -> Watch:
+    """Return a watcher that goes on saying so once it has asked to stop."""
+    stopped: list[bool] = []
+
+    def watched(name: str, residual: float) -> bool:
+        if watch(name, residual) is False:
+            stopped.append(True)
+        return not stopped
+
+    return watched
+
+
 def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
     """Return a candidate with what the force balance says is wrong."""
     if c.fit is None:
@@ -614,7 +627,8 @@ def _agreed(
     if not allowed:
         return closest
     best = choose(allowed, uncertainty=uncertainty)
-    foretold = not asked.errors and errs_more(best, closest, uncertainty=uncertainty)
+    holds = not any(one.share > 0.0 for one in asked.errors)
+    foretold = holds and errs_more(best, closest, uncertainty=uncertainty)
     return closest if foretold else best
 
 

@@ -369,7 +369,8 @@ def _memory_is_seen(wanted: ProblemRequest) -> bool:
     stiffness = getattr(law, "bristle_stiffness", None)
     if isinstance(law, type) or not law.states or not isinstance(stiffness, float):
         return False
-    level = max(abs(float(getattr(law, name))) for name in law.fit_order if "kinetic" in name)
+    levels = [getattr(law, name) for name in law.fit_order if "kinetic" in name]
+    level = max((abs(float(one)) for one in levels if one is not None), default=0.0)
     records = wanted.measurement.records()
     noise = max(positive_noise(positions_of(record)) for record in records)
     return level > SEEN * stiffness * noise

@@ -41,8 +41,6 @@ class ComposedLaw:
     """Its composition."""
     specification: CandidateSpec
     """The candidate: the law with its start values, and which of them are looked for."""
-    beside: tuple[Term, ...]
-    """Terms that no law has: they act beside friction, or on the record."""
     constant: float
     """Constant force [N] beside friction, as mechanisms count it."""
     inertia: float | None
@@ -167,6 +165,8 @@ def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
     length = level / _value(law, made.memory, "bristle_stiffness")
     if made.memory.part.name == "dahl":
         return (length, _value(law, made.memory, "yield_exponent"))
+    if "stribeck" not in inside:
+        return (length, 1.0)
     step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
     return (length, 1.0, *_parameters_of(law, inside["stribeck"])[:1], step, 1.0)
 
@@ -181,7 +181,7 @@ def composed_law(
     structure = found.structure
     coefficients = _Coefficients.of(found, load, inertia, channel)
     for directional in (True, False):
-        text, used = _text(structure, channel, directional=directional)
+        text, _ = _text(structure, channel, directional=directional)
         if not text:
             return None
         try:
@@ -190,16 +190,10 @@ def composed_law(
             start = _started(kind, coefficients)
         except (InputError, ParameterError):
             continue
-        beside = tuple(
-            one
-            for one in structure.free
-            if one.channel in (channel, "*") and one.kind not in used and one.kind != "offset"
-        )
         free = kind.fit_order if spec.free is None else spec.free
         return ComposedLaw(
             text=text,
             specification=replace(spec, law=start, free=free),
-            beside=beside,
             constant=0.0 if kind.directional else next(iter(found.of("offset", channel)), 0.0),
             inertia=next(iter(found.of("inertia", channel)), None),
         )

@@ -1,6 +1,6 @@
 """Records as dense series, whose force balance the evidence engine explains by terms."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,8 @@ from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
-SAME = 1e-3
-"""Relative range of loads that is none."""
+VARIES = 0.05
+"""Range of a load over its median beyond which it varies."""
 
 
 def is_dense(mechanism: Mechanism, measurement: Measurement) -> bool:
@@ -53,13 +53,28 @@ def dense_series(
     The mass is a known one unless it is among what is to be found. A load that changes is a
     covariate; one that does not is left to the coefficients.
     """
+    records = measurement.records()
     loads = loads_of(mechanism, measurement)
-    varies = max(float(one.max()) for one in loads) > (1.0 + SAME) * min(
-        float(one.min()) for one in loads
-    )
+    low, middle, high = np.percentile(np.concatenate(loads), [0.0, 50.0, 100.0])
+    varies = high - low > VARIES * middle
+    inputs = [recorded_inputs(one, np.asarray(one.time, dtype=float)) for one in records]
+    # of several trials, each may have a temperature of its own
+    shared = [
+        name
+        for name in inputs[0]
+        if all(name in one for one in inputs)
+        if np.ptp(np.concatenate([one[name] for one in inputs])) > 0.0
+    ]
     return tuple(
-        _series(mechanism, record, hold, unknown, load if varies else None, response)
-        for record, load in zip(measurement.records(), loads, strict=True)
+        _series(
+            mechanism,
+            record,
+            hold,
+            unknown,
+            {**({"load": load} if varies else {}), **{name: own[name] for name in shared}},
+            response,
+        )
+        for record, load, own in zip(records, loads, inputs, strict=True)
     )
 
 
@@ -80,15 +95,11 @@ def _series(
     record: Measurement,
     hold: Hold,
     unknown: Sequence[str],
-    load: Array | None,
+    covariates: Mapping[str, Array],
     response: SensorResponse,
 ) -> Series:
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     known = record.quantities()
-    covariates = {} if load is None else {"load": load}
-    covariates |= {
-        name: column for name, column in recorded_inputs(record, time).items() if np.ptp(column) > 0
-    }
     velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
     if "friction" in known:
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))

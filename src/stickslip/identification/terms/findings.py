@@ -97,38 +97,40 @@ def errors_of(
     if isinstance(law, Laws) or not is_dense(mechanism, measurement):
         return ()
     try:
-        found = explain(dense_series(mechanism, measurement, hold, unknown, response))
+        series = dense_series(mechanism, measurement, hold, unknown, response)
+        if any("load" in one.covariates for one in series):
+            return ()
+        found = explain(series)
     except InputError:
         return ()
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
     asked = Asked.of(found, load)
-    errors = model_errors(found, measurement, hold)
+    errors = model_errors(found, measurement, hold, response)
     own = asked.fit_of(law.name, law)
-    if own is None or not asked.rejects(own):
+    if own is None or not asked.laws or not asked.rejects(own):
         return errors
-    return (*errors, law_asked_for(asked.best.text, own, found, measurement))
+    return (*errors, law_asked_for(asked, own, measurement))
 
 
-def law_asked_for(
-    wanted: str, own: Fit, found: Explanation, measurement: Measurement
-) -> ModelError:
-    """Return that the force balance asks for another law, given as a composition."""
-    scale = scale_of([own.rms, found.best.rms], measurement.unit("force"))
+def law_asked_for(asked: Asked, own: Fit, measurement: Measurement) -> ModelError:
+    """Return that the force balance asks for another law."""
+    best = asked.fits[asked.best.name]
+    scale = scale_of([own.rms, best.rms], measurement.unit("force"))
     return ModelError(
         kind="law",
         finding=(
-            f"The force balance asks for another law, {wanted}: held-out error"
-            f" {scale.error(found.best.rms)} instead of {scale.error(own.rms)}."
+            f"The force balance asks for another law, {asked.best.text}: held-out error"
+            f" {scale.error(best.rms)} instead of {scale.error(own.rms)}."
         ),
         consequence="Values of this law hold for motions like the recorded one only.",
-        effect=own.rms - found.best.rms,
+        effect=own.rms - best.rms,
         interval=(math.nan, math.nan),
-        share=1.0 - (found.best.rms / own.rms) ** 2,
+        share=1.0 - (best.rms / own.rms) ** 2,
     )
 
 
 def model_errors(
-    found: Explanation, measurement: Measurement, hold: Hold
+    found: Explanation, measurement: Measurement, hold: Hold, response: SensorResponse
 ) -> tuple[ModelError, ...]:
     """Return the faults of an explanation, the largest first, and forces that no law has.
 
@@ -137,18 +139,20 @@ def model_errors(
     """
     if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
         return (_unexplained(found, measurement),)
-    errors = [_error(one, measurement, hold) for one in found.faults]
+    errors = [_error(one, measurement, hold, response) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
         if term.kind in {"ripple", "imbalance"}
     ]
-    presliding = _late_instead(found, measurement)
+    presliding = _late_instead(found, measurement, response)
     errors += [] if presliding is None else [presliding]
     return tuple(sorted(errors, key=lambda one: -one.share))
 
 
-def _late_instead(found: Explanation, measurement: Measurement) -> ModelError | None:
+def _late_instead(
+    found: Explanation, measurement: Measurement, response: SensorResponse
+) -> ModelError | None:
     """Return that a late channel explains measured friction nearly as well as presliding, if so."""
     best = found.best
     if "friction" not in measurement.quantities() or not best.structure.memories:
@@ -157,24 +161,25 @@ def _late_instead(found: Explanation, measurement: Measurement) -> ModelError | 
         one
         for one in found.family.values()
         if one.ok and not one.structure.memories and one.rms < NEARLY * best.rms
-        if any(term.kind in SHOWN_LATE for term in one.structure.terms)
+        if one.structure.delay + one.structure.lag > 0.0
     ]
     if not late or any(term.kind in SHOWN_LATE for term in best.structure.terms):
         return None
     other = min(late, key=lambda one: one.rms)
     term = next(term for term in other.structure.terms if term.kind in SHOWN_LATE)
     scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
+    how = "better" if other.rms < best.rms else "nearly as well"
     return ModelError(
         kind="delay or presliding",
         finding=(
             f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, a law without memory"
-            f" explains the record nearly as well: held-out error {scale.error(other.rms)},"
+            f" explains the record {how}: held-out error {scale.error(other.rms)},"
             f" presliding without it {scale.error(best.rms)}."
         ),
         consequence=(
             "After a reversal, presliding ends at a displacement, and a late channel after a time:"
             " reversals at other accelerations, or a step of force on the sensor alone, tell them"
-            f" apart.{_cure(term.kind, term.par[0], measurement)}"
+            f" apart.{_cure(term.kind, term.par[0], measurement, response)}"
         ),
         effect=-term.par[0],
         interval=(math.nan, math.nan),
@@ -202,13 +207,14 @@ def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
     return f'. This is half a sample: either set hold to "{other}" ({meant}), or there is'
 
 
-def _cure(kind: str, value: float, measurement: Measurement) -> str:
-    """Return how to fit friction that a sensor shows late."""
+def _cure(kind: str, value: float, measurement: Measurement, response: SensorResponse) -> str:
+    """Return how to fit friction that a sensor shows late, beyond what is corrected already."""
     if kind not in SHOWN_LATE or "friction" not in measurement.quantities():
         return ""
+    whole = getattr(response, kind) + value
     return (
         " If the channel is late, correct for it:"
-        f" RecordSettings(friction_{kind}={value:.3g}), or --friction-{kind} {value:.3g}."
+        f" RecordSettings(friction_{kind}={whole:.3g}), or --friction-{kind} {whole:.3g}."
     )
 
 
@@ -227,7 +233,9 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
     )
 
 
-def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
+def _error(
+    fault: Fault, measurement: Measurement, hold: Hold, response: SensorResponse
+) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
     ends = fault.interval or (math.nan, math.nan)
@@ -248,7 +256,7 @@ def _error(fault: Fault, measurement: Measurement, hold: Hold) -> ModelError:
         finding=finding,
         consequence=(
             f"It explains {sized.force} of the force, {percent(fault.share)} of the friction."
-            f" {UNSAID}{_cure(kind, value, measurement)}"
+            f" {UNSAID}{_cure(kind, value, measurement, response)}"
         ),
         effect=effect,
         interval=(float(limits[0]), float(limits[1])),
@@ -351,8 +359,6 @@ def _late(sized: _Sized) -> str:
 
 
 def _saturated(sized: _Sized) -> str:
-    if sized.measured:
-        return f"Force beyond {sized.text} is missing from the record: the sensor saturates"
     return f"Force that was recorded beyond {sized.text} does not act: the amplifier saturates"
 
 
@@ -382,7 +388,8 @@ SAID: Final[Mapping[str, Callable[[_Sized], str]]] = {
         f"Part of the inertia is coupled elastically, with a resonance at {s.text}"
     ),
     "spring": lambda s: (
-        f"A force {_rises(s)} with position by {s.text}: the mechanism lacks a spring"
+        f"A force {_rises(s)} with position by {s.text}"
+        f"{'' if s.measured else ': the mechanism lacks a spring'}"
     ),
     "drift": lambda s: f"The friction level {_rises(s)} by {s.text} over the record",
     "offset_drift": lambda s: (
