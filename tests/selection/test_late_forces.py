@@ -51,7 +51,7 @@ def late():
 def test_friction_that_is_recorded_late_is_not_called_presliding(late):
     assert late.closest.name == "coulomb-viscous"  # though Dahl predicts as well, without a delay
     assert not late.sentence.startswith("Use")
-    assert "the recorded force lags the motion by 20" in late.sentence
+    assert "the recorded force lags the motion by " in late.sentence
 
 
 def test_the_delay_has_an_interval_and_a_cure(late):
@@ -90,8 +90,8 @@ def test_presliding_that_is_recorded_late_is_named_with_its_delay():
 def test_the_force_balance_shows_how_late_friction_is_recorded(response):
     found = fit(AXIS, CoulombViscous, record(response), settings=QUICK)
     error = found.model_errors[0]
-    assert error.kind == "delay"
-    # of a motion that is 20 ms late the sign is the other one; a filter is a delay to first order
+    assert error.kind == ("lag" if response.lag else "delay")
+    # of a motion that is 20 ms late the sign is the other one; noise biases the slope of a filter
     assert error.effect == pytest.approx(-response.late, rel=0.15)
 
 
