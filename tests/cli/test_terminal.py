@@ -306,14 +306,14 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
             watch(name, 0.5)
         clock.now = 400.0
         watch("lugre", 0.4)
-        watch("block 1 of 8", 0.4)
+        watch("held-out block 1 of 8", 0.4)
     lines = capsys.readouterr().err.splitlines()
     assert lines == [
         "Fitting coulomb (law 1 of 3) ...",
         "Fitting stribeck (law 2 of 3) ...",
         "Fitting lugre (law 3 of 3, 6 s) ...",
         "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
-        "Validating on block 1 of 8 (6 min 40 s) ...",
+        "Validating on held-out block 1 of 8 (6 min 40 s) ...",
     ]
 
 
