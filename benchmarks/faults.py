@@ -37,6 +37,7 @@ from stickslip.identification.settings import RecordSettings
 
 RESULTS = "faults.jsonl"
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
+LATE = ("delay", "late or elastic")
 USUAL = ("effective size",)
 """Kinds of findings of `check` that clean records have as well: they state no fault."""
 TRIED = 20
@@ -194,13 +195,13 @@ FAULTS: Mapping[str, Fault] = {
         machine=lambda m, r: replace(
             m, split=0.5, frequency=60.0, gap=_stroke(m) * float(r.uniform(0.01, 0.03))
         ),
-        named=("after reversals", "vibration", "flexibility"),
+        named=("backlash", "late or elastic"),
     ),
     "flexible-coupling": Fault(
         machine=lambda m, r: replace(
             m, split=float(r.uniform(0.4, 0.7)), frequency=float(r.uniform(6.0, 25.0))
         ),
-        named=("vibration", "flexibility"),
+        named=("flexibility", "late or elastic"),
     ),
     "unknown-spring": Fault(machine=_spring, named=("position force", "spring")),
     "cogging": Fault(machine=_cogging, named=("position force",)),
@@ -208,15 +209,15 @@ FAULTS: Mapping[str, Fault] = {
     "gravity": Fault(machine=_gravity, free=("mechanism.offset",)),
     "wrong-mass": Fault(mass=0.85, named=("inertia",)),
     "sensor-delay": Fault(
-        machine=lambda m, _r: replace(m, position_delay=0.012), named=("delay",)
+        machine=lambda m, _r: replace(m, position_delay=0.012), named=LATE
     ),
-    "actuator-delay": Fault(machine=lambda m, _r: replace(m, force_delay=0.006), named=("delay",)),
-    "amplifier-lag": Fault(machine=lambda m, _r: replace(m, force_lag=0.008), named=("delay",)),
+    "actuator-delay": Fault(machine=lambda m, _r: replace(m, force_delay=0.006), named=LATE),
+    "amplifier-lag": Fault(machine=lambda m, _r: replace(m, force_lag=0.008), named=LATE),
     "sensor-low-pass": Fault(
-        machine=lambda m, _r: replace(m, position_lag=0.008), named=("delay",)
+        machine=lambda m, _r: replace(m, position_lag=0.008), named=LATE
     ),
     "clock-skew": Fault(record=_late_clock, named=("clock",)),
-    "stale-force": Fault(record=_stale, named=("delay", "held samples")),
+    "stale-force": Fault(record=_stale, named=(*LATE, "held samples")),
     "clipped-force": Fault(
         machine=lambda m, r: replace(m, force_limit=float(r.uniform(0.5, 0.7)), closed=False),
         named=("force limit",),
@@ -233,12 +234,12 @@ FAULTS: Mapping[str, Fault] = {
     "outliers": Fault(record=_outlying, named=("jump",)),
     "level-drift": Fault(machine=_drift, named=DRIFTS),
     "warm-up": Fault(machine=_warm, named=DRIFTS),
-    "place-dependence": Fault(machine=_placed, named=("position friction",)),
+    "place-dependence": Fault(machine=_placed, named=("law",)),
     "asymmetry": Fault(
-        machine=_asymmetric, named=("asymmetry",), free=("mechanism.offset",)
+        machine=_asymmetric, named=("law",), free=("mechanism.offset",)
     ),
     "stribeck-peak": Fault(
-        machine=_peak, named=("speed",), free=("friction.kinetic_coefficient",)
+        machine=_peak, named=("law",), free=("friction.kinetic_coefficient",)
     ),
 }  # fmt: skip
 """What is built in, by name."""

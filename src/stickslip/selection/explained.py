@@ -5,10 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
-from stickslip.errors import InputError
-from stickslip.evidence import TERMS, Fit, Structure, explain
+from stickslip.evidence import TERMS, Fit, Structure
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
 from stickslip.identification import (
@@ -18,11 +15,8 @@ from stickslip.identification import (
     FittedLaw,
     ModelError,
     RecordSettings,
-    dense_series,
-    is_dense,
-    law_asked_for,
-    loads_of,
-    mass_of,
+    asked_of,
+    errors_of,
     model_errors,
 )
 from stickslip.mechanisms import Mechanism
@@ -52,8 +46,8 @@ class Explained:
     """Where searches of candidates begin, by name."""
     errors: tuple[ModelError, ...]
     """What is wrong with the rig or the record."""
-    measurement: Measurement
-    """What was explained."""
+    unit: str
+    """Of held-out errors of the balance."""
 
     def rejects(self, name: str, law: FrictionLaw | None) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
@@ -62,11 +56,7 @@ class Explained:
 
     def errors_of(self, name: str, law: FrictionLaw) -> tuple[ModelError, ...]:
         """Return what is wrong with a law, the rig or the record."""
-        own = self.asked.fit_of(name, law)
-        if own is None or not self.rejects(name, law):
-            return self.errors
-        asked = law_asked_for(self.asked, own, self.measurement)
-        return (*self.errors, asked)
+        return errors_of(self.asked, law, name, self.errors, self.unit)
 
 
 def explained(
@@ -79,28 +69,21 @@ def explained(
     """Return what the force balance asks for; None where none can be written down or judged.
 
     Nor where parameters of the mechanism other than its mass are to be found, which the balance
-    would take as known, or where the load varies, with which only a level grows in a structure.
+    would take as known.
     """
-    if not is_dense(mechanism, measurement) or not all(path.endswith(FOUND) for path in unknown):
+    if not all(path.endswith(FOUND) for path in unknown):
         return None
     told = None if watch is None else _told(watch)
-    try:
-        series = dense_series(mechanism, measurement, settings.holding, unknown, settings.response)
-        if any("load" in one.covariates for one in series):
-            return None
-        found = explain(series, progress=told)
-    except InputError:
-        return None
-    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    asked = Asked.of(found, load, mass_of(mechanism))
-    if not asked.laws:
+    channel = settings.holding, unknown, settings.response
+    asked = asked_of(mechanism, measurement, *channel, progress=told)
+    if asked is None:
         return None
     return Explained(
         asked=asked,
         specs=_compared(asked),
         starts={name: _start(law, unknown) for name, law in asked.laws.items()},
-        errors=model_errors(found, measurement, settings.holding, settings.response),
-        measurement=measurement,
+        errors=model_errors(asked.explanation, measurement, settings.holding, settings.response),
+        unit=measurement.unit("force"),
     )
 
 

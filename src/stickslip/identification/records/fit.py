@@ -43,7 +43,7 @@ from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
-from stickslip.identification.terms.findings import errors_of
+from stickslip.identification.terms.findings import asked_of, errors_of, model_errors
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
@@ -281,10 +281,16 @@ class RecordFit(Fit[AnyLaw_co]):
             return self.known_errors
         if self.at_noise:
             return ()
+        if isinstance(self.law, Laws):
+            return ()
         hold = self.hold.hold if self.hold else "zero"
         unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
-        response = self.problem.response
-        return errors_of(self.mechanism, self.law, self.measurement, hold, unknown, response)
+        asked = asked_of(self.mechanism, self.measurement, hold, unknown, self.problem.response)
+        if asked is None:
+            return ()
+        found = model_errors(asked.explanation, self.measurement, hold, self.problem.response)
+        unit = self.measurement.unit("force")
+        return errors_of(asked, self.law, self.law.name, found, unit)
 
     @property
     def friction_was_measured(self) -> bool:

@@ -101,8 +101,16 @@ class Asked:
         return None if structure is None else fit(self.explanation.balance, structure)
 
 
-PARTS = {"level": "level", "viscous": "viscous", "power": "power", "drag": "quadratic"}
+PARTS = {
+    "level": "level",
+    "stribeck": "stribeck",
+    "viscous": "viscous",
+    "power": "power",
+    "drag": "quadratic",
+}
 """Kinds of terms, by the parts of laws that they are."""
+TWO_SIDED = ("stribeck", "viscous", "power")
+"""Kinds with a difference between the directions of their own; that of levels is an offset."""
 
 
 def structure_of(law: FrictionLaw, best: Structure, channel: str = "") -> Structure | None:
@@ -115,26 +123,19 @@ def structure_of(law: FrictionLaw, best: Structure, channel: str = "") -> Struct
         return None
     # a level that ends with rest is none along a motion
     leaves = [one for one in (*made.inside, *made.outside) if one.part.name not in OPTIONAL]
-    if made.factors or any(leaf.part.name not in {*PARTS, "stribeck"} for leaf in leaves):
+    if made.factors or any(leaf.part.name not in PARTS for leaf in leaves):
         return None
     if any(leaf.sign is not None for leaf in leaves):
         return None
-    _, used = _text(best, channel, directional=True)
-    rest = {*used, "level", "stribeck", "viscous", "power", "quadratic", *DIRECTIONAL}
+    rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
-    root = Term("load", (), channel, "load") if best.has("load", channel) else None
     for leaf in leaves:
-        name = leaf.part.name
-        both = any(isinstance(one, tuple) for one in leaf.names.values())
-        if name == "level":
-            terms += [root or Term("level", (), channel)]
+        if leaf.part.name == "stribeck" and made.memory and made.memory.part.name == "lugre":
             continue
-        kind = PARTS.get(name, name)
-        par = _parameters_of(law, leaf)
-        if name == "stribeck" and made.memory and made.memory.part.name == "lugre":
-            continue
+        kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
         terms += [Term(kind, par, channel)]
-        terms += [Term(f"{kind}_dir", par, channel)] if both and kind != "quadratic" else []
+        both = any(isinstance(one, tuple) for one in leaf.names.values())
+        terms += [Term(f"{kind}_dir", par, channel)] if both and kind in TWO_SIDED else []
     if made.directional and not any(one.kind == "offset" for one in terms):
         terms += [Term("offset", (), channel)]
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
@@ -181,7 +182,7 @@ def composed_law(
     structure = found.structure
     coefficients = _Coefficients.of(found, load, inertia, channel)
     for directional in (True, False):
-        text, _ = _text(structure, channel, directional=directional)
+        text = _text(structure, channel, directional=directional)[0]
         if not text:
             return None
         try:
@@ -219,7 +220,7 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     terms, shape = _of(structure, channel), structure.shape(channel)
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
     levels, flow = _levels(structure, channel, terms), _flow(terms)
-    used = {"level", "load", "second", *both}
+    used = {"level", "second", *both}
     used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
@@ -245,7 +246,7 @@ def _sides(both: set[str]) -> tuple[bool, bool]:
 
 
 def _levels(structure: Structure, channel: str, terms: Mapping[str, Term]) -> str:
-    if not {"level", "load"} & set(terms):
+    if "level" not in terms:
         return ""
     level = "level"
     level += "".join(
@@ -322,23 +323,17 @@ class _Coefficients:
             ]
             return own[index] if own else 0.0
 
-        own = 1.0 if "load" in terms else load
-        level = of("load") + of("level") / (load if "load" in terms else 1.0)
-        level += of("second") / (load if "load" in terms else 1.0)
         both = any(kind in terms for kind in DIRECTIONAL)
+        level = max(of("level") + of("second"), LEAST)
         constant = of("level_dir") + (of("offset") if both else 0.0)
-        constant /= load if "load" in terms else 1.0
-        level = max(level, LEAST)
-        sides = [max(level + s * constant, LEAST) / own for s in (1.0, -1.0)]
-        steps = [max(of("stribeck") + s * of("stribeck_dir"), 0.0) for s in (1.0, -1.0)]
-        steps = [one / (load if "load" in terms else 1.0) / own for one in steps]
+        sides = [max(level + s * constant, LEAST) / load for s in (1.0, -1.0)]
+        steps = [max(of("stribeck") + s * of("stribeck_dir"), 0.0) / load for s in (1.0, -1.0)]
         if len(shape) == 5:
             steps = [shape[3] * one for one in sides]
         velocity, fading = _fading(terms, shape)
         flow = "power" if {"power", "power_dir"} & set(terms) else "viscous"
         slopes = [max(of(flow) + s * of(f"{flow}_dir"), 0.0) for s in (1.0, -1.0)]
         exponent = next((t.par[0] for k, t in terms.items() if k in ("power", "power_dir")), 1.0)
-        first = sides[0] if sides[0] == sides[1] else 0.5 * sum(sides)
         values: dict[tuple[str, str], float | Sides] = {
             ("level", "kinetic_coefficient"): (sides[0], sides[1]),
             ("stribeck", "static_coefficient"): (sides[0] + steps[0], sides[1] + steps[1]),
@@ -350,13 +345,13 @@ class _Coefficients:
             ("drag", "quadratic_coefficient"): max(of("quadratic"), 0.0),
         }
         if shape != SIGN:
-            stiffness = first / shape[0]
+            stiffness = 0.5 * sum(sides) / shape[0]
             mass = inertia if inertia else 1.0
             values["*", "bristle_stiffness"] = stiffness
             dahl = abs(shape[1] - 1.0) <= LIKE_DAHL or len(shape) == 5
             values["*", "yield_exponent"] = 1.0 if dahl else shape[1]
-            critical = 2.0 * math.sqrt(stiffness * own * mass)
-            values["*", "bristle_damping"] = DAMPED * critical / own
+            critical = 2.0 * math.sqrt(stiffness * load * mass)
+            values["*", "bristle_damping"] = DAMPED * critical / load
         values |= _factors(terms, of, level)
         return cls(values=values)
 

@@ -21,9 +21,10 @@ from stickslip.evidence import (
 )
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
@@ -60,7 +61,6 @@ CALLED: Final[Mapping[str, str]] = {
     "viscous_drift": "a drift of the viscous friction",
     "saturation": "saturation of the force",
     "mass": "another mass",
-    "ripple": "a force that depends on position",
 }
 """Kinds as nouns."""
 
@@ -82,40 +82,46 @@ class _Sized:
     """Whether friction itself was measured."""
 
 
-def errors_of(
+def asked_of(
     mechanism: Mechanism,
-    law: FrictionLaw | Laws,
     measurement: Measurement,
     hold: Hold,
     unknown: Sequence[str],
     response: SensorResponse,
-) -> tuple[ModelError, ...]:
-    """Return what the force balance of a record says of a fitted law, of the rig and the record.
+    progress: Callable[[float, str], None] | None = None,
+) -> Asked | None:
+    """Return the laws that the force balance of a record asks for; None where it cannot be judged.
 
-    Nothing where no force balance can be written down, or none that can be judged.
+    Nor where the load varies, with which only a level grows in a structure.
     """
-    if isinstance(law, Laws) or not is_dense(mechanism, measurement):
-        return ()
+    if not is_dense(mechanism, measurement):
+        return None
+    series = dense_series(mechanism, measurement, hold, unknown, response)
+    if any("load" in one.covariates for one in series):
+        return None
     try:
-        series = dense_series(mechanism, measurement, hold, unknown, response)
-        if any("load" in one.covariates for one in series):
-            return ()
-        found = explain(series)
+        found = explain(series, progress=progress)
     except InputError:
-        return ()
+        return None
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    asked = Asked.of(found, load)
-    errors = model_errors(found, measurement, hold, response)
-    own = asked.fit_of(law.name, law)
-    if own is None or not asked.laws or not asked.rejects(own):
-        return errors
-    return (*errors, law_asked_for(asked, own, measurement))
+    asked = Asked.of(found, load, mass_of(mechanism))
+    return asked if asked.laws else None
 
 
-def law_asked_for(asked: Asked, own: Fit, measurement: Measurement) -> ModelError:
+def errors_of(
+    asked: Asked, law: FrictionLaw, name: str, errors: Sequence[ModelError], unit: str
+) -> tuple[ModelError, ...]:
+    """Return what is wrong with rig and record, and which law the balance asks for instead."""
+    own = asked.fit_of(name, law)
+    if own is None or name == asked.best.name or not asked.rejects(own):
+        return tuple(errors)
+    return (*errors, _law_asked_for(asked, own, unit))
+
+
+def _law_asked_for(asked: Asked, own: Fit, unit: str) -> ModelError:
     """Return that the force balance asks for another law."""
     best = asked.fits[asked.best.name]
-    scale = scale_of([own.rms, best.rms], measurement.unit("force"))
+    scale = scale_of([own.rms, best.rms], unit)
     return ModelError(
         kind="law",
         finding=(
@@ -223,7 +229,7 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
     return ModelError(
         kind="unexplained",
         finding=(
-            f"No law, and no fault that is looked for, explains {force} of the force,"
+            f"No law and no fault that was tried explains {force} of the force,"
             f" {percent(found.left)} of the friction."
         ),
         consequence=UNSAID,
