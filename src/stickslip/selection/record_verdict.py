@@ -85,6 +85,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     curve: CrossValidation | None = None
     """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
+    otherwise: Mapping[str, str] = field(default_factory=dict)
+    """Titles of laws that explain a table as well if one of its rows is in error, by name."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -147,6 +149,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
             "curve_score": self.curve.score if self.curve else None,
+            "otherwise": dict(self.otherwise),
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,

@@ -25,7 +25,7 @@ from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
 from stickslip.selection.design.discriminating_settings import Proposal
-from stickslip.selection.limits import limit_of
+from stickslip.selection.identifiable import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
 from stickslip.selection.wording import UNMEASURED, held_out_text, not_distinguished

@@ -279,9 +279,8 @@ class RecordFit(Fit[AnyLaw_co]):
         """
         if self.known_errors is not None:
             return self.known_errors
-        if self.at_noise:
-            return ()
-        if isinstance(self.law, Laws):
+        timed = any(record.time is not None for record in self.measurement.records())
+        if not timed or isinstance(self.law, Laws) or self.at_noise:
             return ()
         hold = self.hold.hold if self.hold else "zero"
         unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
