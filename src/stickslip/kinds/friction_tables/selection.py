@@ -5,7 +5,7 @@ from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import final
+from typing import Final, final
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement, with_doubts, without_row
@@ -32,7 +32,8 @@ from stickslip.selection import (
     without_stated,
 )
 
-ROUTE = "force-map"
+ROUTE: Final = "force-map"
+"""Route of fits to friction that was measured."""
 Laws = Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None
 
 

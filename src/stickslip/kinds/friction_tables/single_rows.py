@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
+import scipy.stats
 from numpy.typing import NDArray
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
 from stickslip.identification import ModelError, RecordFit, positions_of, refitted
-from stickslip.selection import APART, NEAR, ROUNDING, RecordCandidate, apart
+from stickslip.selection import APART, ROUNDING, RecordCandidate, apart
 
 Array = NDArray[np.float64]
 
@@ -21,11 +22,13 @@ MOST: Final = 2
 ALONE: Final = 0.9
 """Share of the variance of a prediction that comes from the row itself, from which it decides a
 parameter alone; what is held out is then predicted with a value that nothing else tells."""
+LEAST: Final = 1e-300
+"""Stands for 0 in ratios."""
 CUTOFF: Final = 1e-10
 """Singular values over the largest one below which a parameter has no effect."""
-OFF: Final = 6.0
-"""Distance of a row from a law that was fitted to the others, over their held-out error, from which
-it is none of the law's."""
+CHANCE: Final = 5e-4
+"""Chance that the errors of some row of a table are as far off the law of the others as one that is
+none of the law's; Student's t of what the others leave, for errors alike and in proportion."""
 SURELY: Final = 2.0
 """Standard errors by which the others have to be predicted better without it ..."""
 SHARE: Final = 0.10
@@ -42,11 +45,11 @@ class WithoutRow:
     distance: float
     """How far the row lies from the law that was fitted to the others [N]."""
     error: float
-    """Root mean square held-out error of the others [N]."""
+    """Root mean square held-out error of the others, and of what they predict of the row [N]."""
     wrong: bool
     """Whether no law has the row: it is far off, and spoils the prediction of the others."""
     otherwise: bool
-    """Whether the law rests on the row: without it, another one explains the others as well."""
+    """Whether the law rests on the row: without it, a simpler one explains the others as well."""
 
     @classmethod
     def of(
@@ -59,19 +62,26 @@ class WithoutRow:
         without = row_losses(rest.fit)
         error = math.sqrt(float(np.mean(without)))
         distance = float(rest.fit.predict(measurement).residual[row])
-        far = abs(distance) > OFF * error
-        fewer = rest.parameters < whole.parameters
+        wider = math.sqrt(1.0 + _leverage(rest.fit, measurement, row))
+        error *= wider
+        friction = np.abs(np.asarray(measurement.friction, dtype=float))
+        shares = without / np.maximum(np.delete(friction, row), LEAST) ** 2
+        share = wider * math.sqrt(float(np.mean(shares)))
+        times = min(
+            abs(distance) / max(error, LEAST),
+            abs(distance) / max(friction[row], LEAST) / max(share, LEAST),
+        )
+        freedom = max(len(without) - rest.parameters, 1)
+        far = 2.0 * float(scipy.stats.t.sf(times, freedom)) * len(friction) < CHANCE
         return cls(
             row=row,
             distance=distance,
             error=error,
-            wrong=far and _worse(with_it, without, SURELY, SHARE),
-            otherwise=rest.name != whole.name
-            and (
-                not _worse(without, with_it, APART, 0.0)
-                if fewer
-                else _worse(with_it, without, NEAR, 0.0)
-            ),
+            wrong=far
+            and (_is_between(measurement, row) or rest.parameters <= whole.parameters)
+            and _worse(with_it, without, SURELY, SHARE),
+            otherwise=rest.parameters < whole.parameters
+            and not _worse(without, with_it, APART, 0.0),
         )
 
     def finding(self, measurement: Measurement) -> ModelError:
@@ -98,12 +108,31 @@ class WithoutRow:
         )
 
 
+def _is_between(measurement: Measurement, row: int) -> bool:
+    """Whether slower and faster rows of its direction surround a row: else laws extrapolate to it.
+
+    A law that has no reason to have a part more without the last row would predict that row badly.
+    """
+    v = np.asarray(measurement.velocity, dtype=float)
+    others = np.abs(np.delete(v, row)[np.sign(np.delete(v, row)) == np.sign(v[row])])
+    return bool(np.any(others <= abs(v[row])) and np.any(others >= abs(v[row])))
+
+
+def _leverage(fit: RecordFit, measurement: Measurement, row: int) -> float:
+    """Return the variance of the prediction of a row over that of the readings of a fit."""
+    own = fit.build(measurement, None).linearise(fit.values).slopes[row]
+    slopes = fit.optimum.best.slopes
+    size = np.maximum(np.linalg.norm(slopes, axis=0), LEAST)
+    inverse = np.linalg.pinv((slopes / size).T @ (slopes / size), rcond=CUTOFF, hermitian=True)
+    return float((own / size) @ inverse @ (own / size))
+
+
 def suspects(closest: RecordCandidate, stated: float) -> list[int]:
     """Return the rows that a law predicts far worse than the others, or that it follows alone.
 
     None that is within its stated uncertainty [N], or within rounding.
     """
-    if closest.fit is None or closest.fit.measurement.trials:
+    if closest.fit is None or closest.fit.measurement.trials or closest.fit.optimum.cancelled:
         return []
     losses = row_losses(closest.fit)
     others = (losses.sum() - losses) / (len(losses) - 1)
