@@ -297,7 +297,8 @@ def _lede(
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
     for error in fit.model_errors:
-        text += f" {error.consequence if error.finding in said else error}"
+        known = lower_first(error.finding) in said
+        text += f" {error.consequence if known else error}"
     route = route_text(fit)
     text += f" {route}" if route else ""
     closer = [
