@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tools.structure import TABLE, watched
 
 from stickslip import Axis, CoulombViscous, Measurement, fit, select
 from stickslip.errors import InputError
@@ -104,3 +105,9 @@ def test_a_table_is_a_kind_of_its_own_that_records_serve_where_a_route_is_asked_
     assert type(kind_of(table)).__name__ == "FrictionTableKind"
     assert kind_of(table, "force-map") is kind_of(table)
     assert "shooting" in kind_of(table, "shooting").routes
+
+
+def test_a_selection_is_three_frames_from_its_algorithm_and_runs_few_modules():
+    seen = watched(TABLE)
+    assert seen["frames"] == 3
+    assert seen["modules"] <= 85  # 97 before tables were a kind of their own
