@@ -51,7 +51,7 @@ from stickslip.report import Origin, Page, render
 from stickslip.selection import Verdict
 
 if TYPE_CHECKING:
-    from stickslip.selection import TravelCandidate, TravelVerdict
+    from stickslip.kinds import TravelCandidate, TravelVerdict
 
 BETWEEN = r",(?![^\[]*\])"
 """Commas between laws: those in brackets are of one law."""

@@ -14,7 +14,7 @@ from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.joints import JointKind
 from stickslip.kinds.kind import Kind, Options
 from stickslip.kinds.records import RecordKind
-from stickslip.kinds.travels import TravelKind
+from stickslip.kinds.travels.kind import TravelKind
 from stickslip.kinds.velocity_steps.kind import VelocityStepKind
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import name_taken, plugins

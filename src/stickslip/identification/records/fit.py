@@ -42,9 +42,9 @@ from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
+from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.terms.findings import asked_of, errors_of, model_errors
-from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.tables import Tabular
