@@ -134,6 +134,7 @@ class Balance:
             a=still,
             raw=f,
             force=f,
+            taken=still,
             covariates=columns,
             extra={},
             references=found.references,
@@ -255,16 +256,7 @@ class Balance:
             return self.force
         key = (delay, lag)
         if key not in self._late:
-            self._late[key] = np.concatenate(
-                [
-                    np.interp(
-                        one.t[:: one.every] + delay,
-                        one.t,
-                        one.force + lag * np.gradient(one.force, one.h) if lag else one.force,
-                    )
-                    for one in self.parts
-                ]
-            )
+            self._late[key] = np.concatenate([_shown(one, delay, lag) for one in self.parts])
         return self._late[key]
 
     @contextmanager
@@ -279,6 +271,14 @@ class Balance:
             for one, size in zip(kept, sizes, strict=True):
                 while len(one) > size:
                     one.popitem()  # the last that was made
+
+
+def _shown(one: Part, delay: float, lag: float) -> Array:
+    """Return the forces (m,) that a channel shows late, less what the known motion takes."""
+    whole = one.force + one.taken
+    shown = whole + lag * np.gradient(whole, one.h) if lag else whole
+    found: Array = np.interp(one.t[:: one.every] + delay, one.t, shown)
+    return found - one.taken[:: one.every]
 
 
 def _length(piece: Series) -> float:
