@@ -5,7 +5,7 @@ linear in the rest, so that a hypothesis costs one small least-squares problem. 
 and swaps terms, and one rule judges every change on held-out blocks.
 """
 
-from stickslip.evidence.balance import Balance
+from stickslip.evidence.balance import Balance, usual_band
 from stickslip.evidence.bristles import SIGN, Shape, play
 from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
@@ -13,7 +13,7 @@ from stickslip.evidence.fits import Fit, fit
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import resolution
 from stickslip.evidence.rule import Rule
-from stickslip.evidence.series import Series
+from stickslip.evidence.series import Series, pieces
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.vocabulary import vocabulary
@@ -37,8 +37,10 @@ __all__ = [
     "begin",
     "explain",
     "fit",
+    "pieces",
     "play",
     "predict",
     "resolution",
+    "usual_band",
     "vocabulary",
 ]

@@ -75,7 +75,7 @@ class Balance:
             raise InputError(
                 "the force balance needs a piece of at least 64 samples without a gap."
             )
-        self.fc: float = like.fc if like else fc or _usual_band(measured)
+        self.fc: float = like.fc if like else fc or usual_band(measured)
         measured = [one for one in measured if _length(one) * self.fc > SHORTEST]
         _check_length(measured, self.fc, [] if like else series)
         self.spans: Spans = like.spans if like else _spans(measured)
@@ -285,8 +285,8 @@ def _length(piece: Series) -> float:
     return float(piece.t[-1] - piece.t[0])
 
 
-def _usual_band(measured: Sequence[Series]) -> float:
-    """Return the least band of all channels: in each, that of most of its time.
+def usual_band(measured: Sequence[Series]) -> float:
+    """Return the least band [Hz] of all channels of pieces: in each, that of most of its time.
 
     It is wider where so narrow a band would leave nothing to hold out.
     """

@@ -172,7 +172,7 @@ def select_records(
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     if asked:
-        judged = [_told(c, asked) for c in judged]
+        judged = [with_errors(c, asked) for c in judged]
     judged = with_contained(judged, chosen)
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
@@ -603,7 +603,7 @@ def _until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
+def with_errors(c: RecordCandidate, asked: Explained) -> RecordCandidate:
     """Return a candidate with what the force balance says is wrong."""
     if c.fit is None:
         return c
