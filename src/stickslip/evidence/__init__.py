@@ -12,6 +12,7 @@ from stickslip.evidence.faults import Fault
 from stickslip.evidence.fits import Fit, fit
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import resolution
+from stickslip.evidence.part import acceleration_noise
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, pieces
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
@@ -34,6 +35,7 @@ __all__ = [
     "Shape",
     "Structure",
     "Term",
+    "acceleration_noise",
     "begin",
     "explain",
     "fit",

@@ -64,7 +64,7 @@ class Part:
     force: Array
     """Forces (n,) in the band, at the times at which they act, without those that are taken."""
     taken: Array
-    """Forces (n,) in the band that the motion of what is known takes: no channel shows them late."""
+    """Forces (n,) in the band that known motion takes, which no channel shows late."""
     covariates: Mapping[str, Array]
     """Covariates (n,) in the band."""
     extra: Mapping[str, Array]
@@ -109,6 +109,12 @@ class Part:
         if lugre:
             found = lugre_states(self.path, self.v, lugre, self.start)
             self.states.update(zip(lugre, np.ascontiguousarray(found.T), strict=True))
+
+
+def acceleration_noise(part: Part, fc: float) -> float:
+    """Return the standard deviation that noise of the position gives the acceleration in a band."""
+    sigma = part.resolved / RESOLVED
+    return sigma * math.sqrt(2.0 * part.h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
 
 
 def part_of(

@@ -49,6 +49,9 @@ class Explained:
     """What is wrong with the rig or the record."""
     unit: str
     """Of held-out errors of the balance."""
+    decides: bool = False
+    """Whether its law is named whatever the candidates predict: where that is the same force along
+    the same motion, of which the balance alone knows rests and reversals."""
 
     @classmethod
     def of(
@@ -57,6 +60,8 @@ class Explained:
         measurement: Measurement,
         settings: RecordSettings,
         unknown: Sequence[str] = (),
+        *,
+        decides: bool = False,
     ) -> "Explained":
         """Return what the laws of an explanation are for a selection."""
         return cls(
@@ -67,6 +72,7 @@ class Explained:
                 asked.explanation, measurement, settings.holding, settings.response
             ),
             unit=measurement.unit("force"),
+            decides=decides,
         )
 
     def rejects(self, name: str, law: FrictionLaw | None) -> bool:

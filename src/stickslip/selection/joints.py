@@ -162,7 +162,10 @@ def _explained(fitter: JointFitter, watch: Watch | None) -> dict[str, Explained]
 
     return {
         fitter.contacts[joint]: Explained.of(
-            one, joint_record(fitter.mechanism, fitter.measurement, joint), fitter.settings
+            one,
+            joint_record(fitter.mechanism, fitter.measurement, joint),
+            fitter.settings,
+            decides=True,
         )
         for joint, one in fitter.asked(told).items()
     }

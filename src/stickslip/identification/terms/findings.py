@@ -12,12 +12,12 @@ from stickslip.errors import InputError
 from stickslip.evidence import (
     LATE_OR_ELASTIC,
     SHOWN_LATE,
-    Balance,
     Explanation,
     Fault,
     Fit,
     Series,
     Term,
+    acceleration_noise,
     explain,
     pieces,
     resolution,
@@ -58,7 +58,7 @@ NEARLY: Final = 1.5
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
-"""... or so many times the noise of the force sensor in the band."""
+"""... or so many times the noise of the sensors in the band."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -194,7 +194,7 @@ def model_errors(
     Where much is left unexplained no cause is named: that of the nearest structure would be a
     guess.
     """
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
         return (_unexplained(found, measurement),)
     errors = [_error(one, measurement, hold, response) for one in found.faults]
     errors += [
@@ -244,12 +244,15 @@ def _late_instead(
     )
 
 
-def _noise(balance: Balance) -> float:
-    """Return the noise of the force sensor in the band [N]."""
-    found = [
-        resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
-    ]
-    return max(found)
+def _noise(found: Explanation) -> float:
+    """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
+    balance, best = found.balance, found.best
+    each = []
+    for one in balance.parts:
+        inertia = one.mass or sum(best.of("inertia", one.channel))
+        force = resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0))
+        each.append(math.hypot(force, inertia * acceleration_noise(one, balance.fc)))
+    return max(each)
 
 
 def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
