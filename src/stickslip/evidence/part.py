@@ -62,7 +62,9 @@ class Part:
     raw: Array
     """Measured forces (n,)."""
     force: Array
-    """Forces (n,) in the band, at the times at which they act."""
+    """Forces (n,) in the band, at the times at which they act, without those that are taken."""
+    taken: Array
+    """Forces (n,) in the band that known motion takes, which no channel shows late."""
     covariates: Mapping[str, Array]
     """Covariates (n,) in the band."""
     extra: Mapping[str, Array]
@@ -109,6 +111,12 @@ class Part:
             self.states.update(zip(lugre, np.ascontiguousarray(found.T), strict=True))
 
 
+def acceleration_noise(part: Part, fc: float) -> float:
+    """Return the standard deviation that noise of the position gives the acceleration in a band."""
+    sigma = part.resolved / RESOLVED
+    return sigma * math.sqrt(2.0 * part.h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
+
+
 def part_of(
     piece: Series,
     fc: float,
@@ -135,6 +143,9 @@ def part_of(
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
     a = derivative(speed, h)
+    taken = (s.mass or 0.0) * a
+    if s.taken is not None:
+        taken = taken + passed(own, s.taken)
     return Part(
         channel=s.channel,
         inertia=s.inertia,
@@ -150,7 +161,8 @@ def part_of(
         v=v,
         a=a,
         raw=s.force,
-        force=passed(own, acting) - (s.mass or 0.0) * a,
+        force=passed(own, acting) - taken,
+        taken=taken,
         covariates={name: passed(own, x) for name, x in s.covariates.items()},
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,
@@ -164,7 +176,8 @@ def part_of(
 
 def _first_state(series: Series, half: int) -> float:
     """Return the state of a bristle that the first forces ask for, if they are friction alone."""
-    level = float(np.quantile(np.abs(series.force), 0.8))
+    force = series.force if series.taken is None else series.force - series.taken
+    level = float(np.quantile(np.abs(force), 0.8))
     if series.extra or level <= 0.0:
         return 0.0
-    return float(np.clip(np.median(series.force[: max(half // 2, 1)]) / level, -1.0, 1.0))
+    return float(np.clip(np.median(force[: max(half // 2, 1)]) / level, -1.0, 1.0))

@@ -13,7 +13,7 @@ from stickslip.experiments import (
     Measurement,
     with_doubts,
 )
-from stickslip.formatting import Scale, quantity
+from stickslip.formatting import Scale, lower_first, quantity
 from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
@@ -172,7 +172,7 @@ def select_records(
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     if asked:
-        judged = [_told(c, asked) for c in judged]
+        judged = [with_errors(c, asked) for c in judged]
     judged = with_contained(judged, chosen)
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
@@ -542,8 +542,11 @@ def verdict_on(
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = fault or unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
+        wrong = [one.finding for one in asked.errors if one.share > 0.0] if asked else []
         fault = fault or (
-            "no candidate predicts it significantly better than a model without friction"
+            lower_first(wrong[0]).removesuffix(".")
+            if wrong
+            else "no candidate predicts it significantly better than a model without friction"
         )
     on_second = _on_second(closest, scored)
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
@@ -603,7 +606,7 @@ def _until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
+def with_errors(c: RecordCandidate, asked: Explained) -> RecordCandidate:
     """Return a candidate with what the force balance says is wrong."""
     if c.fit is None:
         return c
@@ -626,6 +629,8 @@ def _agreed(
     allowed = [c for c in among if not asked.rejects(c.name, c.law)]
     if not allowed:
         return closest
+    if asked.decides and (own := [c for c in allowed if c.name == asked.asked.best.name]):
+        return own[0]
     best = choose(allowed, uncertainty=uncertainty)
     holds = not any(one.share > 0.0 for one in asked.errors)
     foretold = holds and errs_more(best, closest, uncertainty=uncertainty)

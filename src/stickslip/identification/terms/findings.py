@@ -1,8 +1,9 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, final
 
 import numpy as np
@@ -11,23 +12,32 @@ from stickslip.errors import InputError
 from stickslip.evidence import (
     LATE_OR_ELASTIC,
     SHOWN_LATE,
-    Balance,
     Explanation,
     Fault,
     Fit,
+    Series,
     Term,
+    acceleration_noise,
     explain,
+    pieces,
     resolution,
+    usual_band,
 )
 from stickslip.experiments import Measurement
 from stickslip.formatting import percent, quantity, scale_of, with_unit, within
+from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
+from stickslip.identification.terms.dense_series import (
+    dense_series,
+    is_dense,
+    joints_series,
+    loads_of,
+)
 from stickslip.mechanisms import Mechanism
 
 NAMES: Final[Mapping[str, str]] = {
@@ -48,7 +58,7 @@ NEARLY: Final = 1.5
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
-"""... or so many times the noise of the force sensor in the band."""
+"""... or so many times the noise of the sensors in the band."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -97,14 +107,55 @@ def asked_of(
     if not is_dense(mechanism, measurement):
         return None
     series = dense_series(mechanism, measurement, hold, unknown, response)
+    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
+    return _asked(series, load, mass_of(mechanism), None, progress)
+
+
+def asked_of_joints(
+    torques: JointTorques,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    hold: Hold,
+    joints: Collection[str],
+    progress: Callable[[str, float, str], None] | None = None,
+) -> Mapping[str, Asked]:
+    """Return the laws that the force balance of each joint asks for, of those that can be judged.
+
+    Each joint is explained alone, beside columns by which the parameters of the mechanism that are
+    looked for may differ for it: of several joints in one problem, the terms of one whose forces
+    are small would not earn their place. The band is the least of all, as each balance has the
+    accelerations of all joints.
+    """
+    every, loads = joints_series(torques, mechanism, measurement, hold)
+    own = {
+        name: (series, load)
+        for name, series, load in zip(torques.coordinates, every, loads, strict=True)
+        if name in joints and series
+    }
+    bands = [usual_band([p for one in series for p in pieces(one)]) for series, _ in own.values()]
+    found = {}
+    for name, (series, load) in own.items():
+        told = None if progress is None else partial(progress, name)
+        asked = _asked(series, load, series[0].mass, min(bands), told)
+        if asked is not None:
+            found[name] = asked
+    return found
+
+
+def _asked(
+    series: Sequence[Series],
+    load: float,
+    mass: float | None,
+    fc: float | None,
+    progress: Callable[[float, str], None] | None,
+) -> Asked | None:
     if any("load" in one.covariates for one in series):
         return None
     try:
-        found = explain(series, progress=progress)
+        found = explain(series, fc=fc, progress=progress)
     except InputError:
         return None
-    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    asked = Asked.of(found, load, mass_of(mechanism))
+    asked = Asked.of(found, load, mass)
     return asked if asked.laws else None
 
 
@@ -143,7 +194,7 @@ def model_errors(
     Where much is left unexplained no cause is named: that of the nearest structure would be a
     guess.
     """
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
         return (_unexplained(found, measurement),)
     errors = [_error(one, measurement, hold, response) for one in found.faults]
     errors += [
@@ -193,12 +244,15 @@ def _late_instead(
     )
 
 
-def _noise(balance: Balance) -> float:
-    """Return the noise of the force sensor in the band [N]."""
-    found = [
-        resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
-    ]
-    return max(found)
+def _noise(found: Explanation) -> float:
+    """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
+    balance, best = found.balance, found.best
+    each = []
+    for one in balance.parts:
+        inertia = one.mass or sum(best.of("inertia", one.channel))
+        force = resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0))
+        each.append(math.hypot(force, inertia * acceleration_noise(one, balance.fc)))
+    return max(each)
 
 
 def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
