@@ -13,7 +13,7 @@ from stickslip.evidence.fits import Fit, fit
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import resolution
 from stickslip.evidence.rule import Rule
-from stickslip.evidence.series import Series
+from stickslip.evidence.series import Series, outliers
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.vocabulary import vocabulary
@@ -37,6 +37,7 @@ __all__ = [
     "begin",
     "explain",
     "fit",
+    "outliers",
     "play",
     "predict",
     "resolution",

@@ -127,6 +127,7 @@ class Balance:
             filter=None,
             t=np.arange(len(v), dtype=float),
             clock=still,
+            since=still,
             centre=0.0,
             q=still,
             path=still,
@@ -138,7 +139,7 @@ class Balance:
             extra={},
             references=found.references,
             start=0.0,
-            resolved=0.0,
+            noise=0.0,
             open=still > 0.0,
             rows=slice(0, len(v)),
             states={SIGN: np.sign(v)},
@@ -186,7 +187,7 @@ class Balance:
             force = np.abs(np.concatenate([one.raw for one in own]))
             self.usual_force[c] = float(np.quantile(force, 0.75))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
-        self._late: dict[tuple[float, float], Array] = {}
+        self._late: dict[tuple[float, float, float], Array] = {}
 
     def _check_motion(self) -> None:
         """Refuse what rests throughout, as far as the sensor shows."""
@@ -198,6 +199,11 @@ class Balance:
                 f" band of {number(self.fc)} Hz the force balance needs"
                 f" {number(SLIPPING / self.fc)} s of motion between rests and reversals."
             )
+
+    @property
+    def length(self) -> float:
+        """Return the length [s] of all series of a channel, the largest."""
+        return max(length for _, length in self.spans.values())
 
     def of(self, channel: str) -> list[Part]:
         """Return the parts of a channel."""
@@ -249,16 +255,19 @@ class Balance:
             columns = multipliers
         return columns, multipliers
 
-    def late(self, delay: float, lag: float = 0.0) -> Array:
-        """Return the forces (n,) that a channel shows of each row, late or through a filter [s]."""
-        if not (delay or lag):
+    def late(self, delay: float, lag: float = 0.0, skew: float = 0.0) -> Array:
+        """Return the forces (n,) that a channel shows of each row, late or through a filter [s].
+
+        With a skew it shows them later by so much for each second since the start.
+        """
+        if not (delay or lag or skew):
             return self.force
-        key = (delay, lag)
+        key = (delay, lag, skew)
         if key not in self._late:
             self._late[key] = np.concatenate(
                 [
                     np.interp(
-                        one.t[:: one.every] + delay,
+                        one.t[:: one.every] + delay + skew * one.since[:: one.every],
                         one.t,
                         one.force + lag * np.gradient(one.force, one.h) if lag else one.force,
                     )

@@ -106,6 +106,11 @@ def band(series: Series) -> float:
     return float(np.clip(_frequency(allowed / noise, h), LOWEST, top))
 
 
+def acceleration_of_noise(h: float, fc: float) -> float:
+    """Return the standard deviation of the acceleration of white noise 1 of the position."""
+    return math.sqrt(2.0 * h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
+
+
 def _frequency(ratio: float, h: float) -> float:
     """Return where noise of the position 1 has an acceleration of a standard deviation."""
     return float((5.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 4)) ** 0.2)

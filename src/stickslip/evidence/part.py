@@ -49,6 +49,8 @@ class Part:
     """Times (n,) [s] of the samples."""
     clock: Array
     """Times (n,) from -1/2 to 1/2 over all series of the channel."""
+    since: Array
+    """Times (n,) [s] since the start of these."""
     q: Array
     """Positions (n,) in twice the band."""
     centre: float
@@ -71,8 +73,8 @@ class Part:
     """Values of covariates from which terms count."""
     start: float
     """State of bristles at the first sample: force over level."""
-    resolved: float
-    """Displacement that the sensor resolves."""
+    noise: float
+    """Standard deviation of what the positions do not resolve."""
     open: Flags
     """Rows (m,) at which a law without memory leaves a force open."""
     rows: slice
@@ -84,6 +86,11 @@ class Part:
     def driven(self) -> bool:
         """Return whether the force moves an inertia."""
         return self.inertia or self.mass is not None
+
+    @property
+    def resolved(self) -> float:
+        """Return the displacement that the sensor resolves."""
+        return RESOLVED * self.noise
 
     @property
     def count(self) -> int:
@@ -144,6 +151,7 @@ def part_of(
         filter=own,
         t=s.t,
         clock=(s.t - span[0]) / span[1] - 0.5,
+        since=s.t - span[0],
         q=q,
         centre=centre,
         path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
@@ -155,7 +163,7 @@ def part_of(
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
-        resolved=RESOLVED * sigma,
+        noise=sigma,
         open=rest,
         rows=slice(first_row, first_row + len(rest)),
         states={SIGN: direction},
