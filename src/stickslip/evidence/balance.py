@@ -141,6 +141,7 @@ class Balance:
             start=0.0,
             noise=0.0,
             open=still > 0.0,
+            clear=still == 0.0,
             rows=slice(0, len(v)),
             states={SIGN: np.sign(v)},
         )
@@ -155,6 +156,7 @@ class Balance:
         self.channels = tuple(dict.fromkeys(one.channel for one in parts))
         self.force = np.concatenate([one.force[:: one.every] for one in parts])
         self.at_rest = np.concatenate([one.open for one in parts])
+        self.clear = np.concatenate([one.clear for one in parts])
         self.channel = np.concatenate([np.full(one.count, one.channel) for one in parts])
         self.scale = max(float(np.sqrt(np.mean(self.force**2))), 1e-300)
         self.fold = np.empty(self.count, dtype=int)

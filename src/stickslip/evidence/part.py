@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.bristles import SIGN, Shape, bristle_states, lugre_states, play
 from stickslip.evidence.motion import (
+    RINGING,
     derivative,
     directions,
     low_pass,
+    near_rest,
     open_rows,
     passed,
     resolution,
@@ -77,6 +79,8 @@ class Part:
     """Standard deviation of what the positions do not resolve."""
     open: Flags
     """Rows (m,) at which a law without memory leaves a force open."""
+    clear: Flags
+    """Rows (m,) in which the filter mixes nothing of a rest."""
     rows: slice
     """Its rows among those of all parts."""
     states: dict[Shape, Array] = field(default_factory=dict)
@@ -142,6 +146,7 @@ def part_of(
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
     a = derivative(speed, h)
+    beside = near_rest(q, RESOLVED * sigma, fc, h, math.ceil(RINGING / fc / h))[::every]
     return Part(
         channel=s.channel,
         inertia=s.inertia,
@@ -165,6 +170,7 @@ def part_of(
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
         noise=sigma,
         open=rest,
+        clear=~beside,
         rows=slice(first_row, first_row + len(rest)),
         states={SIGN: direction},
     )

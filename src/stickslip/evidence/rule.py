@@ -26,6 +26,8 @@ power of the term in the other half."""
 NOISY = 1.25
 """Least effect of what shares an inertia out, over that of the acceleration's noise, whose size is
 known within a tenth."""
+SEEN = 0.01
+"""Least effect of a late channel away from rests, over the friction."""
 SHIFTED = (*SHOWN_LATE, "second")
 """Kinds whose coefficients halves are not asked for: they have none, or their memory has it."""
 
@@ -82,6 +84,19 @@ class Rule:
 def _surely(drops: Array, errors: float) -> bool:
     """Return whether the mean of paired drops (b,) exceeds so many of its standard errors."""
     return bool(drops.mean() > errors * drops.std(ddof=1) / math.sqrt(len(drops)))
+
+
+def seen_late(balance: Balance, new: Fit, old: Fit, scale: float) -> bool:
+    """Return whether a force that is shown late lowers the error away from rests as well.
+
+    Beside them the filter mixes rows with a force that no law says, as a late channel would.
+    """
+    before = {one.kind for one in old.structure.terms}
+    if not {one.kind for one in new.structure.terms} & {*SHOWN_LATE} - before:
+        return True
+    rows = balance.use & balance.clear
+    drop = old.residual[rows] ** 2 - new.residual[rows] ** 2
+    return bool(drop.size and drop.mean() > (SEEN * scale) ** 2)
 
 
 def repeats(balance: Balance, found: Fit, term: Term) -> bool:

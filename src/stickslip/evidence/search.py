@@ -11,7 +11,7 @@ from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
-from stickslip.evidence.rule import Rule, repeats
+from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
@@ -100,7 +100,9 @@ class Search:
 
     def better(self, new: Fit, old: Fit) -> bool:
         """Return whether the rule prefers a fit to another."""
-        return self.rule.better(new, old, self.scale, self.noise)
+        return self.rule.better(new, old, self.scale, self.noise) and (
+            seen_late(self.balance, new, old, self.scale) or not self.rule.fault
+        )
 
     def run(self, start: Structure) -> Searched:
         """Search from a structure and from the textbook law of both directions."""
