@@ -231,5 +231,5 @@ def test_a_late_force_is_found_where_the_inertia_and_forces_of_other_joints_are_
     late = np.interp(t - 0.008, t, applied) + 0.01 * RANDOM.normal(size=len(t))
     noisy = q + 1e-5 * RANDOM.normal(size=len(t))
     found = explain([Series(t, noisy, late, mass=0.05, taken=taken)])
-    assert found.best.structure.delay == pytest.approx(0.008, abs=5e-4)
+    assert found.best.structure.late[0] == pytest.approx(0.008, abs=5e-4)
     assert found.best.of("level")[0] == pytest.approx(0.3, rel=0.02)

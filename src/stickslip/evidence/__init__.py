@@ -9,12 +9,11 @@ from stickslip.evidence.balance import Balance, usual_band
 from stickslip.evidence.bristles import SIGN, Shape, play
 from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
-from stickslip.evidence.fits import Fit, fit
+from stickslip.evidence.fits import Fit, acceleration_noise, fit
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import resolution
-from stickslip.evidence.part import acceleration_noise
 from stickslip.evidence.rule import Rule
-from stickslip.evidence.series import Series, pieces
+from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.vocabulary import vocabulary
@@ -39,6 +38,7 @@ __all__ = [
     "begin",
     "explain",
     "fit",
+    "outliers",
     "pieces",
     "play",
     "predict",

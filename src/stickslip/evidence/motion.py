@@ -20,6 +20,10 @@ RATE = 0.2
 """Largest band over the sampling rate."""
 TOP = 0.98
 """Quantile of the speed that counts as the largest."""
+MIXED = 0.5
+"""Reach of the filter beside rests and reversals, over 1/fc, beyond which a tenth is left ..."""
+RINGING = 1.6
+"""... and beyond which nothing is left of what happens there."""
 ABOVE = 3.0
 """Standard deviations of its noise from which a velocity has a direction."""
 
@@ -106,6 +110,11 @@ def band(series: Series) -> float:
     return float(np.clip(_frequency(allowed / noise, h), LOWEST, top))
 
 
+def acceleration_of_noise(h: float, fc: float) -> float:
+    """Return the standard deviation of the acceleration of white noise 1 of the position."""
+    return math.sqrt(2.0 * h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
+
+
 def _frequency(ratio: float, h: float) -> float:
     """Return where noise of the position 1 has an acceleration of a standard deviation."""
     return float((5.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 4)) ** 0.2)
@@ -138,11 +147,16 @@ def open_rows(q: Array, direction: Array, reach: float, fc: float, h: float) -> 
     There the position stays within reach for 1/fc, or the direction changes, or the filter mixes
     the row with such.
     """
+    turns = np.concatenate([[False], np.diff(direction) != 0.0])
+    mixed = max(int(MIXED / fc / h), 1)
+    return near_rest(q, reach, fc, h, mixed) | spread_out(turns, mixed)
+
+
+def near_rest(q: Array, reach: float, fc: float, h: float, rows: int) -> Flags:
+    """Return rows (n,) at which the position stays within reach for 1/fc, or so near such ones."""
     half = max(int(0.5 / fc / h), 2)
     still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) <= reach
-    turns = np.concatenate([[False], np.diff(direction) != 0.0])
-    mixed = max(int(0.5 / fc / h), 1)
-    return spread_out(still, half + mixed) | spread_out(turns, mixed)
+    return spread_out(still, half + rows)
 
 
 def spread_out(flags: Flags, rows: int) -> Flags:

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.bristles import SIGN, Shape, bristle_states, lugre_states, play
 from stickslip.evidence.motion import (
+    RINGING,
     derivative,
     directions,
     low_pass,
+    near_rest,
     open_rows,
     passed,
     resolution,
@@ -49,6 +51,8 @@ class Part:
     """Times (n,) [s] of the samples."""
     clock: Array
     """Times (n,) from -1/2 to 1/2 over all series of the channel."""
+    since: Array
+    """Times (n,) [s] since the start of these."""
     q: Array
     """Positions (n,) in twice the band."""
     centre: float
@@ -73,10 +77,12 @@ class Part:
     """Values of covariates from which terms count."""
     start: float
     """State of bristles at the first sample: force over level."""
-    resolved: float
-    """Displacement that the sensor resolves."""
+    noise: float
+    """Standard deviation of what the positions do not resolve."""
     open: Flags
     """Rows (m,) at which a law without memory leaves a force open."""
+    clear: Flags
+    """Rows (m,) in which the filter mixes nothing of a rest."""
     rows: slice
     """Its rows among those of all parts."""
     states: dict[Shape, Array] = field(default_factory=dict)
@@ -86,6 +92,11 @@ class Part:
     def driven(self) -> bool:
         """Return whether the force moves an inertia."""
         return self.inertia or self.mass is not None
+
+    @property
+    def resolved(self) -> float:
+        """Return the displacement that the sensor resolves."""
+        return RESOLVED * self.noise
 
     @property
     def count(self) -> int:
@@ -109,12 +120,6 @@ class Part:
         if lugre:
             found = lugre_states(self.path, self.v, lugre, self.start)
             self.states.update(zip(lugre, np.ascontiguousarray(found.T), strict=True))
-
-
-def acceleration_noise(part: Part, fc: float) -> float:
-    """Return the standard deviation that noise of the position gives the acceleration in a band."""
-    sigma = part.resolved / RESOLVED
-    return sigma * math.sqrt(2.0 * part.h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
 
 
 def part_of(
@@ -146,6 +151,7 @@ def part_of(
     taken = (s.mass or 0.0) * a
     if s.taken is not None:
         taken = taken + passed(own, s.taken)
+    beside = near_rest(q, RESOLVED * sigma, fc, h, math.ceil(RINGING / fc / h))[::every]
     return Part(
         channel=s.channel,
         inertia=s.inertia,
@@ -155,6 +161,7 @@ def part_of(
         filter=own,
         t=s.t,
         clock=(s.t - span[0]) / span[1] - 0.5,
+        since=s.t - span[0],
         q=q,
         centre=centre,
         path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
@@ -167,8 +174,9 @@ def part_of(
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
-        resolved=RESOLVED * sigma,
+        noise=sigma,
         open=rest,
+        clear=~beside,
         rows=slice(first_row, first_row + len(rest)),
         states={SIGN: direction},
     )

@@ -440,7 +440,7 @@ def _starts(asked: Mapping[str, Explained], contacts: Iterable[str]) -> dict[str
                 path.replace("friction.", f"friction.{contact}.", 1): value
                 for path, value in one.values.items()
             }
-            laws = Laws(members=((contact, cast("FrictionLaw", one.law)),))
+            laws = Laws(members=((contact, one.law),))
             found[f"{contact}={name}"] = replace(one, law=cast("Any", laws), values=values)
     return found
 
