@@ -39,13 +39,11 @@ from stickslip import (
     LuGre,
     Measurement,
     Stribeck,
-    fit,
     select,
 )
 from stickslip.control import closed_loop
 from stickslip.errors import StickslipError
-from stickslip.identification import RecordFit
-from stickslip.identification.settings import RecordSettings
+from stickslip.identification import RecordFit, RecordSettings, fit_record
 from stickslip.selection import RecordVerdict
 
 TRUTHS = ("lugre", "stribeck", "elasto-plastic", "gms", "direction-dependent", "backlash")
@@ -279,14 +277,20 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
         row |= {"seconds": time.perf_counter() - began, "processor": _processor() - used}
         assert isinstance(verdict, RecordVerdict)
         fits = {c.name: c.fit for c in verdict.candidates if c.fit}
-        route = next(iter(fits.values())).route
+        fitted_by = verdict.route
         errors = {name: friction_error(rig, one, fresh) for name, one in fits.items()}
         true = fits.get(rig.law.name)
         if true is None:
-            alone = RecordSettings(starts=1)
-            found = fit(given, rig.law, measurement, vary=free, route=route, settings=alone)
-            assert isinstance(found, RecordFit)
-            errors[rig.law.name] = friction_error(rig, found, fresh)
+            true = fit_record(
+                given,
+                rig.law,  # begins at the truth
+                measurement,
+                unknown=free[1:],
+                route=fitted_by,
+                settings=RecordSettings(starts=1),
+                contained=(),
+            )
+            errors[rig.law.name] = friction_error(rig, true, fresh)
         named = verdict.best.name if verdict.best else ""
         row |= {
             "law": rig.law.name,
@@ -296,7 +300,7 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
             "doubt": verdict.best.doubt if verdict.best else "",
             "findings": [one.kind for one in verdict.model_errors],
             "verdict": str(verdict.sentence),
-            "fitted_by": route,
+            "fitted_by": fitted_by,
             "rms": {name: one.rms for name, one in fits.items()},
             "fresh": errors,
             "level": float(np.std(_friction(rig.law, fresh))),

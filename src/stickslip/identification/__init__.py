@@ -129,6 +129,7 @@ INSIDE = {
     "trials_of": "travels.model",
     "uncertainties_of": "travels.model",
     "under_cycles": "travels.model",
+    "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",
     "with_inputs": "contact_inputs",
     "with_known": "travels.start_values",
