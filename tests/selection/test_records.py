@@ -432,6 +432,36 @@ def test_what_trades_off_is_not_settled_for_itself():
     ].value
 
 
+def test_an_estimate_whose_interval_holds_0_settles_nothing():
+    v = np.linspace(-0.2, 0.2, 80)
+    friction = 2.0 * np.sign(v) + 0.05 * np.random.default_rng(3).normal(size=80)
+    found = fit_record(
+        AXIS, CoulombViscous, Measurement(velocity=v, friction=friction), settings=QUICK
+    )
+    level, slope = (
+        next(e for e in found.estimates if e.path == f"friction.{name}_coefficient")
+        for name in ("kinetic", "viscous")
+    )
+    assert slope.bounded
+    assert slope.low < 0.0 < slope.high
+    assert traded(found) == frozenset()
+    assert settled_estimates(found) == (level,)
+
+
+def test_a_short_step_to_a_fit_without_a_block_is_where_a_search_ends(verdict, monkeypatch):
+    fit = verdict.closest.fit
+    end = float(refits.positions_of(fit.problem)[-1, 1])
+    stepped = refits.refitted(fit, 0.25 * end, 0.375 * end)
+    monkeypatch.setattr(refits, "LINEAR", -1.0)  # no step is taken for granted
+    searched = refits.refitted(fit, 0.25 * end, 0.375 * end)
+    scale = fit.inference.errors
+    moved = (searched.values - fit.values) / scale
+    assert np.max(np.abs(moved)) > 0.05  # the block has something to say
+    # a hundredth of the way, plus what a search leaves that ends below a thousandth of the cost
+    np.testing.assert_allclose((stepped.values - searched.values) / scale, 0.0, atol=0.05)
+    assert len(stepped.residual) == len(searched.residual)
+
+
 def test_a_bound_is_told_with_its_unit():
     # the level falls by less than nothing: Stribeck's step goes, or its velocity runs away
     found = table_fit(Stribeck, np.linspace(0.01, 0.2, 80))

@@ -328,7 +328,13 @@ class Search:
             for one in sorted(family.values(), key=lambda one: one.rms)
             if one.structure.family != best.structure.family and not self.better(best, one)
         ]
-        simpler = [one for one in ties if one.structure.cost < best.structure.cost]
+        known = {term.kind for term in best.structure.faults}
+        simpler = [  # nor does a rig have to be accused to name what is more usual
+            one
+            for one in ties
+            if one.structure.cost < best.structure.cost
+            if {term.kind for term in one.structure.faults} <= known
+        ]
         if self.rule.ties and simpler:
             usual = min(simpler, key=lambda one: (one.structure.cost, one.rms))
             ties = [best, *(one for one in ties if one is not usual)]

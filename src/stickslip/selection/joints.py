@@ -311,7 +311,10 @@ class _Descent:
                 named = replace(one, name=combination_of(laws), title=_title(laws))
                 self.fits[named.name] = _told(named, laws, self.asked)
         asked = self.asked.get(contact)
-        judged = [one if asked is None else with_errors(one, asked) for one in views[: len(tried)]]
+        judged = [
+            one if asked is None else with_errors(one, asked, usual=self.usual)
+            for one in views[: len(tried)]
+        ]
         judged = with_contained(judged, specs)
         own = self.records[contact]
         verdict = verdict_on(

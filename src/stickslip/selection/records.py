@@ -32,6 +32,7 @@ from stickslip.identification import (
     decided,
     fit_record,
     to_compare,
+    whole_record_error,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -48,6 +49,7 @@ from stickslip.selection.choice import (
     ALIKE,
     APART,
     apart,
+    as_good,
     choose,
     effective_aic,
     errs_more,
@@ -77,6 +79,8 @@ from stickslip.selection.record_wording import equals_of, outcomes, record_wordi
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
+NEARER = 1.5
+"""Factor between errors over whole records from which one stays clearly nearer than another."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 HOPELESS = (
@@ -168,11 +172,11 @@ def select_records(
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
-    work = partial(_judged, plan=plan, validate=validate)
+    work = partial(_judged, plan=plan, validate=validate, whole=purpose == "simulate")
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     if asked:
-        judged = [with_errors(c, asked) for c in judged]
+        judged = [with_errors(c, asked, usual=laws is None) for c in judged]
     judged = with_contained(judged, chosen)
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
@@ -403,10 +407,13 @@ def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
 
 
 def _judged(
-    candidate: RecordCandidate, plan: Plan, validate: Measurement | None
+    candidate: RecordCandidate, plan: Plan, validate: Measurement | None, *, whole: bool
 ) -> RecordCandidate:
-    """Add held-out errors and objections."""
-    return with_objections(with_scores(candidate, plan, validate))
+    """Add held-out errors and objections, and the error over whole records."""
+    found = with_objections(with_scores(candidate, plan, validate))
+    if not whole or found.fit is None or found.validation is None:
+        return found
+    return replace(found, whole=whole_record_error(found.fit))
 
 
 def with_scores(
@@ -536,6 +543,7 @@ def verdict_on(
     closest = choose(among, uncertainty=least)
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=least)
+    closest = _as_simulated(closest, among, asked, uncertainty=least)
     closest = with_curve(_doubted(closest), uncertainty=least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
@@ -606,11 +614,16 @@ def _until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def with_errors(c: RecordCandidate, asked: Explained) -> RecordCandidate:
-    """Return a candidate with what the force balance says is wrong."""
+def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordCandidate:
+    """Return a candidate with what the force balance says is wrong, and which values it gave."""
     if c.fit is None:
         return c
-    return replace(c, fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)))
+    own = asked.asked.laws.get(c.name) if usual else None
+    return replace(
+        c,
+        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)),
+        from_balance=own.held if own else (),
+    )
 
 
 def _agreed(
@@ -635,6 +648,27 @@ def _agreed(
     holds = not any(one.share > 0.0 for one in asked.errors)
     foretold = holds and errs_more(best, closest, uncertainty=uncertainty)
     return closest if foretold else best
+
+
+def _as_simulated(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return the law to simulate: of those that predict as well, one that stays clearly nearer.
+
+    Over whole records, where errors add up that short predictions do not show.
+    """
+    nearer = [
+        c
+        for c in among
+        if c.whole * NEARER < closest.whole and not c.dropped
+        if as_good(c, closest, uncertainty=uncertainty)
+        if asked is None or not asked.rejects(c.name, c.law)
+    ]
+    return min(nearer, key=lambda c: c.whole, default=closest)
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:
