@@ -7,16 +7,11 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import (
-    NO_VALUE,
-    Scale,
     quantity,
-    scale_of,
-    significant,
-    with_unit,
-    within,
 )
 from stickslip.friction import law_type
-from stickslip.identification import AnyLaw, Laws, Trial, quantities_read, trials_of
+from stickslip.identification import AnyLaw, Laws, quantities_read
+from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import (
     Comparison,
     FitRequest,
@@ -29,9 +24,9 @@ from stickslip.kinds.kind import (
 from stickslip.kinds.travels.fit import fit_travels
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.selection import PLAIN, select_travels
-from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import limits_of, score_text
+from stickslip.selection import limits_of
 
 T_END = 10.0
 """Time after which a body counts as stopped [s]."""
@@ -92,22 +87,9 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
-        trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
-        read = quantities_read(trials)
-        heads = [
-            "law",
-            "fitted",
-            "range",
-            "travel",
-            *([read] if read else []),
-            "velocity never < 0",
-        ]
-        heads += ["held-out error, mm"] if verdict.ranked else []
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
-        first = trials[0] if read else None
-        scale = scale_of([c.criteria.travel for c in everyone if c.criteria], "m")
-        rows = [_row(c, first, scale, ranked=verdict.ranked) for c in everyone]
+        heads, rows = terminal_table(columns_of(verdict), everyone)
         return Comparison(heads=heads, rows=rows, notes=notes)
 
     @override
@@ -131,30 +113,3 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         )
 
         return sections(verdict, origin, remark)
-
-
-def _row(
-    candidate: TravelCandidate, first: Trial | None, scale: Scale, *, ranked: bool
-) -> list[str]:
-    """Return a row; with the first trial, where other quantities than travels were read."""
-    if candidate.fit is None or candidate.criteria is None:
-        rest = 3 + (first is not None) + ranked
-        return [candidate.title, "no value fits", *[NO_VALUE] * rest]
-    found = candidate.fit.estimates
-    cells = [
-        candidate.title,
-        ", ".join(
-            f"{e.quantity.symbol} = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
-            for e in found
-        ),
-        ", ".join(e.range for e in found),
-        with_unit(significant(scale.factor * candidate.criteria.travel), scale.unit),
-        *([] if first is None else [first.as_read(candidate.criteria.travel)]),
-        "yes" if candidate.criteria.velocity_never_negative else "no",
-    ]
-    if not ranked:
-        return cells
-    if candidate.score is None:
-        return [*cells, NO_VALUE]
-    score = score_text(Scale(1e3, "mm"), candidate.score, candidate.score_error)
-    return [*cells, " ".join(score).strip()]
