@@ -14,12 +14,10 @@ from stickslip.identification import AnyLaw, Laws, quantities_read
 from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import (
     Comparison,
-    FitRequest,
     FitSummary,
     Kind,
     Law,
-    Options,
-    SelectRequest,
+    Request,
 )
 from stickslip.kinds.travels.fit import fit_travels
 from stickslip.kinds.travels.result import TravelFit
@@ -47,7 +45,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         return bool(measurement.travelled)
 
     @override
-    def why_unused(self, name: str, options: Options) -> str:
+    def why_unused(self, name: str, request: Request) -> str:
         if name == "validate":
             return "requires a second record, and travels have none: give more trials instead."
         return ""
@@ -67,23 +65,14 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         return self.owner(law), vary
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> TravelFit:
-        t_end = T_END if options.t_end is None else options.t_end
-        return fit_travels(
-            request.mechanism, request.law, request.measurement, t_end=t_end, **request.shared
-        )
+    def fit(self, request: Request) -> TravelFit:
+        t_end = T_END if request.t_end is None else request.t_end
+        return fit_travels(t_end=t_end, **request.arguments("law"))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> TravelVerdict:
-        t_end = T_END if options.t_end is None else options.t_end
-        return select_travels(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            assumed=options.assumed,
-            t_end=t_end,
-            **request.shared,
-        )
+    def select(self, request: Request) -> TravelVerdict:
+        t_end = T_END if request.t_end is None else request.t_end
+        return select_travels(t_end=t_end, **request.arguments("laws", "assumed"))
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
