@@ -13,13 +13,10 @@ from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidat
 from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
 from stickslip.kinds.kind import Comparison as Comparison
-from stickslip.kinds.kind import FitRequest as FitRequest
 from stickslip.kinds.kind import FitSummary as FitSummary
 from stickslip.kinds.kind import Kind as Kind
 from stickslip.kinds.kind import Law as Law
-from stickslip.kinds.kind import Options as Options
 from stickslip.kinds.kind import Request as Request
-from stickslip.kinds.kind import SelectRequest as SelectRequest
 from stickslip.kinds.page import verdict_page as verdict_page
 from stickslip.kinds.registry import AnyKind as AnyKind
 from stickslip.kinds.registry import kind_of as kind_of
@@ -66,11 +63,9 @@ __all__ = [
     "FeatureCandidate",
     "FeatureFit",
     "FeatureVerdict",
-    "FitRequest",
     "FitSummary",
     "Kind",
     "Law",
-    "Options",
     "OtherSpeed",
     "OtherStep",
     "Plan",
@@ -78,7 +73,6 @@ __all__ = [
     "RateStateFit",
     "RateStateVerdict",
     "Request",
-    "SelectRequest",
     "SliderHistory",
     "StickSlipFeatures",
     "TravelCandidate",

@@ -7,31 +7,24 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import (
-    NO_VALUE,
-    Scale,
     quantity,
-    scale_of,
-    significant,
-    with_unit,
-    within,
 )
 from stickslip.friction import law_type
-from stickslip.identification import AnyLaw, Laws, Trial, quantities_read, trials_of
+from stickslip.identification import AnyLaw, Laws, quantities_read
+from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import (
     Comparison,
-    FitRequest,
     FitSummary,
     Kind,
     Law,
-    Options,
-    SelectRequest,
+    Request,
 )
 from stickslip.kinds.travels.fit import fit_travels
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.selection import PLAIN, select_travels
-from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import limits_of, score_text
+from stickslip.selection import limits_of
 
 T_END = 10.0
 """Time after which a body counts as stopped [s]."""
@@ -52,7 +45,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         return bool(measurement.travelled)
 
     @override
-    def why_unused(self, name: str, options: Options) -> str:
+    def why_unused(self, name: str, request: Request) -> str:
         if name == "validate":
             return "requires a second record, and travels have none: give more trials instead."
         return ""
@@ -72,42 +65,20 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         return self.owner(law), vary
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> TravelFit:
-        t_end = T_END if options.t_end is None else options.t_end
-        return fit_travels(
-            request.mechanism, request.law, request.measurement, t_end=t_end, **request.shared
-        )
+    def fit(self, request: Request) -> TravelFit:
+        t_end = T_END if request.t_end is None else request.t_end
+        return fit_travels(t_end=t_end, **request.arguments("law"))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> TravelVerdict:
-        t_end = T_END if options.t_end is None else options.t_end
-        return select_travels(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            assumed=options.assumed,
-            t_end=t_end,
-            **request.shared,
-        )
+    def select(self, request: Request) -> TravelVerdict:
+        t_end = T_END if request.t_end is None else request.t_end
+        return select_travels(t_end=t_end, **request.arguments("laws", "assumed"))
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
-        trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
-        read = quantities_read(trials)
-        heads = [
-            "law",
-            "fitted",
-            "range",
-            "travel",
-            *([read] if read else []),
-            "velocity never < 0",
-        ]
-        heads += ["held-out error, mm"] if verdict.ranked else []
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
-        first = trials[0] if read else None
-        scale = scale_of([c.criteria.travel for c in everyone if c.criteria], "m")
-        rows = [_row(c, first, scale, ranked=verdict.ranked) for c in everyone]
+        heads, rows = terminal_table(columns_of(verdict), everyone)
         return Comparison(heads=heads, rows=rows, notes=notes)
 
     @override
@@ -131,30 +102,3 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         )
 
         return sections(verdict, origin, remark)
-
-
-def _row(
-    candidate: TravelCandidate, first: Trial | None, scale: Scale, *, ranked: bool
-) -> list[str]:
-    """Return a row; with the first trial, where other quantities than travels were read."""
-    if candidate.fit is None or candidate.criteria is None:
-        rest = 3 + (first is not None) + ranked
-        return [candidate.title, "no value fits", *[NO_VALUE] * rest]
-    found = candidate.fit.estimates
-    cells = [
-        candidate.title,
-        ", ".join(
-            f"{e.quantity.symbol} = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
-            for e in found
-        ),
-        ", ".join(e.range for e in found),
-        with_unit(significant(scale.factor * candidate.criteria.travel), scale.unit),
-        *([] if first is None else [first.as_read(candidate.criteria.travel)]),
-        "yes" if candidate.criteria.velocity_never_negative else "no",
-    ]
-    if not ranked:
-        return cells
-    if candidate.score is None:
-        return [*cells, NO_VALUE]
-    score = score_text(Scale(1e3, "mm"), candidate.score, candidate.score_error)
-    return [*cells, " ".join(score).strip()]

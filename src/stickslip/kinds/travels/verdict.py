@@ -1,21 +1,22 @@
 """What a selection on travels gives back."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, cast, final
+from typing import TYPE_CHECKING, Any, Final, cast, final
 
 from typing_extensions import override
 
 from stickslip.display import plots
 from stickslip.errors import InputError
-from stickslip.formatting import count, joined, number
+from stickslip.formatting import Scale, count, joined, number, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, trials_of
+from stickslip.identification import Estimate, Trial, quantities_read, trials_of
+from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.separations import Proposal, Separation
 from stickslip.quantities import fields_of, parameters
-from stickslip.selection import Candidate, Criteria, Verdict, plain
+from stickslip.selection import Candidate, Criteria, Verdict, plain, score_scale, score_text
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -66,6 +67,11 @@ class TravelCandidate(Candidate[TravelFit]):
     """Whether the readings tell the law from the best one beyond their uncertainty."""
 
     @property
+    def ran(self) -> bool:
+        """Whether there is a run of the law with fitted values."""
+        return self.fit is not None and self.criteria is not None
+
+    @property
     def unscored(self) -> str:
         """Why there is no held-out error, in words; empty if there is one."""
         if self.score is not None:
@@ -96,14 +102,7 @@ class TravelCandidate(Candidate[TravelFit]):
 
     @override
     def to_row(self) -> Mapping[str, Any]:
-        found = self.fit.estimates if self.fit else ()
-        return {
-            "law": self.name,
-            "parameters": ", ".join(f"{e.quantity.symbol} = {number(e.value)}" for e in found),
-            "range": ", ".join(estimate.range for estimate in found),
-            "travel": self.criteria.travel if self.criteria else math.nan,
-            "score": math.nan if self.score is None else self.score,
-        }
+        return data_row(columns_of(None), self)
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
@@ -152,6 +151,23 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return self.best or next((c for c in self.explained if c.fit is not None), None)
 
     @property
+    def trials(self) -> tuple[Trial, ...]:
+        """What was measured, trial by trial, whatever quantity was read."""
+        return trials_of(self.mechanism, self.measurement, self.t_end)
+
+    @property
+    def measured_band(self) -> tuple[float, float] | None:
+        """The range of the first measured travel [m]; None if it has no stated uncertainty."""
+        first = self.trials[0]
+        half = first.half_width
+        return (first.travel - half, first.travel + half) if half else None
+
+    @property
+    def score_scale(self) -> Scale:
+        """What held-out errors [m] are shown in."""
+        return score_scale([c.score for c in self.candidates], "m")
+
+    @property
     @override
     def route(self) -> str:
         return "travel"
@@ -182,6 +198,93 @@ class TravelVerdict(Verdict[TravelCandidate]):
         }
 
 
+def estimate_text(estimate: Estimate) -> str:
+    """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
+    value = within(estimate.value, estimate.low, estimate.high)
+    return f"${estimate.quantity.symbol}$ = {with_unit(value, estimate.quantity.unit)}"
+
+
+def estimate_range(estimate: Estimate) -> str:
+    """Return the interval of an estimate, or why it has no end."""
+    text = estimate.range
+    return f"{text}: {estimate.reason}" if estimate.reason and not estimate.bounded else text
+
+
+def _estimates(one: TravelCandidate) -> Sequence[Estimate]:
+    return one.fit.estimates if one.fit else ()
+
+
+def _ranges(one: TravelCandidate) -> str:
+    return ", ".join(estimate.range for estimate in _estimates(one))
+
+
+def _of_run(text: Callable[[Criteria], str]) -> Callable[[TravelCandidate], str | None]:
+    return lambda one: None if one.criteria is None else text(one.criteria)
+
+
+MM: Final = Scale(1e3, "mm")
+"""What a terminal shows held-out errors in."""
+
+
+def columns_of(verdict: TravelVerdict | None) -> Columns[TravelCandidate]:
+    """Return what tables say of each law; of no verdict, only values, which need none.
+
+    A terminal has travels in one unit, and as they were read; a page has the scores first.
+    """
+    ranked, best, errors, scale = False, None, MM, MM
+    trials: tuple[Trial, ...] = ()
+    if verdict is not None:
+        ranked, best, trials = verdict.ranked, verdict.best, verdict.trials
+        runs = [c.criteria.travel for c in verdict.candidates if c.criteria]
+        errors, scale = verdict.score_scale, scale_of(runs, "m")
+    return (
+        Column(
+            key="law", title="law", page="model", numeric=False,
+            value=lambda one: one.name, text=lambda one: one.title,
+        ),
+        Column(
+            page=f"held-out error\n{errors.unit}" if ranked else "", plotted=True,
+            text=lambda one: score_text(errors, one.score, one.score_error),
+        ),
+        Column(
+            key="parameters", title="fitted", page="fitted", numeric=True,
+            value=lambda one: ", ".join(
+                f"{e.quantity.symbol} = {number(e.value)}" for e in _estimates(one)
+            ),
+            text=lambda one: ", ".join(map(estimate_text, _estimates(one)))
+            if one.ran else "no value fits",
+        ),
+        Column(
+            key="range", title="range", page="" if ranked else "range", phone="label",
+            label="range", value=_ranges, text=lambda one: _ranges(one) if one.ran else None,
+        ),
+        Column(page="not fitted", numeric=False, phone="label", label="not fitted:"),
+        Column(
+            key="travel", title="travel", page="" if ranked else "travel\nm", phone="hide",
+            value=lambda one: one.criteria.travel if one.criteria else math.nan,
+            text=_of_run(lambda seen: scale.error(seen.travel)),
+        ),
+        Column(
+            title=quantities_read(trials),
+            text=_of_run(lambda seen: trials[0].as_read(seen.travel)),
+        ),
+        Column(
+            title="velocity never < 0",
+            text=_of_run(lambda seen: "yes" if seen.velocity_never_negative else "no"),
+        ),
+        Column(
+            key="score", title="held-out error, mm" if ranked else "",
+            value=lambda one: math.nan if one.score is None else one.score,
+            text=lambda one: None if one.score is None
+            else score_text(MM, one.score, one.score_error),
+        ),
+        Column(
+            page=f"largest difference\nfrom {best.title}, mm" if best and not ranked else "",
+            phone="label", label="differs by up to, mm",
+        ),
+    )  # fmt: skip
+
+
 def misfit(candidate: TravelCandidate) -> float:
     """Return the root mean square of the residuals of a fit [m]."""
     residuals = candidate.fit.residuals if candidate.fit else ()
@@ -200,7 +303,7 @@ def draw_proposal(verdict: TravelVerdict) -> "Draw":
         )
     rows = verdict.separations
     measured = []
-    for trial in trials_of(verdict.mechanism, verdict.measurement, verdict.t_end):
+    for trial in verdict.trials:
         settings = {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
         if settings.get(rows[0].path) is not None:
             measured.append((float(settings[rows[0].path]), trial.travel))

@@ -16,14 +16,12 @@ from stickslip.formatting import (
     lower_first,
     number,
     quantity,
-    with_unit,
-    within,
 )
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.kinds.travels.admissibility import doubts
 from stickslip.kinds.travels.contradictions import Contradiction
 from stickslip.kinds.travels.separations import Proposal
-from stickslip.kinds.travels.verdict import TravelCandidate, misfit
+from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text, misfit
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection import UNMEASURED, Wording, held_out_text, limit_of, not_distinguished
@@ -145,12 +143,6 @@ def _left(candidate: TravelCandidate) -> str:
     """Return what a law leaves of the readings, in words."""
     left = quantity(misfit(candidate), "m", 2)
     return f"it leaves {left} (root mean square)"
-
-
-def estimate_text(estimate: Estimate) -> str:
-    """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
-    value = within(estimate.value, estimate.low, estimate.high)
-    return f"${estimate.quantity.symbol}$ = {with_unit(value, estimate.quantity.unit)}"
 
 
 def _with_estimates(candidate: TravelCandidate, without: Collection[str] = ()) -> str:

@@ -7,13 +7,16 @@ from stickslip.formatting import (
     fixed,
     joined,
     scale_of,
-    with_unit,
     within,
 )
 from stickslip.kinds.travels.figures import SEPARATION_SIZES
-from stickslip.kinds.travels.page.texts import estimate_range, measured_band
 from stickslip.kinds.travels.separations import Proposal
-from stickslip.kinds.travels.verdict import TravelVerdict, draw_proposal
+from stickslip.kinds.travels.verdict import (
+    TravelVerdict,
+    draw_proposal,
+    estimate_range,
+    estimate_text,
+)
 from stickslip.plots import inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report import (
@@ -130,11 +133,7 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
         ),
         rows=tuple(rows),
     )
-    said = [
-        f"${e.quantity.symbol}$ = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
-        for e in best.fit.estimates
-    ]
-    fitted = joined(said)
+    fitted = joined(list(map(estimate_text, best.fit.estimates)))
     blocks: tuple[Block, ...] = (Math(latex=law.formula), table, Code(text=_as_code(verdict)))
     heading = f"Fitted: {fitted}" if fitted else f"The parameters of {best.title} friction"
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=blocks)
@@ -173,7 +172,7 @@ def certificate_section(verdict: TravelVerdict) -> Section:
 
 def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
-    band = measured_band(verdict)
+    band = verdict.measured_band
     half = 0.5 * (band[1] - band[0]) if band else 0.0
     doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "no uncertainty stated"
     if len(records) == 1:

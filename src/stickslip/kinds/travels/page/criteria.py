@@ -13,7 +13,6 @@ from stickslip.formatting import (
     with_unit,
 )
 from stickslip.friction import Coulomb, FrictionLaw
-from stickslip.identification import trials_of
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
 from stickslip.report import Block, Cell, Column, Note, Paragraph, Row, Section, Subheading, Table
 from stickslip.selection import Criteria, criteria_of
@@ -211,7 +210,7 @@ def elastic_returns(verdict: TravelVerdict) -> list[str]:
 def _is_elastic(verdict: TravelVerdict, law: FrictionLaw, seen: Criteria) -> bool:
     if law.holds:
         return False
-    trial = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
+    trial = verdict.trials[0]
     rigid = Coulomb(kinetic_coefficient=float(law.break_away(1.0)))
     states = (*trial.mechanism.coordinates, *trial.mechanism.rates)
     start = {name: value for name, value in trial.initial.items() if name in states}

@@ -1,12 +1,14 @@
 """The models compared: their fitted runs, scores where there are any, and what each assumes."""
 
 import math
+from dataclasses import replace
 from itertools import chain
 from typing import Final
 
+import numpy as np
+
 from stickslip.formatting import (
     NO_VALUE,
-    Scale,
     capital,
     fixed,
     in_words,
@@ -14,39 +16,34 @@ from stickslip.formatting import (
     quantity,
     span,
     with_unit,
-    within,
 )
-from stickslip.identification import Estimate
+from stickslip.friction import FrictionLaw
+from stickslip.kinds.columns import page_table
 from stickslip.kinds.travels.figures import TRAVEL_SIZES, draw_travels
-from stickslip.kinds.travels.page.texts import (
-    assumptions,
+from stickslip.kinds.travels.verdict import (
+    TravelCandidate,
+    TravelVerdict,
+    columns_of,
     estimate_range,
-    largest_difference,
-    measured_band,
-    score_scale_of,
-    slip_and_rate,
-    travels,
+    estimate_text,
 )
-from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
+from stickslip.mechanisms import slip_names
 from stickslip.plots import inline_svg
+from stickslip.quantities import fields_of
 from stickslip.report import (
     ERRORS,
     Axis,
     Block,
     Cell,
-    Colour,
-    Column,
     Figure,
-    Mark,
     Name,
-    Number,
-    Row,
-    RowPlot,
     Section,
     Table,
 )
 from stickslip.selection import friction_of, score_text
 
+SAMPLES: Final = 4000
+"""Times at which two runs are compared, beside the solver's own."""
 CLOSE: Final = 0.02
 """Share of the travel below which a difference on the way is called close."""
 
@@ -64,18 +61,18 @@ def models_section(verdict: TravelVerdict) -> Section:
 
 def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
-    target = f"{quantity(travels(verdict)[0], 'm')}"
+    target = f"{quantity(verdict.trials[0].travel, 'm')}"
     if best is None and verdict.closest is not None:
         return f"The best model, {verdict.closest.title}, does not explain the readings"
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
-        scale = score_scale_of(verdict)
+        scale = verdict.score_scale
         error = with_unit(score_text(scale, best.score, best.score_error).value, scale.unit)
         return f"{capital(friction_of(best.title))}: held-out error {error}"
     others = [c for c in verdict.explained if c is not best]
     gaps = [gap for c in others if (gap := largest_difference(verdict, c)) is not None]
-    near = [gap for gap in gaps if gap <= CLOSE * abs(travels(verdict)[0])]
+    near = [gap for gap in gaps if gap <= CLOSE * abs(verdict.trials[0].travel)]
     if not near:
         return f"{best.title}, fitted to {target}" if not others else f"Models fitted to {target}"
     bound = number(_rounded_up(1e3 * max(near)))
@@ -96,8 +93,8 @@ def _rounded_up(value: float) -> float:
 
 def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
     runs = {c.title: c.run for c in verdict.explained if c.run is not None}
-    slip, _ = slip_and_rate(verdict)
-    draw = draw_travels(runs, best.title, band=measured_band(verdict), slip=slip)
+    slip, _ = slip_names(verdict.mechanism)
+    draw = draw_travels(runs, best.title, band=verdict.measured_band, slip=slip)
     first = "each law" if len(runs) > 1 else best.title
     setting = " in the first trial" if len(verdict.measurement.records()) > 1 else ""
     right = (
@@ -107,7 +104,7 @@ def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
     )
     left = "Left: travel" if right else "Travel against time"
     caption = f"**{first[0].upper() + first[1:]} as fitted.** {left}{setting}"
-    if measured_band(verdict):
+    if verdict.measured_band:
         caption += "; the band is the range of the measured travel"
     svg = inline_svg(
         draw, alt=f"Travel against time of {first} as fitted", prefix="travels", **TRAVEL_SIZES
@@ -116,100 +113,96 @@ def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
 
 
 def _table(verdict: TravelVerdict) -> Table:
-    axis, scale = _axis(verdict), score_scale_of(verdict)
-    rows = []
-    for candidate in verdict.candidates:
-        is_best = candidate is verdict.best
-        cells = _cells(verdict, candidate)
-        if axis is not None:
-            cells[1:1] = _score_cells(candidate, scale, is_best)
-        rows.append(Row(cells=tuple(cells), chosen=is_best, muted=bool(candidate.dropped)))
-    return Table(columns=_columns(verdict, axis), rows=tuple(rows), caption=_caption(verdict))
+    best, band = verdict.best, verdict.measured_band
+    kind = next((e.interval for c in verdict.explained if c.fit for e in c.fit.estimates), "")
+    is_range = band is not None and len(verdict.trials) == 1
+    of = f"range for a travel\nof {span(*band, 'm')}" if is_range and band else kind or "interval"
+    columns = columns_of(verdict)
+    apart = columns[-1].page
 
+    def unscored(one: TravelCandidate) -> Cell | None:
+        aside = one.unscored.removeprefix("not scored: ")
+        return Name(text="not scored", aside=aside) if one.score is None else None
 
-def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
-    band = measured_band(verdict)
-    kind = next(
-        (e.interval for c in verdict.explained if c.fit for e in c.fit.estimates), "interval"
+    def fitted(one: TravelCandidate) -> Cell:
+        if not one.ran or one.fit is None:
+            return "no value"
+        text = ", ".join(map(estimate_text, one.fit.estimates)) or "nothing"
+        return Name(text=text, aside=_ranges(one)) if verdict.ranked else text
+
+    def difference(one: TravelCandidate) -> Cell:
+        gap = largest_difference(verdict, one) if one.ran else None
+        return NO_VALUE if gap is None or one is best else number(1e3 * gap)
+
+    def travel(one: TravelCandidate) -> Cell:
+        if one.criteria is None:
+            return f"{fixed(one.given.travel, 3)} as given"
+        return fixed(one.criteria.travel, 3)
+
+    return page_table(
+        [replace(one, page=of) if one.page == "range" else one for one in columns],
+        verdict.candidates,
+        cells={
+            "model": lambda one: Name(text=one.title),
+            columns[1].page: lambda one: unscored(one) or columns[1].on_page(one),
+            "fitted": fitted,
+            of: lambda one: _ranges(one) or NO_VALUE,
+            "not fitted": _not_fitted,
+            "travel\nm": travel,
+            apart: difference,
+        },
+        scale=verdict.score_scale,
+        colour=lambda one: "c1" if one is best else "muted",
+        chosen=lambda one: one is best,
+        caption=_caption(verdict),
+        axis=_axis(verdict),
     )
-    is_range = band is not None and len(travels(verdict)) == 1
-    of = f"range for a travel\nof {span(*band, 'm')}" if is_range and band else kind
-    title = verdict.best.title if verdict.best else "the first"
-    scores = (
-        Column(head=f"held-out error\n{score_scale_of(verdict).unit}", numeric=True),
-        Column(head="", axis=axis),
-    )
-    others = (
-        Column(head="fitted", numeric=True),
-        Column(head=of, numeric=True, phone="label", label="range"),
-        Column(head="not fitted", phone="label", label="not fitted:"),
-        Column(head="travel\nm", numeric=True, phone="hide"),
-        Column(
-            head=f"largest difference\nfrom {title}, mm",
-            numeric=True,
-            phone="label",
-            label="differs by up to, mm",
-        ),
-    )
-    if axis is not None:
-        return (Column(head="model"), *scores, others[0], others[2])
-    return (Column(head="model"), *(others if verdict.best else others[:-1]))
 
 
-def _cells(verdict: TravelVerdict, candidate: TravelCandidate) -> list[Cell]:
-    name = Name(text=candidate.title)
-    if candidate.fit is None or candidate.criteria is None:
-        given = fixed(candidate.given.travel, 3)
-        reason = f"dropped: {candidate.dropped}"
-        if verdict.ranked:
-            return [name, "no value", reason]
-        cells: list[Cell] = [name, "no value", NO_VALUE, reason, f"{given} as given"]
-        return [*cells, NO_VALUE] if verdict.best else cells
-    estimates = candidate.fit.estimates
-    values = [f"${e.quantity.symbol}$ = {_value(e)}" for e in estimates]
-    assumed = assumptions(candidate)
-    if candidate.criteria.stop_time is None:
-        assumed += "; still moves at the end"
-    fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
-    assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
-    assumed += f"; not chosen: {candidate.passed_over}" if candidate.passed_over else ""
-    if not candidate.distinguished:
-        assumed += "; not distinguished"
-    if verdict.ranked:
-        return [name, Name(text=fitted, aside=ranges), assumed]
-    cells = [name, fitted, ranges or NO_VALUE, assumed]
-    cells.append(fixed(candidate.criteria.travel, 3))
-    if verdict.best is None:
-        return cells
-    gap = largest_difference(verdict, candidate)
-    apart = NO_VALUE if gap is None or candidate is verdict.best else number(1e3 * gap)
-    return [*cells, apart]
+def _ranges(one: TravelCandidate) -> str:
+    return ", ".join(map(estimate_range, one.fit.estimates)) if one.ran and one.fit else ""
 
 
-def _value(estimate: Estimate) -> str:
-    value = within(estimate.value, estimate.low, estimate.high)
-    return with_unit(value, estimate.quantity.unit)
+def _not_fitted(one: TravelCandidate) -> str:
+    """Return what was assumed of a law, or why it is dropped, and what became of it."""
+    if not one.ran or one.criteria is None:
+        return f"dropped: {one.dropped}"
+    said = assumptions(one)
+    if one.criteria.stop_time is None:
+        said += "; still moves at the end"
+    said = f"dropped: {one.dropped}" if one.dropped else said
+    said += f"; not chosen: {one.passed_over}" if one.passed_over else ""
+    return said if one.distinguished else f"{said}; not distinguished"
 
 
-def _score_cells(candidate: TravelCandidate, scale: Scale, is_best: bool) -> list[Cell]:
-    if candidate.score is None:
-        return [
-            Name(text="not scored", aside=candidate.unscored.removeprefix("not scored: ")),
-            RowPlot(marks=()),
-        ]
-    score, error = (scale.factor * part for part in (candidate.score, candidate.score_error or 0.0))
-    colour: Colour = "c1" if is_best else "muted"
-    marks = (
-        Mark(kind="bar", at=max(score - error, 0.0), to=score + error, colour=colour),
-        Mark(kind="dot", at=score, colour=colour),
-    )
-    value, doubt = score_text(scale, candidate.score, candidate.score_error)
-    return [Number(value=value, doubt=doubt), RowPlot(marks=marks)]
+def assumptions(candidate: TravelCandidate) -> str:
+    """Return the parameters that were neither measured nor fitted, with their values."""
+    law: FrictionLaw = candidate.fit.law if candidate.fit else candidate.law
+    quantities = fields_of(type(law))
+    parts = [
+        f"${quantities[name].symbol}$ {quantity(value, quantities[name].unit)}"
+        for name in candidate.assumed
+        for value in [getattr(law, name)]
+        if value  # a viscous part of 0 is the absence of an assumption
+    ]
+    switch = ["held at its first stop"] if getattr(law, "static_switch", False) else []
+    return ", ".join([*parts, *switch]) or "nothing"
+
+
+def largest_difference(verdict: TravelVerdict, candidate: TravelCandidate) -> float | None:
+    """Return how far a law is from the chosen one on the way at most [m]."""
+    if verdict.best is None or verdict.best.run is None or candidate.run is None:
+        return None
+    slip, _ = slip_names(verdict.mechanism)
+    one, other = verdict.best.run, candidate.run
+    last = min(one.span[1], other.span[1])
+    times = np.union1d(np.linspace(0.0, last, SAMPLES), one.t[one.t <= last])
+    return float(np.max(np.abs(one.at(times)[slip] - other.at(times)[slip])))
 
 
 def _axis(verdict: TravelVerdict) -> Axis | None:
     """Return the axis of the scores, logarithmic if they span more than 20 times."""
-    factor = score_scale_of(verdict).factor
+    factor = verdict.score_scale.factor
     scores = [factor * c.score for c in verdict.candidates if c.score is not None]
     if not verdict.ranked:
         return None

@@ -1,8 +1,7 @@
 """The opening: the verdict, and the three numbers one would quote."""
 
 from stickslip.formatting import percent, quantity, signed_percent, with_unit, within
-from stickslip.kinds.travels.page.texts import estimate_range, score_scale_of, travels
-from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, misfit
+from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, estimate_range, misfit
 from stickslip.kinds.travels.wording import DOUBT_NAMES
 from stickslip.report import Fact, Section, opening
 from stickslip.selection import score_text
@@ -10,7 +9,7 @@ from stickslip.selection import score_text
 
 def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
-    several = len(travels(verdict)) > 1
+    several = len(verdict.trials) > 1
     return opening(
         verdict.words,
         kicker,
@@ -63,7 +62,7 @@ def _as_given(best: TravelCandidate) -> Fact | None:
 
 
 def _score(verdict: TravelVerdict, best: TravelCandidate) -> Fact:
-    scale = score_scale_of(verdict)
+    scale = verdict.score_scale
     value, doubt = score_text(scale, best.score, best.score_error)
     count = len(verdict.measurement.records())
     return Fact(
@@ -80,9 +79,12 @@ def _tie(verdict: TravelVerdict) -> Fact:
     count = len(verdict.explained)
     return Fact(
         value=f"{count} of {len(verdict.candidates)} models",
-        what=f"{'reaches' if count == 1 else 'reach'} {quantity(travels(verdict)[0], 'm')} with"
-        f" {number} free",
+        what=f"{'reaches' if count == 1 else 'reach'} {_measured(verdict)} with {number} free",
     )
+
+
+def _measured(verdict: TravelVerdict) -> str:
+    return quantity(verdict.trials[0].travel, "m")
 
 
 def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
@@ -100,7 +102,7 @@ def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
     facts = [
         Fact(
             value=f"0 of {len(verdict.candidates)} models",
-            what=f"reach {quantity(travels(verdict)[0], 'm')} with any value of the free parameter",
+            what=f"reach {_measured(verdict)} with any value of the free parameter",
         ),
         Fact(
             value=quantity(closest.given.travel, "m"),

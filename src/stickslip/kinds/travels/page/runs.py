@@ -14,9 +14,8 @@ from stickslip.formatting import (
     significant,
 )
 from stickslip.friction import FrictionLaw
-from stickslip.identification import trials_of
-from stickslip.kinds.travels.page.texts import slip_and_rate
 from stickslip.kinds.travels.verdict import TravelVerdict
+from stickslip.mechanisms import slip_names
 from stickslip.plots import (
     FRICTION_SIZES,
     RUN_SIZES,
@@ -48,7 +47,7 @@ def run_section(verdict: TravelVerdict) -> Section | None:
     best = verdict.best
     if best is None or best.run is None or best.criteria is None:
         return None
-    slip, rate = slip_and_rate(verdict)
+    slip, rate = slip_names(verdict.mechanism)
     part = verdict.mechanism.moving_part
     stop = best.criteria.stop_time
     if stop is None:
@@ -99,7 +98,7 @@ def laws_section(verdict: TravelVerdict) -> Section | None:
     best = verdict.best
     if best is None or best.run is None or best.title not in laws:
         return None
-    _, rate = slip_and_rate(verdict)
+    _, rate = slip_names(verdict.mechanism)
     v_max = float(np.max(np.abs(best.run[rate])))
     load = float(np.median(best.run["normal_force"]))
     blocks: list[Block] = [_characteristics(laws, load, v_max, best.title)]
@@ -155,7 +154,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
     best = verdict.best
     if best is None or best.fit is None or best.run is None:
         return None
-    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
+    law, trial = best.fit.law, verdict.trials[0]
     last = best.run.span[1]
     stop = best.criteria.stop_time if best.criteria else None
     until = min(2.0 * stop, last) if stop else last
@@ -170,7 +169,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
             for row in reversed(shown)
             if row.dt == shown[0].dt
         }
-        _, rate = slip_and_rate(verdict)
+        _, rate = slip_names(verdict.mechanism)
         svg = inline_svg(
             draw_fixed_steps(best.run, runs, rate=rate),
             alt="Velocity of the exact run and with fixed steps",
