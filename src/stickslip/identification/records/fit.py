@@ -289,7 +289,8 @@ class RecordFit(Fit[AnyLaw_co]):
         """
         if self.known_errors is not None:
             return self.known_errors
-        if self.at_noise:
+        timed = any(record.time is not None for record in self.measurement.records())
+        if not timed or self.at_noise:
             return ()
         if isinstance(self.law, Laws):
             return self._errors_of_joints(self.law)
