@@ -89,7 +89,12 @@ def band(series: Series) -> float:
         return top
     if series.mass is not None:
         noise = series.mass * resolution(series.q)
-        allowed = SHARE * float(series.force.std())
+        force = series.force
+        if series.taken is not None:  # of a mechanism that is known, friction may be a small part
+            sos = low_pass(h, min(10.0, top / 2.0))
+            a = derivative(derivative(passed(sos, series.q), h), h)
+            force = passed(sos, series.force - series.taken) - series.mass * a
+        allowed = SHARE * float(force.std())
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)
