@@ -14,6 +14,9 @@ Flags = NDArray[np.bool_]
 
 SHARE = 0.01
 """Share of the force that noise of the position may cost through the inertia in the band."""
+OF_FRICTION = 0.025
+"""Share of what a known mechanism leaves of the force that it may cost: with 1 %, records of
+5 s have so narrow a band that reversals look like Stribeck steps."""
 LOWEST, HIGHEST = 4.0, 60.0
 """Limits of the band [Hz]: below, reversals are not seen; above, friction has little to say."""
 RATE = 0.2
@@ -89,12 +92,12 @@ def band(series: Series) -> float:
         return top
     if series.mass is not None:
         noise = series.mass * resolution(series.q)
-        force = series.force
-        if series.taken is not None:  # of a mechanism that is known, friction may be a small part
+        allowed = SHARE * float(series.force.std())
+        if series.taken is not None:  # friction may be a small part of the force
             sos = low_pass(h, min(10.0, top / 2.0))
             a = derivative(derivative(passed(sos, series.q), h), h)
-            force = passed(sos, series.force - series.taken) - series.mass * a
-        allowed = SHARE * float(force.std())
+            friction = passed(sos, series.force - series.taken) - series.mass * a
+            allowed = min(allowed, OF_FRICTION * float(friction.std()))
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)
