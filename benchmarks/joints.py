@@ -301,7 +301,8 @@ def judged(kind: str, given: Sequence[str], number: int, seed: int) -> dict[str,
             continue
         fit_ = own.closest.fit
         assert fit_ is not None
-        right = own.closest.name == specification(row["laws"][joint]).name
+        asked = specification(row["laws"][joint]).name
+        right = own.closest.name == asked
         equal = right or (not wrong and _as_good(verdict, joint, laws, rig, record, second))
         held = []
         for one in fit_.estimates:
@@ -311,7 +312,7 @@ def judged(kind: str, given: Sequence[str], number: int, seed: int) -> dict[str,
         found[joint] = {
             "named": own.closest.name,
             "outcome": "right" if right else "equal" if equal else "wrong",
-            "certain": own.sentence.startswith("Use"),
+            "certain": own.sentence.startswith("Use") and asked not in own.equals,
             "said": [one.kind for one in own.model_errors if one.share > 0.0],
             "held": sum(held),
             "bounded": len(held),

@@ -91,17 +91,21 @@ def select_joints(
 ) -> JointVerdict:
     """Select a law for each joint from records of positions and forces; arguments as in `select`.
 
-    All joints begin with the simplest law. Then joint by joint every candidate is fitted with the
-    laws of the others as they are, in one problem with all parameters, and one is chosen as for
-    other records, by held-out errors of the force of that joint. This is repeated until no choice
-    changes.
+    The force balance of each joint is explained first, by the search over structures that serves
+    one coordinate: the law of its structure, its rivals and Coulomb + viscous friction are the
+    candidates, and faults are named with the joint. Then joint by joint every candidate is fitted
+    with the laws of the others as they are, in one problem with all parameters. Named is the law
+    that the balance asks for; where it cannot be judged, or where laws are given without it, one is
+    chosen as for other records, by held-out errors of the force of that joint, beginning with the
+    simplest. This is repeated until no choice changes.
 
     Parameters
     ----------
     mechanism : Mechanism
         What was measured; records may override its parameters.
     laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
-        The candidates for each joint; the usual ones without bristles if None.
+        The candidates for each joint; if None, those that its force balance asks for, or the usual
+        ones without bristles where that cannot be judged.
     measurement : Measurement
         Records in time of positions and forces by joint.
     vary : str or sequence of str, optional

@@ -108,23 +108,26 @@ def joint_stretches(
 
 def joint_series(
     torques: JointTorques, mechanism: Mechanism, measurement: Measurement, hold: Hold
-) -> tuple[tuple[Series, ...], ...]:
-    """Return the series of each joint: forces but for those that the known motion takes.
+) -> tuple[tuple[tuple[Series, ...], ...], float]:
+    """Return the series of each joint, and what the common filter passes [Hz].
 
-    What the force of a joint changes with by a parameter that is looked for is a column of it with
-    a free coefficient, and so is, in each record, what it changes with by an unknown zero.
+    Forces that the known motion takes are known columns. What the force of a joint changes with by
+    a parameter that is looked for is a column with a free coefficient, and so is, in each record,
+    what it changes with by an unknown zero.
     """
     found: list[list[Series]] = [[] for _ in torques.coordinates]
+    passed = 0.0
     for number, record in enumerate(measurement.records()):
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
         for piece in between_gaps(record):
             if np.asarray(piece.time).size < LEAST:
                 continue
             own = _Piece.of(torques, set_up, piece, hold, 1.0)
+            passed = max(passed, 0.5 * own.passed / float(own.time[1] - own.time[0]))
             inertias = torques.inertias(set_up, np.mean(own.raw, axis=0))
             for i, series in enumerate(found):
                 series.append(own.series(i, number, torques, float(inertias[i])))
-    return tuple(tuple(one) for one in found)
+    return tuple(tuple(one) for one in found), passed
 
 
 def _cut(

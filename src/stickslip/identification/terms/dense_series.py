@@ -70,18 +70,19 @@ def dense_series(
 
 def joints_series(
     torques: JointTorques, mechanism: Mechanism, measurement: Measurement, hold: Hold
-) -> tuple[tuple[tuple[Series, ...], ...], tuple[float, ...]]:
-    """Return the series of each joint (m,), and its usual load [N].
+) -> tuple[tuple[tuple[Series, ...], ...], tuple[float, ...], float]:
+    """Return the series of each joint (m,), its usual load [N], and their least band [Hz].
 
     The mechanism has the values of its parameters nearly: a regression of each joint corrects them.
     """
     found, loads = [], []
-    for own in joint_series(torques, mechanism, measurement, hold):
+    every, passed = joint_series(torques, mechanism, measurement, hold)
+    for own in every:
         inputs = [one.covariates for one in own]
         varying = zip(own, _that_vary(inputs), strict=True)
         found.append(tuple(replace(one, covariates=columns) for one, columns in varying))
         loads.append(float(np.median(np.concatenate([one["load"] for one in inputs]))))
-    return tuple(found), tuple(loads)
+    return tuple(found), tuple(loads), passed
 
 
 def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:

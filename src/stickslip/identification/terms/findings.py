@@ -129,19 +129,19 @@ def asked_of_joints(
     Each joint is explained alone, beside columns by which the parameters of the mechanism that are
     looked for may differ for it: of several joints in one problem, the terms of one whose forces
     are small would not earn their place. The band is the least of all, as each balance has the
-    accelerations of all joints.
+    accelerations of all joints, but not below that of the filter of their fits.
     """
-    every, loads = joints_series(torques, mechanism, measurement, hold)
+    every, loads, passed = joints_series(torques, mechanism, measurement, hold)
     own = {
         name: (series, load)
         for name, series, load in zip(torques.coordinates, every, loads, strict=True)
         if name in joints and series
     }
     bands = [usual_band([p for one in series for p in pieces(one)]) for series, _ in own.values()]
-    found = {}
+    fc, found = max([passed, min(bands, default=0.0)]), {}
     for name, (series, load) in own.items():
         told = None if progress is None else partial(progress, name)
-        asked = _asked(series, load, series[0].mass, min(bands), told)
+        asked = _asked(series, load, series[0].mass, fc, told)
         if asked is not None:
             found[name] = asked
     return found
