@@ -67,7 +67,9 @@ def test_a_structure_is_a_law_in_the_notation(fit, text, name):
 
 def test_coefficients_are_those_of_the_law_over_the_load():
     fit = fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)})
-    law = composed_law(fit, 4.0).specification.law
+    found = composed_law(fit, 4.0)
+    assert found.held == ("friction.exponent",)
+    law = found.specification.law
     assert law.kinetic_coefficient == pytest.approx(0.5)
     assert law.static_coefficient == pytest.approx(0.75)
     assert (law.stribeck_velocity, law.exponent) == (0.1, 2.0)

@@ -30,6 +30,9 @@ MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
 """Laws that are fitted, if there are so many."""
+CLOSER = 0.98
+"""Error over that of the best structure from which one with a part more is fitted in any case: the
+balance asks for more than that, but all rows together may tell what it leaves open."""
 
 
 @final
@@ -101,7 +104,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     """Return the laws to fit: that of the best structure, its rivals and the usual choice.
 
     A structure with a part more than the best is no rival, as with a part that nothing asks for any
-    law predicts alike; such ones, without memory, stand beside laws that have too few rivals.
+    law predicts alike; such ones, without memory, stand beside laws that have too few rivals, and
+    the first that comes closer stands beside all.
     """
     best, fits = asked.explanation.best, asked.fits
     alike = [
@@ -115,7 +119,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     rivals = [name for name in alike if name not in richer][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     plain = [name for name in richer if not fits[name].structure.memories]
-    names |= dict.fromkeys(plain[: max(FEWEST - len(names), 0)])
+    closer = [name for name in plain if fits[name].rms < CLOSER * best.rms][:1]
+    names |= dict.fromkeys([*closer, *plain[: max(FEWEST - len(names), 0)]])
     known = {name: law.specification for name, law in asked.laws.items()}
     return tuple(known.get(name) or specification(name) for name in names)
 

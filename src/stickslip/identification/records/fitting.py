@@ -179,6 +179,7 @@ def fit_record(
         known=known,
         settings=choice.settings,
         held=held,
+        resolved=choice.resolved,
     )
     fits: list[RecordFit] = []
     try:

@@ -15,8 +15,10 @@ from stickslip.evidence import (
     Explanation,
     Fault,
     Fit,
+    Rule,
     Term,
     explain,
+    fit,
     resolution,
 )
 from stickslip.experiments import Measurement
@@ -149,11 +151,24 @@ def model_errors(
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
-        if term.kind in {"ripple", "imbalance"}
+        if term.kind in {"ripple", "imbalance"} and _earned(found, term)
     ]
     presliding = _late_instead(found, measurement, response)
     errors += [] if presliding is None else [presliding]
     return tuple(sorted(errors, key=lambda one: -one.share))
+
+
+def _earned(found: Explanation, term: Term) -> bool:
+    """Whether a force along the way earns the margins of a fault; not beside presliding.
+
+    An axis that sticks and slips does so at even distances: what its law leaves looks like a force
+    that depends on position.
+    """
+    best, usual = found.best, Rule()
+    if best.structure.memories or usual.fault is None:
+        return False
+    without = fit(found.balance, best.structure.without(term))
+    return Rule(*usual.fault).better(best, without, found.scale)
 
 
 def _late_instead(
