@@ -22,7 +22,7 @@ from stickslip.evidence import (
     resolution,
 )
 from stickslip.experiments import Measurement
-from stickslip.formatting import percent, quantity, scale_of, with_unit, within
+from stickslip.formatting import number, percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
@@ -51,6 +51,10 @@ HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
 """... or so many times the noise of the force sensor in the band."""
+PARTLY: Final = 0.04
+"""Share of the friction from which what is left is said beside the law of the rest ..."""
+FAR: Final = 4.0
+"""... and so many times that noise."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -153,6 +157,8 @@ def model_errors(
         for term in found.best.structure.free
         if term.kind in {"ripple", "imbalance"} and _earned(found, term)
     ]
+    beyond = found.best.rms > FAR * _noise(found.balance)
+    errors += [_partly(found, measurement)] if found.left > PARTLY and beyond else []
     presliding = _late_instead(found, measurement, response)
     errors += [] if presliding is None else [presliding]
     return tuple(sorted(errors, key=lambda one: -one.share))
@@ -251,6 +257,24 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
         effect=found.best.rms,
         interval=(math.nan, math.nan),
         share=1.0,
+    )
+
+
+def _partly(found: Explanation, measurement: Measurement) -> ModelError:
+    """Return that a part of the friction is left that is no noise, and nothing tried explains."""
+    force = quantity(found.best.rms, measurement.unit("force"))
+    times = number(found.best.rms / max(_noise(found.balance), 1e-300), 2)
+    return ModelError(
+        kind="unexplained",
+        finding=(
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction"
+            f" and {times} times the noise of the force: a law that was not tried may come closer."
+        ),
+        consequence="Intervals do not allow for it.",
+        effect=found.best.rms,
+        interval=(math.nan, math.nan),
+        share=0.0,
+        moved=(),
     )
 
 
