@@ -30,6 +30,8 @@ MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
 """Laws that are fitted, if there are so many."""
+TEXTBOOK = "lugre"
+"""Law with a bristle that stands beside all others that have one."""
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
@@ -117,6 +119,9 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         alike = [name for name in alike if not fits[name].structure.memories]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]
+    if best.structure.memories and TEXTBOOK in fits and TEXTBOOK != asked.best.name:
+        # its fit has more to say of a bristle, its damping too, than the balance
+        rivals = [*dict.fromkeys([TEXTBOOK, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     plain = [name for name in richer if not fits[name].structure.memories]
     closer = [name for name in plain if fits[name].rms < CLOSER * best.rms][:1]

@@ -140,6 +140,8 @@ class BalanceProblemBuilder:
     """Whether only rows that slip are fitted."""
     resolved: bool = False
     """Whether the common filter passes what the noise of positions allows."""
+    wider: float = 1.0
+    """What it passes in fits, over that."""
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
@@ -157,6 +159,7 @@ class BalanceProblemBuilder:
             segment=length,
             slipping=self.slipping,
             resolved=self.resolved,
+            wider=self.wider,
         )
         return self._along(own, record)
 
