@@ -1,6 +1,7 @@
 """Structures of a force balance become laws that one can simulate, with their coefficients."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,10 +11,10 @@ from stickslip.evidence import SIGN, Fit, Structure, Term
 from stickslip.friction import law
 from stickslip.identification import RecordSettings
 from stickslip.identification.sensor_response import SensorResponse
-from stickslip.identification.terms.composed_laws import composed_law, structure_of
+from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.identification.terms.findings import asked_of, model_errors
-from stickslip.selection.explained import explained
+from stickslip.selection.explained import _compared, explained
 
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
@@ -213,3 +214,18 @@ def test_the_fading_of_a_law_is_that_of_its_shape():
     )
     best = fitted(level=2.0, viscous=3.0, shape=LUGRE).structure
     assert structure_of(bell, best).shape("") == (2e-3, 1.0, 0.1, 0.5, 2.0)
+
+
+def test_the_textbook_bristle_stands_beside_other_laws_with_one():
+    wide = {"level": 2.0, "viscous": 3.0}
+    stop, lugre = fitted(**wide, shape=STOP), fitted(**wide, shape=LUGRE)
+    rivals = [fitted(**wide, shape=DAHL), fitted(level=2.0, shape=DAHL)]
+    asked = Asked(
+        explanation=SimpleNamespace(best=stop, scale=2.0),
+        laws={one.name: one for one in (composed_law(f, 1.0) for f in (stop, *rivals, lugre))},
+        fits={composed_law(f, 1.0).name: f for f in (stop, *rivals, lugre)},
+    )
+    names = [one.name for one in _compared(asked)]
+    assert names[:2] == ["maxwell[1](level) + viscous", "lugre"]
+    assert names[-1] == "coulomb-viscous"
+    assert len(names) == 4

@@ -119,7 +119,7 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         alike = [name for name in alike if not fits[name].structure.memories]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]
-    if best.structure.memories and TEXTBOOK in fits and TEXTBOOK != asked.best.name:
+    if best.structure.memories and TEXTBOOK in fits and asked.best.name != TEXTBOOK:
         # its fit has more to say of a bristle, its damping too, than the balance
         rivals = [*dict.fromkeys([TEXTBOOK, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
