@@ -44,6 +44,7 @@ from stickslip.selection.record_wording import (
     outcomes,
     record_wording,
 )
+from stickslip.selection.records import _as_simulated
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -250,6 +251,36 @@ def test_the_blocks_that_are_told_are_those_that_are_scored():
     assert f"on {count} held-out blocks" in found.purpose.scored
 
 
+def test_what_is_to_be_simulated_is_simulated_over_the_whole_record(verdict, record):
+    known = {c.name: c for c in verdict.candidates if c.validation}
+    # after 8 s the true law leaves the encoder's noise, and what errors of its parameters add
+    assert 0.9e-5 < known["direction-dependent"].whole < 5e-5
+    assert known["coulomb-viscous"].whole > 10.0 * known["direction-dependent"].whole
+    assert "Simulated over the whole record" in verdict.words.lede
+    rows = {one["law"]: one["whole_record_error"] for one in verdict.to_dict()["candidates"]}
+    assert rows["direction-dependent"] == known["direction-dependent"].whole
+    position = select(AXIS, [CoulombViscous], record, purpose="position", settings=QUICK)
+    assert math.isnan(position.closest.whole)
+    assert "whole record" not in position.words.lede
+
+
+def test_of_laws_that_predict_alike_the_one_that_stays_near_over_whole_records_is_named(verdict):
+    best = verdict.closest
+    known = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+
+    def named(whole, **changes):
+        other = dataclasses.replace(
+            known, whole=whole * best.whole, **{"validation": best.validation, **changes}
+        )
+        return _as_simulated(best, [best, other], None, uncertainty=0.0).name
+
+    assert named(0.5, dropped="") == "coulomb-viscous"
+    assert named(0.9, dropped="") == best.name
+    assert named(math.nan, dropped="") == best.name
+    assert named(0.5, dropped="an objection") == best.name
+    assert named(0.5, dropped="", validation=known.validation) == best.name  # it predicts worse
+
+
 def failing_without_a_block(*kinds):
     """Return a descent that fails for laws of some types."""
 
@@ -434,7 +465,7 @@ def test_what_trades_off_is_not_settled_for_itself():
 
 def test_an_estimate_whose_interval_holds_0_settles_nothing():
     v = np.linspace(-0.2, 0.2, 80)
-    friction = 2.0 * np.sign(v) + 0.05 * np.random.default_rng(3).normal(size=80)
+    friction = 2.0 * np.sign(v) + 0.1 * v + 0.05 * np.random.default_rng(1).normal(size=80)
     found = fit_record(
         AXIS, CoulombViscous, Measurement(velocity=v, friction=friction), settings=QUICK
     )

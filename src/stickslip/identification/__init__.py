@@ -98,6 +98,7 @@ INSIDE = {
     "ljung_box": "residuals.trends",
     "load_along": "force_map.data",
     "load_of": "series.start_values",
+    "memory_is_seen": "records.problems",
     "model_errors": "terms.findings",
     "names_of": "validation",
     "noise_floor": "residuals.trends",

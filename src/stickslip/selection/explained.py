@@ -31,6 +31,11 @@ MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
 """Laws that are fitted, if there are so many."""
+TEXTBOOK = "lugre"
+"""Law with a bristle that stands beside all others that have one."""
+CLOSER = 0.98
+"""Error over that of the best structure from which one with a part more is fitted in any case: the
+balance asks for more than that, but all rows together may tell what it leaves open."""
 
 
 @final
@@ -121,7 +126,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     """Return the laws to fit: that of the best structure, its rivals and the usual choice.
 
     A structure with a part more than the best is no rival, as with a part that nothing asks for any
-    law predicts alike; such ones, without memory, stand beside laws that have too few rivals.
+    law predicts alike; such ones, without memory, stand beside laws that have too few rivals, and
+    the first that comes closer stands beside all.
     """
     best, fits = asked.explanation.best, asked.fits
     alike = [
@@ -133,9 +139,13 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         alike = [name for name in alike if not fits[name].structure.memories]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]
+    if best.structure.memories and TEXTBOOK in fits and asked.best.name != TEXTBOOK:
+        # its fit has more to say of a bristle, its damping too, than the balance
+        rivals = [*dict.fromkeys([TEXTBOOK, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     plain = [name for name in richer if not fits[name].structure.memories]
-    names |= dict.fromkeys(plain[: max(FEWEST - len(names), 0)])
+    closer = [name for name in plain if fits[name].rms < CLOSER * best.rms][:1]
+    names |= dict.fromkeys([*closer, *plain[: max(FEWEST - len(names), 0)]])
     known = {name: law.specification for name, law in asked.laws.items()}
     return tuple(known.get(name) or specification(name) for name in names)
 

@@ -31,6 +31,7 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    memory_is_seen,
     to_compare,
     whole_record_error,
 )
@@ -157,6 +158,8 @@ def select_records(
         choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
         if "starts" not in choice.settings.changed:
             choice = replace(choice, settings=replace(choice.settings, starts=1))
+    seen = [one for one in chosen if memory_is_seen(one.law, measurement)] if asked else []
+    choice = replace(choice, resolved=bool(seen) and choice.route == "inverse-dynamics")
     fitted, found = _tried(
         parameters,
         measurement,

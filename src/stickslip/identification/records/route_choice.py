@@ -72,6 +72,8 @@ class RouteChoice:
     """Route that may serve better, to be compared once laws are fitted; None if none may."""
     hold: HoldFinding | None = None
     """How the recorded force runs between samples, as given or estimated; None if none drives."""
+    resolved: bool = False
+    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles."""
 
     def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
         """Return the same with what the record says of the hold, which its settings then have."""

@@ -176,7 +176,8 @@ def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
     if "stribeck" not in inside:
         return (length, 1.0)
     step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
-    return (length, 1.0, *_parameters_of(law, inside["stribeck"])[:1], step, 1.0)
+    velocity, fading = _parameters_of(law, inside["stribeck"])
+    return (length, 1.0, velocity, step, fading)
 
 
 def composed_law(

@@ -16,10 +16,12 @@ from stickslip.evidence import (
     Explanation,
     Fault,
     Fit,
+    Rule,
     Series,
     Term,
     acceleration_noise,
     explain,
+    fit,
     outliers,
     pieces,
     resolution,
@@ -65,6 +67,10 @@ WHITE: Final = 1.5
 """... or so many times the noise of the sensors in the band."""
 CORRECTED: Final = ("delay", "lag")
 """Kinds that settings correct for where friction is measured."""
+PARTLY: Final = 0.04
+"""Share of the friction from which what is left is said beside the law of the rest ..."""
+FAR: Final = 4.0
+"""... and so many times that noise."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -204,13 +210,14 @@ def model_errors(
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
-        if term.kind in {"ripple", "imbalance"}
+        if term.kind in {"ripple", "imbalance"} and _earned(found, term)
     ]
     errors += [
         one
         for one in (
             _late_instead(found, measurement, response),
             _constant_level(found, measurement),
+            _partly(found, measurement),
         )
         if one is not None
     ]
@@ -261,6 +268,19 @@ def _constant_level(found: Explanation, measurement: Measurement) -> ModelError 
         interval=found.intervals["-/level"][1:],
         share=(level / found.scale) ** 2 if level < found.scale else 1.0,
     )
+
+
+def _earned(found: Explanation, term: Term) -> bool:
+    """Whether a force along the way earns the margins of a fault; not beside presliding.
+
+    An axis that sticks and slips does so at even distances: what its law leaves looks like a force
+    that depends on position.
+    """
+    best, usual = found.best, Rule()
+    if best.structure.memories or usual.fault is None:
+        return False
+    without = fit(found.balance, best.structure.without(term))
+    return Rule(*usual.fault).better(best, without, found.scale)
 
 
 def _late_instead(
@@ -344,6 +364,27 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
         effect=found.best.rms,
         interval=(math.nan, math.nan),
         share=1.0,
+    )
+
+
+def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a part of the friction is left that is no noise and no law explains, if so."""
+    noise = _noise(found)
+    if found.left <= PARTLY or found.best.rms <= FAR * noise:
+        return None
+    force = quantity(found.best.rms, measurement.unit("force"))
+    times = number(found.best.rms / max(noise, 1e-300), 2)
+    return ModelError(
+        kind="unexplained",
+        finding=(
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction"
+            f" and {times} times the noise of the force: a law that was not tried may come closer."
+        ),
+        consequence="Intervals do not allow for it.",
+        effect=found.best.rms,
+        interval=(math.nan, math.nan),
+        share=0.0,
+        moved=(),
     )
 
 
