@@ -382,7 +382,7 @@ def acceleration_noise(balance: Balance, found: Fit) -> float:
     """Return the force [N] that noise of the positions costs through the inertias in the band."""
     costs = [0.0]
     for one in balance.parts:
-        own = found.of("inertia", one.channel)
-        mass = one.mass if one.mass is not None else own[0] if own else 0.0
+        moved = sum(sum(found.of(kind, one.channel)) for kind in ("inertia", "flexible", "loose"))
+        mass = moved if one.mass is None else one.mass
         costs.append(abs(mass) * one.noise * acceleration_of_noise(one.h, balance.fc))
     return max(costs)

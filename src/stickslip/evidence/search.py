@@ -89,7 +89,7 @@ class Search:
         self.fits: dict[Structure, Fit] = {}
         self._known: dict[Structure, list[Structure]] = {}
         self.evaluated = 0
-        self.scale, self.noise = balance.scale, 0.0
+        self.scale = balance.scale
 
     def fit(self, structure: Structure) -> Fit:
         """Return the fit of a structure."""
@@ -100,7 +100,8 @@ class Search:
 
     def better(self, new: Fit, old: Fit) -> bool:
         """Return whether the rule prefers a fit to another."""
-        return self.rule.better(new, old, self.scale, self.noise) and (
+        noise = acceleration_noise(self.balance, old)
+        return self.rule.better(new, old, self.scale, noise) and (
             seen_late(self.balance, new, old, self.scale) or not self.rule.fault
         )
 
@@ -108,7 +109,6 @@ class Search:
         """Search from a structure and from the textbook law of both directions."""
         root = self.fit(start)
         self.scale = friction_scale(self.balance, root)
-        self.noise = acceleration_noise(self.balance, root)
         beam = [root]
         for structure in (self._textbook(start), self._peaked(start), *self._late_memory(start)):
             full = self.prune(self.fit(structure))

@@ -23,8 +23,8 @@ SHORTENED = (1.0, 0.4, 0.15)
 """Shares of a step that are tried."""
 LONGEST = 0.5
 """Largest step of a logarithm."""
-EXPONENTS = (0.1, 2.5)
-"""Limits of the exponent of a viscous power."""
+EXPONENTS = (0.2, 2.5)
+"""Limits of the exponent of a viscous power: one of less is nearly a level."""
 SLOW = 0.5
 """Largest Stribeck velocity over the largest speed, at which the step has gone."""
 LEAST_PERIODS = 1.8
@@ -133,7 +133,7 @@ def _within(balance: Balance, term: Term) -> bool:
         return True
     kind, first = term.kind, term.par[0]
     if kind.startswith("power"):
-        return EXPONENTS[0] < first < EXPONENTS[1]
+        return EXPONENTS[0] <= first < EXPONENTS[1]
     if kind.startswith("stribeck"):
         return _seen(balance, term.channel, first)
     if kind in ("ripple", "level_ripple"):
