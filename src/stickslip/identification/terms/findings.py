@@ -51,7 +51,7 @@ HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
 """... or so many times the noise of the force sensor in the band."""
-PARTLY: Final = 0.04
+PARTLY: Final = 0.025
 """Share of the friction from which what is left is said beside the law of the rest ..."""
 FAR: Final = 4.0
 """... and so many times that noise."""
