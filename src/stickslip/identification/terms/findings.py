@@ -22,7 +22,7 @@ from stickslip.evidence import (
     resolution,
 )
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, percent, quantity, scale_of, with_unit, within
+from stickslip.formatting import percent, quantity, scale_of, with_unit, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
@@ -263,12 +263,11 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
 def _partly(found: Explanation, measurement: Measurement) -> ModelError:
     """Return that a part of the friction is left that is no noise, and nothing tried explains."""
     force = quantity(found.best.rms, measurement.unit("force"))
-    times = number(found.best.rms / max(_noise(found.balance), 1e-300), 2)
     return ModelError(
         kind="unexplained",
         finding=(
-            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction"
-            f" and {times} times the noise of the force: a law that was not tried may come closer."
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction,"
+            " which is more than the noise of its sensor: a law that was not tried may come closer."
         ),
         consequence="Intervals do not allow for it.",
         effect=found.best.rms,
