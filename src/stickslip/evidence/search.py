@@ -9,13 +9,13 @@ import numpy as np
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import SIGN, Shape
-from stickslip.evidence.fits import Fit, fit, friction_scale, training_error
+from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
-from stickslip.evidence.rule import Rule, repeats
+from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
-from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, ripples, shapes
+from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, hums, ripples, shapes
 
 Progress = Callable[[float, str], None]
 Wrap = Callable[[Shape], Structure]
@@ -100,7 +100,10 @@ class Search:
 
     def better(self, new: Fit, old: Fit) -> bool:
         """Return whether the rule prefers a fit to another."""
-        return self.rule.better(new, old, self.scale)
+        noise = acceleration_noise(self.balance, old)
+        return self.rule.better(new, old, self.scale, noise) and (
+            seen_late(self.balance, new, old, self.scale) or not self.rule.fault
+        )
 
     def run(self, start: Structure) -> Searched:
         """Search from a structure and from the textbook law of both directions."""
@@ -223,7 +226,7 @@ class Search:
     def _proposed(self, old: Fit) -> list[Structure]:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
-        candidates = [*self.terms, *ripples(self.balance, old)]
+        candidates = [*self.terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
         self.evaluated += len(ranked)
         seen, fresh = set(), []

@@ -1,8 +1,9 @@
 """Candidates that the force balance of a record asks for, and what it says of them."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import final
 
 from stickslip.evidence import TERMS, Fit, Structure
@@ -56,6 +57,31 @@ class Explained:
     """What is wrong with the rig or the record."""
     unit: str
     """Of held-out errors of the balance."""
+    decides: bool = False
+    """Whether its law is named whatever the candidates predict: where that is the same force along
+    the same motion, of which the balance alone knows rests and reversals."""
+
+    @classmethod
+    def of(
+        cls,
+        asked: Asked,
+        measurement: Measurement,
+        settings: RecordSettings,
+        unknown: Sequence[str] = (),
+        *,
+        decides: bool = False,
+    ) -> "Explained":
+        """Return what the laws of an explanation are for a selection."""
+        return cls(
+            asked=asked,
+            specs=_compared(asked),
+            starts={name: _start(law, unknown) for name, law in asked.laws.items()},
+            errors=model_errors(
+                asked.explanation, measurement, settings.holding, settings.response
+            ),
+            unit=measurement.unit("force"),
+            decides=decides,
+        )
 
     def rejects(self, name: str, law: FrictionLaw | None) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
@@ -89,18 +115,12 @@ def explained(
     """
     if not all(path.endswith(FOUND) for path in unknown):
         return None
-    told = None if watch is None else _told(watch)
+    told = None if watch is None else partial(told_to, watch)
     channel = settings.holding, unknown, settings.response
     asked = asked_of(mechanism, measurement, *channel, progress=told)
     if asked is None:
         return None
-    return Explained(
-        asked=asked,
-        specs=_compared(asked),
-        starts={name: _start(law, unknown) for name, law in asked.laws.items()},
-        errors=model_errors(asked.explanation, measurement, settings.holding, settings.response),
-        unit=measurement.unit("force"),
-    )
+    return Explained.of(asked, measurement, settings, unknown)
 
 
 def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
@@ -154,8 +174,6 @@ def _contains(rich: Structure, simple: Structure) -> bool:
     return kinds[1] <= kinds[0] and shapes[1] <= shapes[0]
 
 
-def _told(watch: Watch) -> Callable[[float, str], None]:
-    def told(share: float, structure: str) -> None:
-        watch(f"force balance, {100.0 * share:.0f} %: {structure}", math.nan)
-
-    return told
+def told_to(watch: Watch, share: float, structure: str, where: str = "") -> None:
+    """Tell how far the search over structures is, and the best so far."""
+    watch(f"{where}force balance, {100.0 * share:.0f} %: {structure}", math.nan)

@@ -90,6 +90,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     fitted beside the law; infinite where that fails, not a number where it was not asked for."""
     curve: CrossValidation | None = None
     """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
+    otherwise: Mapping[str, str] = field(default_factory=dict)
+    """Titles of laws that explain a table as well if one of its rows is in error, by name."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -153,6 +155,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "second_record": self.second.rms if self.second else None,
             "curve_score": self.curve.score if self.curve else None,
             "whole_record_error": self.whole,
+            "otherwise": dict(self.otherwise),
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,

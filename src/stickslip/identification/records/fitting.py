@@ -55,7 +55,7 @@ from stickslip.identification.records.problems import (
     prepared,
 )
 from stickslip.identification.records.propagation import displacements
-from stickslip.identification.records.refits import halves_of
+from stickslip.identification.records.refits import halves_of, interleaved
 from stickslip.identification.records.route_choice import (
     RouteChoice,
     better_route,
@@ -177,7 +177,8 @@ def fit_record(
     """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
-    choice = choice.with_hold(mechanism, measurement)
+    if choice.route != "force-map":
+        choice = choice.with_hold(mechanism, measurement)
     refuse_unused(measurement, inside(mechanism, measurement))
     wanted = ProblemRequest(
         mechanism=mechanism,
@@ -520,7 +521,8 @@ def finished(
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
-    moved = displacements(again, best, mechanism, measurement)
+    doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
+    moved = displacements(again, best, mechanism, measurement) if doubted else ()
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
     inference, apart = widened_by_starts(inference, free_parameters, found)
     mechanism, said = as_loaded(mechanism, measurement)
@@ -556,7 +558,9 @@ def finished(
 def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
     best = fit.optimum.best
-    halves = None if fit.optimum.cancelled else halves_of(fit)
+    # the rows of a table have no order: their halves would differ by chance alone
+    untold = fit.optimum.cancelled or interleaved(fit.problem.spans)
+    halves = None if untold else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
     moved = _moved_by_band(fit)
     inference = inference if moved is None else inference.including(moved)

@@ -66,7 +66,6 @@ def halves_of(fit: RecordFit) -> Halves | None:
     return Halves.of(
         (first.values, second.values),
         (known[0], known[1]),
-        timed=not interleaved(fit.problem.spans),
         several=len(np.unique(fit.problem.spans[:, 0])) > 1,
     )
 
