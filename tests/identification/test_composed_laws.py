@@ -9,12 +9,12 @@ import pytest
 from stickslip import Axis, Measurement, SpringBlock
 from stickslip.evidence import SIGN, Fit, Structure, Term
 from stickslip.friction import law
-from stickslip.identification import RecordSettings
+from stickslip.identification import ModelError, RecordSettings
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.identification.terms.findings import asked_of, model_errors
-from stickslip.selection.explained import _compared, explained
+from stickslip.selection.explained import Explained, _compared, explained
 
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
@@ -193,7 +193,7 @@ def left_of(share):
 
 
 def test_what_is_left_beside_a_law_is_said_before_no_law_explains_it():
-    assert not any(one.kind == "unexplained" for one in left_of(0.03))
+    assert not any(one.kind == "unexplained" for one in left_of(0.02))
     (partly,) = (one for one in left_of(0.07) if one.kind == "unexplained")
     assert "7 % of the friction" in partly.finding
     assert "a law that was not tried may come closer" in partly.finding
@@ -229,3 +229,31 @@ def test_the_textbook_bristle_stands_beside_other_laws_with_one():
     assert names[:2] == ["maxwell[1](level) + viscous", "lugre"]
     assert names[-1] == "coulomb-viscous"
     assert len(names) == 4
+
+
+def test_a_fit_that_leaves_far_less_than_the_balance_is_not_said_to_lack_a_law():
+    best = fitted(level=2.0, viscous=3.0)
+    said = [
+        ModelError(
+            kind=kind, finding=kind, consequence="", effect=1.0, interval=(0.0, 1.0), share=0.0
+        )
+        for kind in ("unexplained", "delay")
+    ]
+    own = composed_law(best, 1.0)
+    asked = Asked(
+        explanation=SimpleNamespace(best=best, scale=2.0),
+        laws={own.name: own},
+        fits={own.name: best},
+    )
+    explained = Explained(asked=asked, specs=(), starts={}, errors=tuple(said), unit="N")
+
+    def kinds(rms, *, simulates=False):
+        fit = SimpleNamespace(
+            law=own.specification.law, rms=rms, problem=SimpleNamespace(simulates=simulates)
+        )
+        return [one.kind for one in explained.errors_of(own.name, fit)]
+
+    assert best.rms == 1.0
+    assert kinds(0.9) == ["unexplained", "delay"]
+    assert kinds(0.1) == ["delay"]
+    assert kinds(0.1, simulates=True) == ["unexplained", "delay"]  # of positions

@@ -15,6 +15,7 @@ from stickslip.identification import (
     ComposedLaw,
     FittedLaw,
     ModelError,
+    RecordFit,
     RecordSettings,
     asked_of,
     errors_of,
@@ -31,6 +32,8 @@ MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
 """Laws that are fitted, if there are so many."""
+CLEARER = 0.5
+"""Error of a fitted force over that of the balance below which the fit has seen what it has not."""
 TEXTBOOK = "lugre"
 """Law with a bristle that stands beside all others that have one."""
 ONE_MEMORY = "dahl-exponent"
@@ -87,9 +90,17 @@ class Explained:
         own = None if law is None else self.asked.fit_of(name, law)
         return name != self.asked.best.name and self.asked.rejects(own)
 
-    def errors_of(self, name: str, law: FrictionLaw) -> tuple[ModelError, ...]:
-        """Return what is wrong with a law, the rig or the record."""
-        return errors_of(self.asked, law, name, self.errors, self.unit)
+    def errors_of(self, name: str, fit: RecordFit) -> tuple[ModelError, ...]:
+        """Return what is wrong with a fitted law, the rig or the record.
+
+        Of a fit that leaves far less of the force than the balance's own best structure, the
+        balance has nothing to say about laws.
+        """
+        found = errors_of(self.asked, fit.law, name, self.errors, self.unit)
+        best = self.asked.explanation.best
+        if fit.problem.simulates or not fit.rms < CLEARER * best.rms:
+            return found
+        return tuple(one for one in found if one.kind not in ("law", "unexplained"))
 
 
 def explained(

@@ -655,7 +655,7 @@ def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordC
     own = asked.asked.laws.get(c.name) if usual else None
     return replace(
         c,
-        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)),
+        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit)),
         from_balance=own.held if own else (),
     )
 

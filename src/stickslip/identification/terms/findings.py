@@ -67,7 +67,7 @@ WHITE: Final = 1.5
 """... or so many times the noise of the sensors in the band."""
 CORRECTED: Final = ("delay", "lag")
 """Kinds that settings correct for where friction is measured."""
-PARTLY: Final = 0.04
+PARTLY: Final = 0.025
 """Share of the friction from which what is left is said beside the law of the rest ..."""
 FAR: Final = 4.0
 """... and so many times that noise."""
@@ -373,12 +373,11 @@ def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
     if found.left <= PARTLY or found.best.rms <= FAR * noise:
         return None
     force = quantity(found.best.rms, measurement.unit("force"))
-    times = number(found.best.rms / max(noise, 1e-300), 2)
     return ModelError(
         kind="unexplained",
         finding=(
-            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction"
-            f" and {times} times the noise of the force: a law that was not tried may come closer."
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction,"
+            " which is more than the noise of its sensor: a law that was not tried may come closer."
         ),
         consequence="Intervals do not allow for it.",
         effect=found.best.rms,
