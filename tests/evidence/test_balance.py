@@ -233,3 +233,12 @@ def test_a_late_force_is_found_where_the_inertia_and_forces_of_other_joints_are_
     found = explain([Series(t, noisy, late, mass=0.05, taken=taken)])
     assert found.best.structure.late[0] == pytest.approx(0.008, abs=5e-4)
     assert found.best.of("level")[0] == pytest.approx(0.3, rel=0.02)
+
+
+def test_no_mass_is_accused_beside_columns_of_a_mechanism_that_are_free():
+    """They hold the inertia: its error would be theirs."""
+    t = 2e-3 * np.arange(5000)
+    series = Series(t, np.sin(3.0 * t), np.sign(np.cos(3.0 * t)), mass=0.1)
+    free = replace(series, extra={"inertia": np.sin(3.0 * t)})
+    kinds = [{term.kind for term in vocabulary(Balance([one]))} for one in (series, free)]
+    assert ["mass" in one for one in kinds] == [True, False]
