@@ -6,14 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, SpringBlock
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock
 from stickslip.evidence import SIGN, Fit, Structure, Term
 from stickslip.friction import law
-from stickslip.identification import ModelError, RecordSettings
-from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
-from stickslip.identification.terms.findings import asked_of, model_errors
 from stickslip.selection.explained import Explained, _compared, explained
 
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
@@ -257,3 +256,50 @@ def test_a_fit_that_leaves_far_less_than_the_balance_is_not_said_to_lack_a_law()
     assert kinds(0.9) == ["unexplained", "delay"]
     assert kinds(0.1) == ["delay"]
     assert kinds(0.1, simulates=True) == ["unexplained", "delay"]  # of positions
+
+
+def under_a_load(friction):
+    """Return a record of measured friction (n,) under a load that swells, given speed and load."""
+    t = np.arange(0.0, 14.0, 0.004)
+    v = 0.1 * (np.sin(2.5 * t) + 0.6 * np.sin(4.3 * t + 1.0))
+    load = 50.0 * 2.0 ** np.sin(1.3 * t)
+    noise = 0.2 * np.random.default_rng(2).normal(size=len(t))
+    x = np.concatenate([[0.0], np.cumsum(0.002 * (v[1:] + v[:-1]))])
+    return Measurement(time=t, position=x, friction=friction(v, load) + noise, load=load)
+
+
+def test_a_level_that_grows_with_the_load_is_the_level_of_the_law():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
+    assert asked.best.text == "level + viscous"
+    assert asked.best.start["friction.kinetic_coefficient"] == pytest.approx(0.3, abs=0.003)
+    assert model_errors(asked.explanation, record, "zero", PROMPT) == ()
+    coulomb = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=40.0)
+    assert not asked.rejects(asked.fit_of("other", coulomb))
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (0.3, "N of the friction level does not grow with the load; 0.3"),
+        (0.0, "N, does not grow with the load that was recorded."),
+    ],
+)
+def test_a_level_that_does_not_grow_with_the_load_is_said(share, said):
+    record = under_a_load(lambda v, load: (share * load + 6.0) * np.sign(v) + 40.0 * v)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
+    (found,) = model_errors(asked.explanation, record, "zero", PROMPT)
+    assert found.kind == "load"
+    assert said in found.finding
+    assert found.interval[0] < 6.0 < found.interval[1]
+
+
+def test_outliers_are_counted_and_blame_nothing_else():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    friction = np.array(record.friction)
+    friction[[500, 1400, 2600]] += 200.0
+    broken = replace(record, friction=friction)
+    asked = asked_of(Axis(inertia=1.0), broken, "zero", (), PROMPT)
+    (found,) = model_errors(asked.explanation, broken, "zero", PROMPT)
+    assert found.kind == "outliers"
+    assert found.finding.startswith("3 samples of the friction lie far off those beside")
