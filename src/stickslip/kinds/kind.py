@@ -4,12 +4,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, ClassVar, Generic, TypeAlias, final
 
 from typing_extensions import TypeVar, override
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.formatting import number
+from stickslip.formatting import count, number
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
@@ -22,9 +23,10 @@ from stickslip.identification import (
     known_inputs,
     names_of,
 )
+from stickslip.kinds.columns import Columns, page_table, terminal_table
 from stickslip.mechanisms import Mechanism
-from stickslip.report import Origin, SectionMaker
-from stickslip.selection import PurposeName, Verdict
+from stickslip.report import Origin, Section, SectionMaker, opening, reproduce
+from stickslip.selection import PurposeName, Verdict, score_scale
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
@@ -138,6 +140,31 @@ class FitSummary:
     """Whether several trials share the law."""
 
 
+def opening_section(verdict: Verdict, kicker: str, remark: str) -> Section:
+    """Return the section that a reader may stop after."""
+    return opening(verdict.words, kicker, remark, no_score=verdict.words.no_score)
+
+
+def candidates_section(columns: Columns[Any], verdict: Verdict) -> Section:
+    """Return the section that compares all laws."""
+    table = page_table(
+        columns,
+        verdict.candidates,
+        cells={},
+        scale=score_scale([one.score for one in verdict.candidates], verdict.score_unit),
+        colour=lambda one: "c1" if one is verdict.best else "muted",
+        chosen=lambda one: one is verdict.best,
+        caption="",
+    )
+    heading = count(len(verdict.candidates), "candidate")
+    return Section(id="models", nav="Models compared", heading=heading, blocks=(table,))
+
+
+def reproduce_section(verdict: Verdict, origin: Origin) -> Section:
+    """Return the section with commands, versions, hashes and sources."""
+    return reproduce(origin, laws=[one.fit.law for one in verdict.candidates if one.fit])
+
+
 class Kind(ABC, Generic[F, V]):
     """How one kind of measurement is fitted, compared and shown; the only place that knows.
 
@@ -168,6 +195,8 @@ class Kind(ABC, Generic[F, V]):
     """Law that a command fits where none is named."""
     simulated: ClassVar[bool] = True
     """Whether fitted laws can be simulated, and written as rig files."""
+    columns: ClassVar[Columns[Any]] = ()
+    """What tables say of each candidate, where `comparison` and `sections` are the usual ones."""
 
     @override
     def __init_subclass__(cls) -> None:
@@ -197,14 +226,20 @@ class Kind(ABC, Generic[F, V]):
 
     def owner(self, law: Law) -> AnyLaw:
         """Return the law or the type whose parameters a law has that may be given by its name."""
-        found: AnyLaw = specification(law).law if isinstance(law, str) else law
+        found: AnyLaw = law
+        if isinstance(law, str):
+            other: Any = self.fits
+            found = specification(law).law if other is FrictionLaw else other
         return found
 
     def law_and_parameters(
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
     ) -> tuple[Law, str | Sequence[str] | None]:
-        """Return the law that a name stands for, with what is fitted of it put into `vary`."""
-        if not isinstance(law, str):
+        """Return the law that a name stands for, with what is fitted of it put into `vary`.
+
+        Names of other laws than `FrictionLaw` are left to the fit.
+        """
+        if not isinstance(law, str) or self.fits is not FrictionLaw:
             return law, vary
         found = specification(law)
         if found.free is None:
@@ -221,19 +256,25 @@ class Kind(ABC, Generic[F, V]):
     def select(self, request: Request) -> V:
         """Compare laws and name one."""
 
-    @abstractmethod
     def comparison(self, verdict: V) -> Comparison:
         """Return the table of a verdict."""
+        heads, rows = terminal_table(self.columns, verdict.candidates)
+        notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates if one.outcome]
+        return Comparison(heads=heads, rows=rows, notes=notes)
 
-    @abstractmethod
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         """Return what a terminal shows of a fit, with its error on a second record."""
+        return FitSummary()
 
-    @abstractmethod
     def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
         """Return what makes the sections of the page of a verdict."""
+        return (
+            partial(opening_section, verdict, origin.data, remark),
+            partial(candidates_section, self.columns, verdict),
+            partial(reproduce_section, verdict, origin),
+        )
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
         """Return the contact inputs that laws may depend on."""

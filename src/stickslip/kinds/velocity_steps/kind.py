@@ -1,6 +1,5 @@
 """Velocity steps of a load point, fitted by rate-and-state friction."""
 
-from collections.abc import Collection, Sequence
 from typing import final
 
 from typing_extensions import override
@@ -15,7 +14,6 @@ from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.kinds.velocity_steps.problem import serves
 from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
 from stickslip.kinds.velocity_steps.selection import (
-    RateStateLaw,
     RateStateLaws,
     rate_state_laws,
     select_rate_state,
@@ -49,16 +47,6 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     @override
     def residual_text(self, error: float, request: Request) -> str:
         return f"coefficient off by {number(error, 2)}"
-
-    @override
-    def owner(self, law: RateStateLaw) -> RateState | type[RateState]:
-        return RateState if isinstance(law, str) else law
-
-    @override
-    def law_and_parameters(
-        self, law: RateStateLaw, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
-    ) -> tuple[RateStateLaw, str | Sequence[str] | None]:
-        return law, vary
 
     @override
     def fit(self, request: Request) -> RateStateFit:

@@ -1,7 +1,6 @@
 """Steady speeds: the kind that joins fit, selection and page."""
 
 from dataclasses import replace
-from functools import partial
 from typing import final
 
 import numpy as np
@@ -11,14 +10,10 @@ from stickslip.experiments import Measurement
 from stickslip.friction import Viscous
 from stickslip.identification import Estimate, Laws
 from stickslip.kinds import (
-    Comparison,
-    FitSummary,
     Kind,
     Request,
-    terminal_table,
 )
 from stickslip.quantities import fields_of
-from stickslip.report import Origin, SectionMaker
 from stickslip.selection import Wording
 
 from .fit import ToyFit
@@ -32,6 +27,7 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
     routes = (NAME,)
     measured = "steady speeds"
     uses = frozenset({"route"})
+    columns = COLUMNS
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -80,22 +76,3 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
             best=replace(one, outcome="chosen"),
             ranked=False,
         )
-
-    @override
-    def comparison(self, verdict: ToyVerdict) -> Comparison:
-        heads, rows = terminal_table(COLUMNS, verdict.candidates)
-        return Comparison(heads=heads, rows=rows)
-
-    @override
-    def summary(
-        self, fit: ToyFit, validate: Measurement | None = None, horizon: float | None = None
-    ) -> FitSummary:
-        return FitSummary(lines=["Toy."])
-
-    @override
-    def sections(
-        self, verdict: ToyVerdict, origin: Origin, remark: str
-    ) -> tuple[SectionMaker, ...]:
-        from .page import toy_section  # loaded where a page is made
-
-        return (partial(toy_section, verdict),)
