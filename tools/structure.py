@@ -141,15 +141,23 @@ def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str,
     return found
 
 
-def lines_of_texts(tree: ast.Module) -> int:
-    """Return how many lines are texts that stand by themselves: docstrings, texts of fields."""
-    return sum(
-        (node.end_lineno or node.lineno) - node.lineno + 1
+def lines_of_texts(tree: ast.Module) -> set[int]:
+    """Return which lines are texts that stand by themselves: docstrings, texts of fields."""
+    return {
+        line
         for node in ast.walk(tree)
         if isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
-    )
+        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+
+
+def lines_of_code(text: str, tree: ast.Module) -> int:
+    """Return how many lines are neither empty, a comment, nor a text that stands by itself."""
+    said = lines_of_texts(tree)
+    lines = enumerate(map(str.strip, text.splitlines()), 1)
+    return sum(bool(line) and not line.startswith("#") and at not in said for at, line in lines)
 
 
 def arguments(function: Function, *, is_method: bool) -> list[str]:
@@ -253,7 +261,9 @@ def table() -> Iterator[tuple[str, object]]:
     trees = {name: ast.parse(text) for name, text in texts.items()}
     modules = {name for name, path in known.items() if path.name != "__init__.py"}
     yield "lines in src", sum(text.count("\n") for text in texts.values())
-    yield "lines of docstrings and texts of fields", sum(map(lines_of_texts, trees.values()))
+    yield "lines of code", sum(lines_of_code(texts[name], tree) for name, tree in trees.items())
+    texts_of = [len(lines_of_texts(tree)) for tree in trees.values()]
+    yield "lines of docstrings and texts of fields", sum(texts_of)
     yield "files in src", len(known)
     yield "modules (files without __init__)", len(modules)
     users = importers(trees, known)

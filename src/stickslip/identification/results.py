@@ -280,13 +280,13 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
             sentence=str(self).partition("\n")[0], head=head, rows=rows, notes=self._notes()
         )
 
-    @abstractmethod
     def _notes(self) -> Sequence[str]:
         """Return what a notebook says of the fit below its estimates."""
+        return ()
 
-    @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:
         """Return the fit as plain numbers and strings."""
+        return {"law": self.law.name, "estimates": [one.to_dict() for one in self.estimates]}
 
 
 FRICTION = "friction."

@@ -13,9 +13,9 @@ from stickslip.identification import RouteChoice, called, check_inputs
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables.kind import FrictionTableKind
 from stickslip.kinds.joints import JointKind
-from stickslip.kinds.kind import Kind, Options
+from stickslip.kinds.kind import Kind, Request
 from stickslip.kinds.records import RecordKind
-from stickslip.kinds.travels import TravelKind
+from stickslip.kinds.travels.kind import TravelKind
 from stickslip.kinds.velocity_steps.kind import VelocityStepKind
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import name_taken, plugins
@@ -94,17 +94,19 @@ def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) ->
     return found if "route" in usual.uses else usual
 
 
-def refuse_unused(kind: AnyKind, given: Mapping[str, str], options: Options) -> None:
+def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> None:
     """Refuse options that have no effect on a kind of measurement.
 
     Examples
     --------
-    >>> refuse_unused(kind_of_route("travel"), {"horizon": "--horizon"}, Options())
+    >>> from stickslip import SpringBlock
+    >>> request = Request(mechanism=SpringBlock(mass=1.0), measurement=Measurement(travel=0.2))
+    >>> refuse_unused(kind_of_route("travel"), {"horizon": "--horizon"}, request)
     Traceback (most recent call last):
     stickslip.errors.InputError: --horizon applies to records of motion or friction; it has ...
     """
     for name, called_ in given.items():
-        why = kind.why_unused(name, options)
+        why = kind.why_unused(name, request)
         if not why and name not in kind.uses | kind.settings:
             users = [one for one in kinds() if name in one.uses | one.settings]
             why = unused_text(kind, users)

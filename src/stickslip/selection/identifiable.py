@@ -41,8 +41,8 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
 def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """Return the estimates that stand each for itself, the surest first.
 
-    Their intervals are bounded, they are no offset, none trades off with another, and no
-    error of the model moves them.
+    Their intervals are bounded and do not hold 0, they are no offset, none trades off with another,
+    and no error of the model moves them.
 
     Examples
     --------
@@ -55,7 +55,10 @@ def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """
     apart = traded(fit) | moved_by_errors(fit)
     known = [
-        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in apart
+        e
+        for e in fit.estimates
+        if e.bounded and not e.low <= 0.0 <= e.high
+        if "offset" not in e.path and e.path not in apart
     ]
     return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))
 

@@ -16,6 +16,7 @@ from stickslip.formatting import (
     number,
     percent,
     ratio,
+    scale_of,
 )
 from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.quantities import turned
@@ -280,6 +281,7 @@ def _lede(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
     text = held_out_text(scale, best.score, best.score_error, scored)
+    text += _whole_text(best, candidates)
     if on_second is not None:
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
@@ -310,6 +312,24 @@ def _lede(
         first = closer[0]
         text += f" {first.title}: {told(first.score)}, but {first_of(first.dropped)}."
     return text
+
+
+def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate]) -> str:
+    """Return the error over whole records, and that of the usual choice; empty without one."""
+    assert best.fit is not None
+    if math.isnan(best.whole):
+        return ""
+    if math.isinf(best.whole):
+        return " A simulation of the whole record fails."
+    record = best.fit.measurement
+    what = "position" if "position" in record.quantities() else "velocity"
+    usual = [c for c in candidates if c.name == REFERENCE != best.name and math.isfinite(c.whole)]
+    scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
+    beside = "".join(f"; Coulomb + viscous friction: {scale.error(c.whole)}" for c in usual)
+    return (
+        " Simulated over the whole record, with a constant force fitted beside the law:"
+        f" {scale.error(best.whole)}{beside}."
+    )
 
 
 def _second_text(

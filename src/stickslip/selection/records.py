@@ -13,7 +13,7 @@ from stickslip.experiments import (
     Measurement,
     with_doubts,
 )
-from stickslip.formatting import Scale, quantity
+from stickslip.formatting import Scale, lower_first, quantity
 from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
@@ -31,7 +31,9 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    memory_is_seen,
     to_compare,
+    whole_record_error,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -48,17 +50,13 @@ from stickslip.selection.choice import (
     ALIKE,
     APART,
     apart,
+    as_good,
     choose,
     effective_aic,
     errs_more,
     shown_over_simpler,
 )
-from stickslip.selection.cross_validation import (
-    Plan,
-    cross_validate,
-    halves,
-    plan_of,
-)
+from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.explained import Explained, explained
 from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.ladder import Climbed, climbed
@@ -81,6 +79,8 @@ from stickslip.selection.record_wording import equals_of, outcomes, record_wordi
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
+NEARER = 1.5
+"""Factor between errors over whole records from which one stays clearly nearer than another."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 HOPELESS = (
@@ -158,6 +158,8 @@ def select_records(
         choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
         if "starts" not in choice.settings.changed:
             choice = replace(choice, settings=replace(choice.settings, starts=1))
+    seen = [one for one in chosen if memory_is_seen(one.law, measurement)] if asked else []
+    choice = replace(choice, resolved=bool(seen) and choice.route == "inverse-dynamics")
     fitted, found = _tried(
         parameters,
         measurement,
@@ -170,10 +172,16 @@ def select_records(
     )
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         plan, judged, without = judged_of(
-            fitted, found, aim, validate=validate, progress=progress, executor=executor
+            fitted,
+            found,
+            aim,
+            validate=validate,
+            whole=purpose == "simulate",
+            progress=progress,
+            executor=executor,
         )
     if asked:
-        judged = [_told(c, asked) for c in judged]
+        judged = [with_errors(c, asked, usual=laws is None) for c in judged]
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
@@ -194,11 +202,12 @@ def judged_of(
     validate: Measurement | None,
     progress: Watch | None,
     executor: Executor | None,
+    whole: bool = False,
 ) -> tuple[Plan, list[RecordCandidate], RecordCandidate | None]:
     """Return how laws are judged, those that were fitted with their errors, and the control."""
     fits = _fits(found.tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=horizon)
-    work = partial(_judged, plan=plan, validate=validate)
+    work = partial(_judged, plan=plan, validate=validate, whole=whole)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, found.tried, controlled, progress, executor)
     return plan, with_contained(judged, found.specs), without
@@ -421,10 +430,13 @@ def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
 
 
 def _judged(
-    candidate: RecordCandidate, plan: Plan, validate: Measurement | None
+    candidate: RecordCandidate, plan: Plan, validate: Measurement | None, *, whole: bool
 ) -> RecordCandidate:
-    """Add held-out errors and objections."""
-    return with_objections(with_scores(candidate, plan, validate))
+    """Add held-out errors and objections, and the error over whole records."""
+    found = with_objections(with_scores(candidate, plan, validate))
+    if not whole or found.fit is None or found.validation is None:
+        return found
+    return replace(found, whole=whole_record_error(found.fit))
 
 
 def with_scores(
@@ -561,7 +573,7 @@ def verdict_on(
     closest = choose(among, uncertainty=least)
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=least)
-    closest = _doubted(closest)
+    closest = _doubted(_as_simulated(closest, among, asked, uncertainty=least))
     if beside is not None:
         closest = beside(closest, least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
@@ -569,8 +581,11 @@ def verdict_on(
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = fault or unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
+        wrong = [one.finding for one in asked.errors if one.share > 0.0] if asked else []
         fault = fault or (
-            "no candidate predicts it significantly better than a model without friction"
+            lower_first(wrong[0]).removesuffix(".")
+            if wrong
+            else "no candidate predicts it significantly better than a model without friction"
         )
     on_second = _on_second(closest, scored)
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
@@ -633,11 +648,16 @@ def until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
-    """Return a candidate with what the force balance says is wrong."""
+def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordCandidate:
+    """Return a candidate with what the force balance says is wrong, and which values it gave."""
     if c.fit is None:
         return c
-    return replace(c, fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)))
+    own = asked.asked.laws.get(c.name) if usual else None
+    return replace(
+        c,
+        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit)),
+        from_balance=own.held if own else (),
+    )
 
 
 def _agreed(
@@ -656,10 +676,33 @@ def _agreed(
     allowed = [c for c in among if not asked.rejects(c.name, c.law)]
     if not allowed:
         return closest
+    if asked.decides and (own := [c for c in allowed if c.name == asked.asked.best.name]):
+        return own[0]
     best = choose(allowed, uncertainty=uncertainty)
     holds = not any(one.share > 0.0 for one in asked.errors)
     foretold = holds and errs_more(best, closest, uncertainty=uncertainty)
     return closest if foretold else best
+
+
+def _as_simulated(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return the law to simulate: of those that predict as well, one that stays clearly nearer.
+
+    Over whole records, where errors add up that short predictions do not show.
+    """
+    nearer = [
+        c
+        for c in among
+        if c.whole * NEARER < closest.whole and not c.dropped
+        if as_good(c, closest, uncertainty=uncertainty)
+        if asked is None or not asked.rejects(c.name, c.law)
+    ]
+    return min(nearer, key=lambda c: c.whole, default=closest)
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:

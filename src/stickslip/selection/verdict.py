@@ -97,9 +97,9 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
     def to_row(self) -> Mapping[str, Any]:
         """Return the candidate as a row of `Verdict.to_dataframe`."""
 
-    @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:
         """Return the candidate as plain numbers and strings."""
+        return {**self.to_row(), "fit": self.fit.to_dict() if self.fit else None}
 
     @override
     def __str__(self) -> str:
@@ -223,13 +223,13 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
             **self._details(),
         }
 
-    @abstractmethod
     def _details(self) -> Mapping[str, Any]:
         """Return what only verdicts of this route say, as plain numbers and strings."""
+        return {}
 
-    @abstractmethod
     def _basis(self) -> str:
         """Return on what the verdict rests, after the number of candidates that were fitted."""
+        return ""
 
     @final
     @override

@@ -6,7 +6,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.kinds.friction_tables.selection import ROUTE, select_table
-from stickslip.kinds.kind import Options, SelectRequest
+from stickslip.kinds.kind import Request
 from stickslip.kinds.records import RecordKind
 from stickslip.selection import RecordVerdict
 
@@ -22,16 +22,8 @@ class FrictionTableKind(RecordKind):
         return all(one.kind == "friction-map" for one in measurement.records())
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> RecordVerdict:
+    def select(self, request: Request) -> RecordVerdict:
         return select_table(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            purpose=options.purpose or "simulate",
-            horizon=options.horizon,
-            route=options.route,
-            validate=options.validate,
-            settings=options.settings,
-            executor=options.executor,
-            **request.shared,
+            purpose=request.purpose or "simulate",
+            **request.arguments("laws", "horizon", "route", "validate", "settings", "executor"),
         )

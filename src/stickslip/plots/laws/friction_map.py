@@ -24,7 +24,7 @@ FEW: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
-READINGS: Final = 100
+SINGLE: Final = 100
 """Points up to which each is drawn to be seen by itself."""
 TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
@@ -136,7 +136,7 @@ def _span(velocity: Array) -> tuple[float, float]:
 
 def _points(axes: Axes, velocity: Array, friction: Array, turn: Array) -> None:
     # the readings of a table are seen one by one, above the lines; samples of a record as a cloud
-    few = len(velocity) <= READINGS
+    few = len(velocity) <= SINGLE
     size, alpha, order = (6.0, 0.9, 5) if few else (2.5, 0.6, 1)
     for sign, (colour, marker) in TURNS.items():
         own = turn == sign

@@ -1,8 +1,7 @@
 """What a fit to a steady speed gives."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, final
 
 from typing_extensions import override
 
@@ -31,13 +30,5 @@ class ToyFit(Fit[Viscous]):
         return on_axes(draw, ax, (400, 300))
 
     @override
-    def _notes(self) -> tuple[str, ...]:
-        return ()
-
-    @override
     def __str__(self) -> str:
         return f"{self.law.title}: {self.estimates[0]}"
-
-    @override
-    def to_dict(self) -> Mapping[str, Any]:
-        return {"law": self.law.name, "estimates": [one.to_dict() for one in self.estimates]}

@@ -1,7 +1,6 @@
 """Steady speeds: the kind that joins fit, selection and page."""
 
 from dataclasses import replace
-from functools import partial
 from typing import final
 
 import numpy as np
@@ -11,16 +10,10 @@ from stickslip.experiments import Measurement
 from stickslip.friction import Viscous
 from stickslip.identification import Estimate, Laws
 from stickslip.kinds import (
-    Comparison,
-    FitRequest,
-    FitSummary,
     Kind,
-    Options,
-    SelectRequest,
-    terminal_table,
+    Request,
 )
 from stickslip.quantities import fields_of
-from stickslip.report import Origin, SectionMaker
 from stickslip.selection import Wording
 
 from .fit import ToyFit
@@ -34,6 +27,7 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
     routes = (NAME,)
     measured = "steady speeds"
     uses = frozenset({"route"})
+    columns = COLUMNS
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -44,11 +38,11 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
         return [Viscous.name]
 
     @override
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+    def residual_text(self, error: float, request: Request) -> str:
         return f"{error} m/s"
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> ToyFit:
+    def fit(self, request: Request) -> ToyFit:
         force, speed = (request.measurement.values(name) for name in ("force", "velocity"))
         slope = float(np.mean(np.asarray(force) / np.asarray(speed)))
         estimate = Estimate(
@@ -63,11 +57,8 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
         return ToyFit(law=law, mechanism=request.mechanism, estimates=(estimate,))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> ToyVerdict:
-        fitted = self.fit(
-            FitRequest(mechanism=request.mechanism, law=Viscous, measurement=request.measurement),
-            options,
-        )
+    def select(self, request: Request) -> ToyVerdict:
+        fitted = self.fit(replace(request, law=Viscous))
         one = ToyCandidate(name=Viscous.name, title=Viscous.title, fit=fitted)
         words = Wording(
             verdict="Use viscous friction.",
@@ -85,22 +76,3 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
             best=replace(one, outcome="chosen"),
             ranked=False,
         )
-
-    @override
-    def comparison(self, verdict: ToyVerdict) -> Comparison:
-        heads, rows = terminal_table(COLUMNS, verdict.candidates)
-        return Comparison(heads=heads, rows=rows)
-
-    @override
-    def summary(
-        self, fit: ToyFit, validate: Measurement | None = None, horizon: float | None = None
-    ) -> FitSummary:
-        return FitSummary(lines=["Toy."])
-
-    @override
-    def sections(
-        self, verdict: ToyVerdict, origin: Origin, remark: str
-    ) -> tuple[SectionMaker, ...]:
-        from .page import toy_section  # loaded where a page is made
-
-        return (partial(toy_section, verdict),)

@@ -28,15 +28,12 @@ class ToyCandidate(Candidate[ToyFit]):
     def to_row(self) -> Mapping[str, Any]:
         return data_row(COLUMNS, self)
 
-    @override
-    def to_dict(self) -> Mapping[str, Any]:
-        return {**self.to_row(), "fit": self.fit.to_dict() if self.fit else None}
-
 
 COLUMNS = (
     Column[ToyCandidate](
         key="law",
         title="law",
+        page="model",
         value=lambda one: one.name,
         text=lambda one: one.title,
     ),
@@ -55,7 +52,3 @@ class ToyVerdict(Verdict[ToyCandidate]):
     @override
     def _details(self) -> Mapping[str, Any]:
         return {"toy": True}
-
-    @override
-    def _basis(self) -> str:
-        return " to one speed"
