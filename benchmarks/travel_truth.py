@@ -47,9 +47,9 @@ from stickslip import (
 )
 from stickslip.drives import Pulse, Square
 from stickslip.errors import StickslipError
+from stickslip.kinds import TravelCandidate, TravelVerdict
 from stickslip.mechanisms import Torque, slip_of
 from stickslip.quantities import vary
-from stickslip.selection import TravelCandidate, TravelVerdict
 
 RESULTS = "travel_truth.jsonl"
 ROUTE = "travels"

@@ -30,6 +30,8 @@ from stickslip import (
 )
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.kinds.travels.figures import SEPARATION_SIZES
+from stickslip.kinds.travels.verdict import draw_proposal
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.plots import (
     C1,
@@ -45,7 +47,6 @@ from stickslip.plots import (
 )
 from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps
-from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.sweep_maps import draw_velocity_map
 from stickslip.sweep import average_velocity
 
@@ -75,16 +76,9 @@ def separation() -> None:
     """Six laws that agree on the one travel that was measured."""
     rig = load_rig()
     verdict = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
-    draw = draw_separation(
-        verdict.separations,
-        "coulomb",
-        [(rig.mechanism.compression, rig.measurement.travel)],
-        proposed=[row.value for row in verdict.proposal.settings],
-        titles={candidate.name: candidate.title for candidate in verdict.candidates},
-    )
     card(
         "separation.svg",
-        draw,
+        draw_proposal(verdict),
         SEPARATION_SIZES["wide"],
         "Travel that six fitted friction laws predict against the compression of the spring:"
         " all meet at the one measured point and part at 40 and 150 mm",

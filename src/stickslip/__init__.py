@@ -31,7 +31,7 @@ HOMES = {
     "load_measurement": "experiments",
     "load_rig": "experiments",
     "optimise_profile": "optimisation",
-    "plan": "selection",
+    "plan": "kinds",
     "sample_posterior": "identification",
     "select": "kinds",
     "simulate": "simulation",

@@ -80,6 +80,7 @@ from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
 from stickslip.identification import sample_posterior as sample_posterior
 from stickslip.kinds import fit as fit
+from stickslip.kinds import plan as plan
 from stickslip.kinds import select as select
 from stickslip.kinds import write_report as write_report
 from stickslip.mechanisms import Axis as Axis
@@ -100,7 +101,6 @@ from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
-from stickslip.selection import plan as plan
 from stickslip.simulation import ensemble as ensemble
 from stickslip.simulation import simulate as simulate
 from stickslip.solver import EventDriven as EventDriven

@@ -213,7 +213,7 @@ def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
         (registry, "OWN: tuple[AnyKind, ...] = (", "    ToyKind(),"),
         (
             registry,
-            "from stickslip.kinds.travels import TravelKind",
+            "from stickslip.kinds.travels.kind import TravelKind",
             "from stickslip.kinds.toy.kind import ToyKind",
         ),
         ("results/__init__.py", "HOMES = {", '    "ToyFit": "kinds.toy.fit",'),

@@ -69,7 +69,8 @@ from stickslip.mechanisms import Link, Torque
 from stickslip.outputs import EventTimes, Max
 from stickslip.results import RecordFit, TravelVerdict
 from stickslip.sweep import average_velocity
-from stickslip.plots import draw_run, plot_run, plot_separation, save
+from stickslip.kinds import plot_separation
+from stickslip.plots import draw_run, plot_run, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
 law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

@@ -8,8 +8,19 @@ from benchmarks import force_maps
 from benchmarks.axis_records import ALL, record
 from benchmarks.structures import friction_error, kinds_of
 
-from stickslip.evidence import Fit, Rule, Series, Structure, Term, explain, outliers, predict
+from stickslip.evidence import (
+    Balance,
+    Fit,
+    Rule,
+    Series,
+    Structure,
+    Term,
+    explain,
+    outliers,
+    predict,
+)
 from stickslip.evidence.bristles import bristle_states
+from stickslip.evidence.search import Search
 from stickslip.evidence.structure import SIGN
 from stickslip.identification.terms.dense_series import dense_series
 
@@ -204,6 +215,35 @@ def test_without_its_memory_a_level_per_direction_is_an_offset():
     assert forgetting.complete
     assert forgetting.has("offset")
     assert forgetting.cost < structure.cost
+
+
+def test_a_rig_is_not_accused_because_the_accusation_is_more_usual():
+    plain = (Term("inertia"), Term("level"))
+    gap = Structure((*plain, Term("backlash", (1e-3,)), Term("viscous")))
+    bristle = Structure((*plain, Term("power", (0.4,)))).shaped("", (2e-4, 1.0, 0.1, 4.0, 1.0))
+    assert gap.cost < bristle.cost
+    scatter = 1.0 + 0.5 * np.cos(np.arange(10.0))
+    t = 0.002 * np.arange(5000)
+    balance = Balance([Series(t, np.sin(t), 2.0 * np.sign(np.cos(t)), inertia=False)])
+    search = Search(balance, Rule(), [])
+    search.scale = 2.0
+    for structure, size in ((gap, 0.051), (bristle, 0.046)):
+        search.fits[structure] = Fit(
+            structure=structure,
+            coef=np.zeros(0),
+            owner=(),
+            sse=size * (scatter if structure is gap else scatter[::-1]),
+            counts=np.ones(10),
+            residual=np.zeros(1),
+            ok=True,
+        )
+    found, other = search.fits[bristle], search.fits[gap]
+    assert not search.better(found, other)
+    assert not search.better(other, found)
+    search.prune = lambda one: one
+    assert search._chosen(other, []).best is found
+    assert search._chosen(found, []).best is found
+    assert search._chosen(found, []).ties == (other,)
 
 
 @pytest.fixture(scope="module")

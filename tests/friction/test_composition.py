@@ -16,7 +16,7 @@ from stickslip.friction import LAWS, anywhere, bound, law, law_type, laws, speci
 from stickslip.friction.equations import equations_of
 from stickslip.friction.notation import read
 from stickslip.friction.parts import PARTS
-from stickslip.identification.travels.start_values import starting_law
+from stickslip.identification.estimation.ranges import starting_law
 from stickslip.maths import Latches
 from stickslip.quantities import fields_of
 

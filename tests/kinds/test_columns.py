@@ -34,7 +34,7 @@ class One:
 COLUMNS = (
     Column(key="law", title="law", page="model", value=lambda one: one.name,
            text=lambda one: one.name, numeric=False),
-    Column(key="score", title="error", page="error", unit="mm", why_empty="no score",
+    Column(key="score", title="error", page="error", unit="mm", why_empty="no score", plotted=True,
            value=lambda one: one.size,
            text=lambda one: EstimateText(f"{1e3 * one.size:.1f}", "± 0.1") if one.size else None),
     Column(title="second", page="second\nrecord", optional=True, value=lambda one: one.second,

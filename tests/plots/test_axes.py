@@ -25,6 +25,7 @@ from stickslip import (
     TowedBlock,
     ensemble,
     fit,
+    kinds,
     plots,
     select,
     simulate,
@@ -210,7 +211,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",
         plots.plot_presliding: "loop must be a PreslidingLoop or FrictionLaw",
-        plots.plot_separation: "verdict must be a TravelVerdict, got",
+        kinds.plot_separation: "verdict must be a TravelVerdict, got",
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
         plots.plot_measurement: "measurement must be a Measurement",
@@ -232,11 +233,12 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
 
 
 def test_every_plot_takes_what_it_draws_and_then_the_axes():
-    for name in plots.__all__:
-        if name.startswith("plot"):
-            _, ax, *options = inspect.signature(getattr(plots, name)).parameters.values()
-            assert (ax.name, ax.default) == ("ax", None)
-            assert all(option.kind is option.KEYWORD_ONLY for option in options)
+    for room in (plots, kinds):
+        for name in room.__all__:
+            if name.startswith("plot"):
+                _, ax, *options = inspect.signature(getattr(room, name)).parameters.values()
+                assert (ax.name, ax.default) == ("ax", None)
+                assert all(option.kind is option.KEYWORD_ONLY for option in options)
 
 
 def test_axes_of_the_wrong_kind_or_number_are_refused_before_anything_is_drawn(results):

@@ -1,6 +1,5 @@
 """Figures of runs and laws say what they show, and are the same each time."""
 
-import dataclasses
 import re
 from xml.etree import ElementTree
 
@@ -20,11 +19,18 @@ from stickslip import (
     Stribeck,
     TowedBlock,
     Viscous,
+    kinds,
     plots,
     simulate,
 )
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Pulse, Sine
+from stickslip.kinds.travels.figures import (
+    SEPARATION_SIZES,
+    TRAVEL_SIZES,
+    draw_separation,
+    draw_travels,
+)
 from stickslip.plots import inline_svg
 from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
@@ -47,9 +53,6 @@ from stickslip.plots.runs.run import (
     draw_run,
     draw_runs,
 )
-from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES, draw_travels
-from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
-from stickslip.selection.design.discriminating_settings import Separation
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25)
@@ -70,16 +73,13 @@ BRISTLE = {
         bristle_damping=1.0,
     ),
 }
-ROWS = [
-    Separation(
-        path="mechanism.compression",
-        symbol="x_0",
-        unit="m",
-        value=value,
-        predicted={"coulomb": 20 * value**2, "viscous": 2 * value, "dahl": 20 * value**2},
-    )
-    for value in (0.15, 0.06, 0.1)
-]
+
+
+def predictions(settings=(0.15, 0.06, 0.1), **options):
+    """Return a drawing of travels of three laws, two of which agree."""
+    level = [20 * value**2 for value in settings]
+    travels = {"coulomb": level, "viscous": [2 * value for value in settings], "dahl": level}
+    return draw_separation(settings, travels, "coulomb", what="compression", unit="m", **options)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ def figures(runs):
             ["measured", "Viscous", "Stribeck", "difference from Coulomb, mm"],
         ),
         "separation": (
-            draw_separation(ROWS, "coulomb", [(0.1, 0.2)], proposed=[0.06], titles=titles),
+            predictions(measured=[(0.1, 0.2)], proposed=[0.06], titles=titles),
             SEPARATION_SIZES,
             ["0.450 m Coulomb, Dahl", "0.300 m Viscous", "measured", "measure here"],
         ),
@@ -220,24 +220,23 @@ def test_a_figure_can_be_imported_from_its_room(name):
 
 def test_every_drawing_is_named_by_its_room():
     drawn = {name for name in globals() if name.startswith("draw_")}
-    assert drawn <= set(plots.__all__)
+    assert drawn <= {*plots.__all__, *kinds.__all__}
 
 
 def test_only_the_proposed_settings_are_marked():
-    draw = draw_separation(ROWS, "coulomb", [(0.1, 0.2)], proposed=[0.06])
+    draw = predictions(measured=[(0.1, 0.2)], proposed=[0.06])
     words = texts_of(inline_svg(draw, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
     assert "measure here" in words
     assert "and here" not in words
-    none = draw_separation(ROWS, "coulomb", [(0.1, 0.2)])
+    none = predictions(measured=[(0.1, 0.2)])
     words = texts_of(inline_svg(none, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
     assert "measure here" not in words
 
 
 def test_numbers_of_settings_have_room_and_those_to_measure_next_go_first():
     values = (0.024, 0.036, 0.06, 0.075, 0.08, 0.1, 0.15)
-    rows = [dataclasses.replace(ROWS[0], value=value) for value in values]
     figure = Figure(figsize=(8.8, 3.2))
-    draw_separation(rows, "coulomb", proposed=[0.08])(figure, False)
+    predictions(values, proposed=[0.08])(figure, False)
     (axes,) = figure.axes
     shown = axes.get_xticks()
     np.testing.assert_allclose(shown, [0.024, 0.036, 0.06, 0.08, 0.1, 0.15], rtol=1e-12)

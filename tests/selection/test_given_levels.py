@@ -19,7 +19,8 @@ from stickslip import (
 )
 from stickslip.drives import Sampled, Sine
 from stickslip.identification import trials_of
-from stickslip.selection.given_levels import given_level, refuted_by_record, refuted_by_travels
+from stickslip.kinds.travels.contradictions import refuted_by_travels
+from stickslip.selection.given_levels import given_level, refuted_by_record
 
 TRUTH = Stribeck(kinetic_coefficient=0.15, static_coefficient=0.22, stribeck_velocity=0.02)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.06)

@@ -123,7 +123,7 @@ def select(
     to cancel.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import CommandInputs, FitOptions
+    from stickslip.cli.inputs import CommandInputs
     from stickslip.cli.select import run
 
     reading = reading_of(
@@ -134,22 +134,14 @@ def select(
         conditions=conditions,
         motor_constant=motor_constant,
     )
-    fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
-    how = fitted(
+    inputs = partial(CommandInputs, data=data or [], reading=reading, validate=validate)
+    inputs = partial(inputs, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
+    inputs = partial(inputs, segment=segment, hold=hold, starts=starts, seed=seed)
+    asked = inputs(
         position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
-        horizon=horizon,
-        route=route,
-    )
-    asked = CommandInputs(
-        data=data or [],
-        reading=reading,
-        validate=validate,
-        vary=vary or [],
-        fixed=fixed or [],
-        how=how,
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, asked, changes or [], laws, output, jobs=jobs)
@@ -171,15 +163,12 @@ def demo(
     Other commands take it as `demo`, such as `stickslip simulate demo`.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import CommandInputs, FitOptions
+    from stickslip.cli.inputs import CommandInputs
     from stickslip.cli.select import run
 
     reading = reading_of(columns=None, units=None, gain=None, repair=None)
-    asked = CommandInputs(
-        data=[], reading=reading, validate=None, vary=[], fixed=[], how=FitOptions()
-    )
     start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
-    start(None, asked, [], laws, output, jobs=jobs)
+    start(None, CommandInputs(reading=reading), [], laws, output, jobs=jobs)
 
 
 @command(app, "init")
@@ -252,7 +241,7 @@ def fit(
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
-    from stickslip.cli.inputs import CommandInputs, FitOptions
+    from stickslip.cli.inputs import CommandInputs
 
     reading = reading_of(
         columns=columns,
@@ -262,9 +251,9 @@ def fit(
         conditions=conditions,
         motor_constant=motor_constant,
     )
-    how = FitOptions(
-        horizon=horizon,
-        route=route,
+    inputs = partial(CommandInputs, data=data or [], reading=reading, validate=validate)
+    inputs = partial(inputs, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
+    asked = inputs(
         segment=segment,
         hold=hold,
         starts=starts,
@@ -272,14 +261,6 @@ def fit(
         position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
-    )
-    asked = CommandInputs(
-        data=data or [],
-        reading=reading,
-        validate=validate,
-        vary=vary or [],
-        fixed=fixed or [],
-        how=how,
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, law, asked, changes or [], output)

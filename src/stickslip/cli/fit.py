@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -18,7 +19,6 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.inputs import (
     CommandInputs,
-    Inputs,
     measured,
     show_estimates,
     show_warnings,
@@ -28,9 +28,9 @@ from stickslip.cli.law_choice import law_to_fit
 from stickslip.cli.trials import content_of, show_trials
 from stickslip.documents import document, write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Rig, check, findings_text, load_rig, refuse_same
+from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
-from stickslip.kinds import FitRequest, FitSummary, Law, refuse_uninformed
+from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
 
 
 def run(
@@ -51,21 +51,22 @@ def run(
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
-    found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
-    if output is not None and not found.kind.simulated:
+    law = partial(law_to_fit, rig, name)
+    kind, request, digest = measured(rig, asked, given=path is not None, law=law)
+    if output is not None and not kind.simulated:
         raise InputError(
-            f"--output writes a law that `simulate` can run; laws of {found.kind.measured} are not"
+            f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
             " simulated: use --json."
         )
-    checks = _checked(rig, found, asked)
-    result = _fitted(rig, found)
-    shown = found.kind.summary(result, found.options.validate, found.options.horizon)
+    checks = _checked(request)
+    result = _fitted(kind, request)
+    shown = kind.summary(result, request.validate, request.horizon)
     if output is not None:
         write_file(output, result.to_toml())
     if as_json:
         content = {
             "rig": rig.heading,
-            "digest": found.digest,
+            "digest": digest,
             **result.to_dict(),
             "checks": checks.to_dict(),
             "second_record": shown.second,
@@ -80,43 +81,35 @@ def run(
         stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
 
 
-def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
+def _checked(request: Request) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
-    if asked.how.horizon is not None and found.validate is None:
+    if request.horizon is not None and request.validate is None:
         raise InputError(
             "--horizon is the prediction length on a second record: give --validate FILE too, or"
             " leave it out."
         )
-    checks = check(found.measurement, mechanism=rig.mechanism)
+    checks = check(request.measurement, mechanism=request.mechanism)
     if checks.worst == "error":
         wrong = findings_text([one for one in checks.findings if one.severity == "error"])
         raise InputError(f"This record cannot be fitted. {wrong}")
-    if found.validate is not None:
-        refuse_same(found.measurement, found.validate)
+    if request.validate is not None:
+        refuse_same(request.measurement, request.validate)
     return checks
 
 
-def _fitted(rig: Rig, found: Inputs) -> Fit:
+def _fitted(kind: AnyKind, request: Request) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
-    law: Law = found.law
+    law: Law = request.law
     name = _name(law)
     several = isinstance(law, Mapping)
     laws = [one for one in law.values() if one is not None] if several else [law]
-    refuse_uninformed(found.kind, laws, rig.mechanism, found.measurement)
-    kind, vary = found.kind.law_and_parameters(law, found.vary, found.fixed)
-    with watching([name], found) as watch:
+    refuse_uninformed(kind, laws, request.mechanism, request.measurement)
+    law, vary = kind.law_and_parameters(law, request.vary, request.fixed or ())
+    with watching([name], kind, request) as watch:
         report = partial(watch, name)
-        if not found.kind.counts_runs:
+        if not kind.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
-        request = FitRequest(
-            mechanism=rig.mechanism,
-            law=kind,
-            measurement=found.measurement,
-            vary=vary,
-            fixed=found.fixed,
-            progress=report,
-        )
-        fitted: Fit = found.kind.fit(request, found.options)
+        fitted: Fit = kind.fit(replace(request, law=law, vary=vary, progress=report))
         return fitted
 
 

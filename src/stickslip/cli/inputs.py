@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
@@ -13,7 +13,6 @@ from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import (
     Checks,
-    Measurement,
     Reading,
     Rig,
     all_paths,
@@ -33,16 +32,31 @@ from stickslip.identification import (
     law_quantities,
     refuse_of_laws,
 )
-from stickslip.kinds import AnyKind, Law, Options, Request, kind_of, refuse_unused
+from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
 from stickslip.quantities import Quantity, full_path
 from stickslip.selection import PurposeName, Wording
+
+SETTINGS = (
+    "segment", "hold", "starts", "seed", "position_zeros", "friction_delay", "friction_lag",
+)  # fmt: skip
+"""Options that are fields of `RecordSettings`."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FitOptions:
-    """How records are fitted and judged, as the options say it; None where they say nothing."""
+class CommandInputs:
+    """What is fitted and how, as the options say it; None where they say nothing."""
 
+    data: Sequence[Path] = ()
+    """Data files; the measurement of the rig is used if empty."""
+    reading: Reading
+    """How data files are read."""
+    validate: Path | None = None
+    """Data file of a second record, which no fit uses."""
+    vary: Sequence[str] = ()
+    """Names or patterns of the parameters to fit, perhaps joined by commas."""
+    fixed: Sequence[str] = ()
+    """Values of parameters that are held, each as ``NAME=VALUE``, perhaps joined by commas."""
     purpose: PurposeName | None = None
     """What the law is selected for."""
     horizon: float | None = None
@@ -75,57 +89,16 @@ class FitOptions:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """Names of the options that are set."""
-        return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
+        """Names of the options of fits and selections that are set."""
+        known = ("purpose", "horizon", "route", *SETTINGS, "validate")
+        return tuple(name for name in known if getattr(self, name) is not None)
 
     def settings(self, rig: Rig) -> RecordSettings | None:
         """Return settings of fits to records: as asked, or else as the rig says; None if usual."""
-        given = {f.name: getattr(self, f.name, None) for f in fields(RecordSettings)}
+        given = {name: getattr(self, name) for name in SETTINGS}
         said = {name: value for name, value in given.items() if value is not None}
         found = RecordSettings(**{"hold": rig.hold, **said})
         return None if found == RecordSettings() else found
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class CommandInputs:
-    """What is fitted and how, as the options say it."""
-
-    data: Sequence[Path]
-    """Data files; the measurement of the rig is used if empty."""
-    reading: Reading
-    """How data files are read."""
-    validate: Path | None
-    """Data file of a second record, which no fit uses."""
-    vary: Sequence[str]
-    """Names or patterns of the parameters to fit, perhaps joined by commas."""
-    fixed: Sequence[str]
-    """Values of parameters that are held, each as ``NAME=VALUE``, perhaps joined by commas."""
-    how: FitOptions
-    """Settings of fit and score."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Inputs:
-    """What was measured, and which parameters are fitted to it."""
-
-    measurement: Measurement
-    """What the laws are fitted to."""
-    law: Law | None
-    """The law to fit, or its name; None where several are compared."""
-    validate: Measurement | None
-    """Second record, which no fit uses."""
-    vary: tuple[str, ...]
-    """Paths of the parameters of mechanism and law to fit."""
-    fixed: Mapping[str, float]
-    """Values of parameters that are not fitted [SI], by path."""
-    digest: str
-    """SHA-256 of the rig and of all files that were read."""
-    kind: AnyKind
-    """What fits and compares such a measurement."""
-    options: Options
-    """What is said of how, with what is chosen for the measurement."""
 
 
 def measured(
@@ -134,8 +107,8 @@ def measured(
     *,
     given: bool,
     law: Callable[[AnyKind], Law] | None = None,
-) -> Inputs:
-    """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
+) -> tuple[AnyKind, Request, str]:
+    """Return what fits such a measurement, what it is asked, and the SHA-256 of all that was read.
 
     Options for files add to what the rig says of its own. `given` is whether a rig file was.
     """
@@ -160,40 +133,34 @@ def measured(
         alike = replace(reading, conditions=())
         validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
-    how = asked.how
-    kind = kind_of(measurement, how.route)
+    kind = kind_of(measurement, asked.route)
     chosen = None if law is None else law(kind)
-    vary, fixed = _parameters(rig, asked, None if chosen is None else kind.owner(chosen))
-    said = Options(
-        route=how.route,
-        settings=how.settings(rig),
-        purpose=how.purpose,
-        horizon=how.horizon,
+    owner = None if chosen is None else kind.owner(chosen)
+    vary, fixed = _parameters(rig, asked, owner)
+    request = Request(
+        mechanism=rig.mechanism,
+        measurement=measurement,
+        law=owner,
+        vary=vary,
+        fixed=fixed,
+        route=asked.route,
+        settings=asked.settings(rig),
+        purpose=asked.purpose,
+        horizon=asked.horizon,
         validate=validate,
         assumed=rig.assumed or None,
         t_end=rig.t_end,
-    )
-    options = said.only(kind.uses)
-    typed = {name: f"--{name.replace('_', '-')}" for name in how.given}
-    refuse_unused(kind, typed | ({"validate": "--validate"} if asked.validate else {}), options)
+    ).only(kind.uses)
+    typed = {name: f"--{name.replace('_', '-')}" for name in asked.given}
+    refuse_unused(kind, typed, request)
     if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(
             "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
             ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
-    request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
-    options = kind.resolved(request, options, None if chosen is None else kind.owner(chosen))
-    refuse_unused(kind, typed, options)
-    return Inputs(
-        measurement=measurement,
-        law=chosen,
-        validate=validate,
-        vary=vary,
-        fixed=fixed,
-        digest=with_files(rig.digest, files),
-        kind=kind,
-        options=options,
-    )
+    request = replace(kind.resolved(request), law=chosen)
+    refuse_unused(kind, {name: how for name, how in typed.items() if name != "validate"}, request)
+    return kind, request, with_files(rig.digest, files)
 
 
 def _parameters(
@@ -265,16 +232,16 @@ def _number(text: str) -> float | str:
 
 @contextmanager
 def watching(
-    names: Sequence[str], found: Inputs, *, at_most: bool = False
+    names: Sequence[str], kind: AnyKind, request: Request, *, at_most: bool = False
 ) -> Iterator[Watching | Searching]:
     """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
-    if found.kind.counts_runs:
+    if kind.counts_runs:
         with Watching(names, "Fitting") as counting:
             yield counting
         return
 
     def text(error: float) -> str:
-        return found.kind.residual_text(error, found.measurement, found.options)
+        return kind.residual_text(error, request)
 
     with (
         Interrupts() as interrupts,
@@ -283,7 +250,7 @@ def watching(
             text,
             interrupts,
             at_most=at_most,
-            longest_first=found.kind.longest_first,
+            longest_first=kind.longest_first,
         ) as bar,
     ):
         yield bar

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -256,7 +256,7 @@ def names_by_contact(text: str) -> dict[str, str]:
 def rig_and_friction(
     path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:
-    """Return the rig and its friction: laws of its contacts, or one as `rig_and_law` does."""
+    """Return the rig and its friction: laws of its contacts, or one."""
     given = overrides(changes)
     if asked.law is None or not FILE.fullmatch(asked.law):
         rig = load_rig(path, overrides=given, allow_import=allow_import)
@@ -295,25 +295,12 @@ def _check_all_used(given: Collection[str], laws: Laws) -> None:
         _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
 
 
-def rig_and_law(
-    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
-) -> tuple[Rig, ChosenLaw]:
-    """Return the rig, whose mechanism must have one contact, and its law.
-
-    Where the law is from another file, overrides of friction are of that file.
-    """
-    rig, chosen = _rig_and_law(path, changes, asked, allow_import=allow_import, check=slip_of)
-    assert isinstance(chosen, ChosenLaw)  # of one contact
-    return rig, chosen
-
-
 def _rig_and_law(
     path: Path | None,
     changes: Sequence[str],
     asked: LawAsked,
     *,
     allow_import: bool,
-    check: Callable[[Mechanism], object] = str,
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its law; where that is from another file, so are overrides of friction."""
     given = overrides(changes)
@@ -331,14 +318,12 @@ def _rig_and_law(
                 " levels are forces: leave it out."
             )
         rig = load_rig(path, overrides=given, allow_import=allow_import)
-        check(rig.mechanism)
         chosen = _own(rig, asked.law)
         _check_used(rig.overridden, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
     rig = load_rig(path, overrides=others, allow_import=allow_import)
-    check(rig.mechanism)
     check_named(Path(file["path"]))
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)

@@ -19,8 +19,8 @@ from stickslip.cli.select import laws_of
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
+from stickslip.kinds import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
 from stickslip.quantities import Quantity, parameters
-from stickslip.selection import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
 
 
 def run(
@@ -114,7 +114,8 @@ def _uncertainty(text: str | None) -> float | None:
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
-    from stickslip.report import plan_page, render, versions
+    from stickslip.kinds import plan_page
+    from stickslip.report import render, versions
 
     sheet, table = files
     name = "" if path is None else f" {path}"

@@ -21,7 +21,6 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.inputs import (
     CommandInputs,
-    Inputs,
     measured,
     show_estimates,
     show_open,
@@ -38,7 +37,8 @@ from stickslip.friction import FrictionLaw
 from stickslip.kinds import (
     DOCUMENT,
     VERDICT_FILES,
-    SelectRequest,
+    AnyKind,
+    Request,
     kind_of_route,
     kinds,
     refuse_uninformed,
@@ -51,7 +51,7 @@ from stickslip.report import Origin, Page, render
 from stickslip.selection import Verdict
 
 if TYPE_CHECKING:
-    from stickslip.selection import TravelCandidate, TravelVerdict
+    from stickslip.kinds import TravelCandidate, TravelVerdict
 
 BETWEEN = r",(?![^\[]*\])"
 """Commas between laws: those in brackets are of one law."""
@@ -77,14 +77,14 @@ def run(
     if not as_json:
         refuse_overwriting(output, output, force=force, files=VERDICT_FILES)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    found = measured(rig, asked, given=path is not None)
+    kind, request, digest = measured(rig, asked, given=path is not None)
     if jobs is not None:
-        refuse_unused(found.kind, {"executor": "--jobs"}, found.options)
-    if enforce and not found.kind.has_criteria:
-        users = [kind for kind in kinds() if kind.has_criteria]
-        raise InputError(f"--enforce {unused_text(found.kind, users)}")
-    verdict = _selected(rig, found, laws_of(rig, laws), jobs or 1)
-    content = document("select", {"rig": rig.heading, "digest": found.digest, **verdict.to_dict()})
+        refuse_unused(kind, {"executor": "--jobs"}, request)
+    if enforce and not kind.has_criteria:
+        users = [one for one in kinds() if one.has_criteria]
+        raise InputError(f"--enforce {unused_text(kind, users)}")
+    verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), jobs or 1)
+    content = document("select", {"rig": rig.heading, "digest": digest, **verdict.to_dict()})
     page_code = 0
     if as_json:
         print_json(content)
@@ -97,7 +97,7 @@ def run(
         own = path is None  # the bundled rig
         page_code = draw_page(
             output,
-            lambda: render(_page(verdict, rig, found, asked, of_paper=own)),
+            lambda: render(_page(verdict, replace(rig, digest=digest), asked, of_paper=own)),
             lambda text: write_verdict(output, verdict, content, page=text),
             kept=kept,
         )
@@ -123,33 +123,20 @@ def laws_of(
     return [rig.laws.get(name) or name for name in asked]
 
 
-def _selected(
-    rig: Rig,
-    found: Inputs,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None,
-    jobs: int,
-) -> Verdict:
+def _selected(kind: AnyKind, request: Request, jobs: int) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
-    for measurement in (found.measurement, found.options.validate):
+    laws = request.laws
+    for measurement in (request.measurement, request.validate):
         if measurement is not None:
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
-            refuse_uninformed(found.kind, given, rig.mechanism, measurement)
-    names = found.kind.candidates(laws, found.measurement)
-    climbs = laws is None and found.kind.climbs
+            refuse_uninformed(kind, given, request.mechanism, measurement)
+    names = kind.candidates(laws, request.measurement)
+    climbs = laws is None and kind.climbs
     with (
-        watching(names, found, at_most=climbs) as watch,
+        watching(names, kind, request, at_most=climbs) as watch,
         workers(min(jobs, len(names))) as executor,
     ):
-        request = SelectRequest(
-            mechanism=rig.mechanism,
-            laws=laws,
-            measurement=found.measurement,
-            vary=found.vary,
-            fixed=found.fixed,
-            progress=watch,
-        )
-        options = replace(found.options, executor=executor)
-        verdict: Verdict = found.kind.select(request, options)
+        verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
         return verdict
 
 
@@ -178,15 +165,13 @@ def show_verdict(verdict: Verdict) -> None:
     show_open(words)
 
 
-def _page(
-    verdict: Verdict, rig: Rig, found: Inputs, asked: CommandInputs, *, of_paper: bool
-) -> Page:
+def _page(verdict: Verdict, rig: Rig, asked: CommandInputs, *, of_paper: bool) -> Page:
     """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
     origin = Origin(
         title=rig.heading,
         data=rig.subject,
         file=Path(rig.path).name,
-        digest=found.digest,
+        digest=rig.digest,
         files=of_files([*asked.data, *([asked.validate] if asked.validate else [])]),
         commands=(command_line(),),
     )
@@ -194,7 +179,7 @@ def _page(
         from stickslip.paper import beside
 
         own = cast("TravelVerdict", verdict)  # the bundled rig has travels
-        remark, lead, extra = beside(replace(rig, digest=found.digest), own)
+        remark, lead, extra = beside(rig, own)
         return verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
     return verdict_page(verdict, origin)
 

@@ -75,7 +75,7 @@ class Balance:
             raise InputError(
                 "the force balance needs a piece of at least 64 samples without a gap."
             )
-        self.fc: float = like.fc if like else fc or _usual_band(measured)
+        self.fc: float = like.fc if like else fc or usual_band(measured)
         measured = [one for one in measured if _length(one) * self.fc > SHORTEST]
         _check_length(measured, self.fc, [] if like else series)
         self.spans: Spans = like.spans if like else _spans(measured)
@@ -135,6 +135,7 @@ class Balance:
             a=still,
             raw=f,
             force=f,
+            taken=still,
             covariates=columns,
             extra={},
             references=found.references,
@@ -266,16 +267,7 @@ class Balance:
             return self.force
         key = (delay, lag, skew)
         if key not in self._late:
-            self._late[key] = np.concatenate(
-                [
-                    np.interp(
-                        one.t[:: one.every] + delay + skew * one.since[:: one.every],
-                        one.t,
-                        one.force + lag * np.gradient(one.force, one.h) if lag else one.force,
-                    )
-                    for one in self.parts
-                ]
-            )
+            self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
 
     @contextmanager
@@ -292,12 +284,21 @@ class Balance:
                     one.popitem()  # the last that was made
 
 
+def _shown(one: Part, delay: float, lag: float, skew: float) -> Array:
+    """Return the forces (m,) that a channel shows late, less what the known motion takes."""
+    whole = one.force + one.taken
+    shown = whole + lag * np.gradient(whole, one.h) if lag else whole
+    later = delay + skew * one.since[:: one.every]
+    found: Array = np.interp(one.t[:: one.every] + later, one.t, shown)
+    return found - one.taken[:: one.every]
+
+
 def _length(piece: Series) -> float:
     return float(piece.t[-1] - piece.t[0])
 
 
-def _usual_band(measured: Sequence[Series]) -> float:
-    """Return the least band of all channels: in each, that of most of its time.
+def usual_band(measured: Sequence[Series]) -> float:
+    """Return the least band [Hz] of all channels of pieces: in each, that of most of its time.
 
     It is wider where so narrow a band would leave nothing to hold out.
     """

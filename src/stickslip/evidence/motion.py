@@ -14,6 +14,9 @@ Flags = NDArray[np.bool_]
 
 SHARE = 0.01
 """Share of the force that noise of the position may cost through the inertia in the band."""
+OF_FRICTION = 0.025
+"""Share of what a known mechanism leaves of the force that it may cost: with 1 %, records of
+5 s have so narrow a band that reversals look like Stribeck steps."""
 LOWEST, HIGHEST = 4.0, 60.0
 """Limits of the band [Hz]: below, reversals are not seen; above, friction has little to say."""
 RATE = 0.2
@@ -94,6 +97,11 @@ def band(series: Series) -> float:
     if series.mass is not None:
         noise = series.mass * resolution(series.q)
         allowed = SHARE * float(series.force.std())
+        if series.taken is not None:  # friction may be a small part of the force
+            sos = low_pass(h, min(10.0, top / 2.0))
+            a = derivative(derivative(passed(sos, series.q), h), h)
+            friction = passed(sos, series.force - series.taken) - series.mass * a
+            allowed = min(allowed, OF_FRICTION * float(friction.std()))
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)

@@ -66,7 +66,9 @@ class Part:
     raw: Array
     """Measured forces (n,)."""
     force: Array
-    """Forces (n,) in the band, at the times at which they act."""
+    """Forces (n,) in the band, at the times at which they act, without those that are taken."""
+    taken: Array
+    """Forces (n,) in the band that known motion takes, which no channel shows late."""
     covariates: Mapping[str, Array]
     """Covariates (n,) in the band."""
     extra: Mapping[str, Array]
@@ -146,6 +148,9 @@ def part_of(
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
     a = derivative(speed, h)
+    taken = (s.mass or 0.0) * a
+    if s.taken is not None:
+        taken = taken + passed(own, s.taken)
     beside = near_rest(q, RESOLVED * sigma, fc, h, math.ceil(RINGING / fc / h))[::every]
     return Part(
         channel=s.channel,
@@ -163,7 +168,8 @@ def part_of(
         v=v,
         a=a,
         raw=s.force,
-        force=passed(own, acting) - (s.mass or 0.0) * a,
+        force=passed(own, acting) - taken,
+        taken=taken,
         covariates={name: passed(own, x) for name, x in s.covariates.items()},
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,
@@ -178,7 +184,8 @@ def part_of(
 
 def _first_state(series: Series, half: int) -> float:
     """Return the state of a bristle that the first forces ask for, if they are friction alone."""
-    level = float(np.quantile(np.abs(series.force), 0.8))
+    force = series.force if series.taken is None else series.force - series.taken
+    level = float(np.quantile(np.abs(force), 0.8))
     if series.extra or level <= 0.0:
         return 0.0
-    return float(np.clip(np.median(series.force[: max(half // 2, 1)]) / level, -1.0, 1.0))
+    return float(np.clip(np.median(force[: max(half // 2, 1)]) / level, -1.0, 1.0))

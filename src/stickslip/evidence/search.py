@@ -277,7 +277,11 @@ class Search:
     def _scanned(
         self, structure: Structure, channel: str, wrap: Wrap, *, lugre: bool
     ) -> list[Structure]:
-        """Return the best shapes: for each exponent by a grid and a parabola in its logarithm."""
+        """Return the best shapes: for each exponent by a grid and a parabola in its logarithm.
+
+        Of LuGre shapes, the grid has levels that fade exponentially; one that fades as a bell, as
+        the law is usually written, is found from the best of them.
+        """
         options: list[Structure] = []
         for n in SHAPE_EXPONENTS:
             row = [one for one in self.shapes[channel] if one[1] == n and len(one) == 2]
@@ -294,8 +298,10 @@ class Search:
             ]
         if lugre:
             all_lugre = [wrap(one) for one in self.shapes[channel] if len(one) == 5]
-            self.evaluated += len(all_lugre)
-            options += self._best(all_lugre, 1)
+            self.evaluated += len(all_lugre) + 1
+            for one in self._best(all_lugre, 1):
+                bell = one.shaped(channel, (*one.shape(channel)[:4], 2.0))
+                options += [one, polished(self.balance, bell)]
         return self._best(options, BEST_SHAPES)
 
     def _best(self, options: Sequence[Structure], count: int) -> list[Structure]:
@@ -328,7 +334,13 @@ class Search:
             for one in sorted(family.values(), key=lambda one: one.rms)
             if one.structure.family != best.structure.family and not self.better(best, one)
         ]
-        simpler = [one for one in ties if one.structure.cost < best.structure.cost]
+        known = {term.kind for term in best.structure.faults}
+        simpler = [  # nor does a rig have to be accused to name what is more usual
+            one
+            for one in ties
+            if one.structure.cost < best.structure.cost
+            if {term.kind for term in one.structure.faults} <= known
+        ]
         if self.rule.ties and simpler:
             usual = min(simpler, key=lambda one: (one.structure.cost, one.rms))
             ties = [best, *(one for one in ties if one is not usual)]

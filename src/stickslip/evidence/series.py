@@ -47,6 +47,9 @@ class Series:
     or if `extra` has the inertia."""
     mass: float | None = None
     """Inertia [kg] or [kg m^2] that is known, whose share of the force is taken off."""
+    taken: Array | None = None
+    """Further forces (n,) [N] or torques [N m] that the motion of a known mechanism takes, such as
+    those by the motion of other joints, which are taken off too."""
     covariates: Mapping[str, Array] = field(default_factory=dict)
     """What friction may depend on (n,), by name: `load` [N], `temperature` [°C], others."""
     extra: Mapping[str, Array] = field(default_factory=dict)
@@ -124,6 +127,7 @@ def checked(series: Series) -> None:
         **series.covariates,
         **series.extra,
         **({} if series.velocity is None else {"velocity": series.velocity}),
+        **({} if series.taken is None else {"taken": series.taken}),
     }
     where = f" of {series.channel}" if series.channel else ""
     if np.ndim(series.t) != 1 or not np.isfinite(series.t).all():
@@ -162,6 +166,7 @@ def _mapped(series: Series, t: Array, moved: Any) -> Series:
         t=t,
         q=moved(series.q),
         force=moved(series.force),
+        taken=None if series.taken is None else moved(series.taken),
         velocity=None if series.velocity is None else moved(series.velocity),
         covariates={name: moved(x) for name, x in series.covariates.items()},
         extra={name: moved(x) for name, x in series.extra.items()},

@@ -113,7 +113,7 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     own = balance.of(channel)
     if not own[0].driven:
         return
-    if own[0].mass is not None:
+    if own[0].mass is not None and not own[0].extra:  # columns of the mechanism hold it
         yield Term("mass", (), channel)
     force = np.concatenate([np.abs(one.raw) for one in own])
     for limit in np.quantile(force, LIMITS):

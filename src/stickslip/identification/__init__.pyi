@@ -26,10 +26,14 @@ from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
 from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
+from stickslip.identification.estimation.ranges import required_of as required_of
+from stickslip.identification.estimation.ranges import starting_law as starting_law
+from stickslip.identification.estimation.ranges import with_known as with_known
 from stickslip.identification.estimation.root_search import positive_root as positive_root
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
+from stickslip.identification.force_map.joint_balance import joint_record as joint_record
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
 from stickslip.identification.records.fit import Prediction as Prediction
@@ -45,12 +49,12 @@ from stickslip.identification.records.fitting import record_route_name as record
 from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identification.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
-from stickslip.identification.records.joint_views import joint_record as joint_record
 from stickslip.identification.records.joint_views import joint_view as joint_view
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
 from stickslip.identification.records.problems import RecordRouteName as RecordRouteName
+from stickslip.identification.records.problems import memory_is_seen as memory_is_seen
 from stickslip.identification.records.refits import interleaved as interleaved
 from stickslip.identification.records.refits import positions_of as positions_of
 from stickslip.identification.records.refits import refitted as refitted
@@ -61,6 +65,7 @@ from stickslip.identification.records.route_choice import better_route as better
 from stickslip.identification.records.route_choice import choose_route as choose_route
 from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import to_compare as to_compare
+from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
@@ -71,6 +76,8 @@ from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import estimates_for as estimates_for
 from stickslip.identification.results import far_above_dry as far_above_dry
 from stickslip.identification.results import spanning as spanning
+from stickslip.identification.rig_uncertainties import span_of as span_of
+from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
@@ -82,33 +89,18 @@ from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
 from stickslip.identification.terms.findings import asked_of as asked_of
+from stickslip.identification.terms.findings import asked_of_joints as asked_of_joints
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import model_errors as model_errors
-from stickslip.identification.travels.fit import check_rest as check_rest
-from stickslip.identification.travels.fit import compile_for as compile_for
-from stickslip.identification.travels.fit import fit_travels as fit_travels
-from stickslip.identification.travels.fit import fit_trials as fit_trials
-from stickslip.identification.travels.fit import payable as payable
-from stickslip.identification.travels.model import LEAST_ERROR as LEAST_ERROR
-from stickslip.identification.travels.model import TravelModel as TravelModel
-from stickslip.identification.travels.model import Trial as Trial
-from stickslip.identification.travels.model import driven_on as driven_on
-from stickslip.identification.travels.model import quantities_read as quantities_read
-from stickslip.identification.travels.model import standard_errors as standard_errors
-from stickslip.identification.travels.model import trials_of as trials_of
-from stickslip.identification.travels.model import uncertainties_of as uncertainties_of
-from stickslip.identification.travels.model import under_cycles as under_cycles
-from stickslip.identification.travels.propagation import covariance_of as covariance_of
-from stickslip.identification.travels.result import TravelFit as TravelFit
-from stickslip.identification.travels.several_travels import expected_fit as expected_fit
-from stickslip.identification.travels.several_travels import law_from as law_from
-from stickslip.identification.travels.start_values import Start as Start
-from stickslip.identification.travels.start_values import doubling_slope as doubling_slope
-from stickslip.identification.travels.start_values import nuisances_of as nuisances_of
-from stickslip.identification.travels.start_values import required_of as required_of
-from stickslip.identification.travels.start_values import starting_law as starting_law
-from stickslip.identification.travels.start_values import starting_points as starting_points
-from stickslip.identification.travels.start_values import with_known as with_known
+from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
+from stickslip.identification.travel_model import TravelModel as TravelModel
+from stickslip.identification.travel_model import Trial as Trial
+from stickslip.identification.travel_model import driven_on as driven_on
+from stickslip.identification.travel_model import is_rig as is_rig
+from stickslip.identification.travel_model import quantities_read as quantities_read
+from stickslip.identification.travel_model import standard_errors as standard_errors
+from stickslip.identification.travel_model import trials_of as trials_of
+from stickslip.identification.travel_model import under_cycles as under_cycles
 from stickslip.identification.trials.comparison import TrialComparison as TrialComparison
 from stickslip.identification.trials.comparison import compare_trials as compare_trials
 from stickslip.identification.trials.comparison import compared as compared
@@ -135,12 +127,10 @@ __all__ = [
     "RecordFit",
     "RecordSettings",
     "Score",
-    "TravelFit",
     "TrialComparison",
     "compare_trials",
     "fit_joints",
     "fit_records",
-    "fit_travels",
     "inverse_dynamics",
     "sample_posterior",
     "starting_law",

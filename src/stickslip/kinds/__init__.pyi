@@ -13,13 +13,10 @@ from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidat
 from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
 from stickslip.kinds.kind import Comparison as Comparison
-from stickslip.kinds.kind import FitRequest as FitRequest
 from stickslip.kinds.kind import FitSummary as FitSummary
 from stickslip.kinds.kind import Kind as Kind
 from stickslip.kinds.kind import Law as Law
-from stickslip.kinds.kind import Options as Options
 from stickslip.kinds.kind import Request as Request
-from stickslip.kinds.kind import SelectRequest as SelectRequest
 from stickslip.kinds.page import verdict_page as verdict_page
 from stickslip.kinds.registry import AnyKind as AnyKind
 from stickslip.kinds.registry import kind_of as kind_of
@@ -33,6 +30,21 @@ from stickslip.kinds.report import PAGE as PAGE
 from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
 from stickslip.kinds.report import write_report as write_report
 from stickslip.kinds.report import write_verdict as write_verdict
+from stickslip.kinds.travels.figures import draw_separation as draw_separation
+from stickslip.kinds.travels.figures import draw_travels as draw_travels
+from stickslip.kinds.travels.fit import fit_travels as fit_travels
+from stickslip.kinds.travels.plan.page import plan_page as plan_page
+from stickslip.kinds.travels.plan.planning import plan as plan
+from stickslip.kinds.travels.plan.planning import setting_of as setting_of
+from stickslip.kinds.travels.plan.sheet import Plan as Plan
+from stickslip.kinds.travels.plan.sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
+from stickslip.kinds.travels.plan.tables import known_by as known_by
+from stickslip.kinds.travels.plan.tables import tables_of as tables_of
+from stickslip.kinds.travels.result import TravelFit as TravelFit
+from stickslip.kinds.travels.selection import select_travels as select_travels
+from stickslip.kinds.travels.verdict import TravelCandidate as TravelCandidate
+from stickslip.kinds.travels.verdict import TravelVerdict as TravelVerdict
+from stickslip.kinds.travels.verdict import plot_separation as plot_separation
 from stickslip.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
 from stickslip.kinds.velocity_steps.result import RateStateFit as RateStateFit
 from stickslip.kinds.velocity_steps.selection import select_rate_state as select_rate_state
@@ -51,34 +63,41 @@ __all__ = [
     "FeatureCandidate",
     "FeatureFit",
     "FeatureVerdict",
-    "FitRequest",
     "FitSummary",
     "Kind",
     "Law",
-    "Options",
     "OtherSpeed",
     "OtherStep",
+    "Plan",
     "RateStateCandidate",
     "RateStateFit",
     "RateStateVerdict",
     "Request",
-    "SelectRequest",
     "SliderHistory",
     "StickSlipFeatures",
+    "TravelCandidate",
+    "TravelFit",
+    "TravelVerdict",
     "compare_features",
     "data_row",
+    "draw_separation",
+    "draw_travels",
     "features_of",
     "fit",
     "fit_features",
     "fit_rate_state",
+    "fit_travels",
     "kind_of",
     "kind_of_route",
     "kinds",
     "page_table",
+    "plan",
+    "plot_separation",
     "refuse_unused",
     "select",
     "select_features",
     "select_rate_state",
+    "select_travels",
     "simulate_velocity_steps",
     "terminal_table",
     "verdict_page",

@@ -44,6 +44,8 @@ class Column(Generic[C]):
     """What becomes of it on a phone."""
     label: str = ""
     """Its label there, if not the heading."""
+    plotted: bool = False
+    """Whether a page draws the held-out error beside it, with its standard error."""
 
     def on_terminal(self, one: C) -> str:
         """Return the cell of a candidate on a terminal."""
@@ -83,13 +85,15 @@ def page_table(
     colour: Callable[[C], Colour],
     chosen: Callable[[C], bool],
     caption: str,
+    axis: Axis | None = None,
 ) -> Table:
     """Return the table of a page, with the held-out errors drawn where there are several.
 
-    `cells` has what a page says otherwise, by heading.
+    `cells` has what a page says otherwise, by heading; `axis` is that of the errors, if not the
+    usual one.
     """
     errors = [(_number(row.score), _number(row.score_error)) for row in rows]
-    axis = error_axis([one for one, _ in errors], scale, [error for _, error in errors])
+    axis = axis or error_axis([one for one, _ in errors], scale, [error for _, error in errors])
 
     made: list[tuple[PageColumn, Callable[[C], Cell]]] = []
     for one in columns:
@@ -98,7 +102,7 @@ def page_table(
         head = f"{one.page}\n{one.unit}" if one.unit else one.page
         column = PageColumn(head=head, numeric=one.numeric, phone=one.phone, label=one.label)
         made.append((column, cells.get(one.page, one.on_page)))
-        if one.key == "score" and axis is not None:
+        if one.plotted and axis is not None:
             made.append((PageColumn(head="", axis=axis), partial(_plotted, scale, colour, axis)))
     return Table(
         columns=tuple(column for column, _ in made),

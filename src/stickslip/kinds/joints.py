@@ -10,12 +10,10 @@ from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.kinds.kind import (
     Comparison,
-    FitRequest,
     FitSummary,
     Kind,
     Law,
-    Options,
-    SelectRequest,
+    Request,
     SeveralLaws,
 )
 from stickslip.kinds.records import title_of
@@ -63,26 +61,13 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> RecordFit[Any]:
-        return fit_joints(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            settings=options.settings or RecordSettings(),
-            **request.shared,
-        )
+    def fit(self, request: Request) -> RecordFit[Any]:
+        settings = request.settings or RecordSettings()
+        return fit_joints(laws=request.law, settings=settings, **request.arguments())
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> JointVerdict:
-        return select_joints(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            validate=options.validate,
-            settings=options.settings,
-            executor=options.executor,
-            **request.shared,
-        )
+    def select(self, request: Request) -> JointVerdict:
+        return select_joints(**request.arguments("laws", "validate", "settings", "executor"))
 
     @override
     def comparison(self, verdict: JointVerdict) -> Comparison:
@@ -128,6 +113,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             heads=heads,
             rows=rows,
             lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks, *fit.assumptions],
+            findings=[f"Model error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
             open=("Limitations", fit.sentences),
             second=None if second is None else _by_joint(second.joints),

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Generic, TypeAlias, final
 
 from typing_extensions import TypeVar, override
@@ -36,12 +36,27 @@ SeveralLaws: TypeAlias = Any
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Options:
-    """What `fit` and `select` may be told beside the request; None where nothing was said.
+class Request:
+    """What `fit` and `select` are asked; None where nothing was said.
 
-    Each kind uses some of it, `Kind.uses`, and refuses the rest.
+    Each kind uses some of the `OPTIONS`, see `Kind.uses`, and refuses the rest.
     """
 
+    mechanism: Mechanism
+    """Mechanism that was measured."""
+    measurement: Measurement
+    """Travels, records in time, measured friction, or the force of a spring."""
+    law: Law = None
+    """The law to fit: an instance, whose values are the start, a type, or a name."""
+    laws: SeveralLaws = None
+    """The candidates of a selection; the usual ones if None."""
+    vary: str | Sequence[str] | None = None
+    """Parameters to fit; ``"friction.*"`` if None."""
+    fixed: Mapping[str, float] | None = None
+    """Values of parameters that are held [SI], by the same names."""
+    progress: Callable[..., object] | None = None
+    """Called with the number of runs or the least residual so far, after the name of the law where
+    several are compared; False ends searches in records."""
     route: str | RouteChoice | None = None
     """Name of the route for records, or what `choose_route` returned."""
     settings: RecordSettings | None = None
@@ -59,54 +74,26 @@ class Options:
     executor: Executor | None = None
     """Processes that fit laws at the same time; one after the other if None."""
 
+    def arguments(self, *names: str) -> dict[str, Any]:
+        """Return arguments of a function that fits or selects: those that all take, and more."""
+        of_all = ("mechanism", "measurement", "vary", "fixed", "progress")
+        return {name: getattr(self, name) for name in (*of_all, *names)}
+
     @property
     def given(self) -> tuple[str, ...]:
-        """Names of what was said."""
-        return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
+        """Names of the options that were given."""
+        return tuple(name for name in OPTIONS if getattr(self, name) is not None)
 
-    def only(self, names: Collection[str]) -> "Options":
-        """Return what was said under some names."""
-        return Options(**{name: getattr(self, name) for name in self.given if name in names})
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What was measured, and what is fitted beside the laws."""
-
-    mechanism: Mechanism
-    """Mechanism that was measured."""
-    measurement: Measurement
-    """Travels, records in time, measured friction, or the force of a spring."""
-    vary: str | Sequence[str] | None = None
-    """Parameters to fit; ``"friction.*"`` if None."""
-    fixed: Mapping[str, float] | None = None
-    """Values of parameters that are held [SI], by the same names."""
-    progress: Callable[..., object] | None = None
-    """Called with the number of runs or the least residual so far, after the name of the law where
-    several are compared; False ends searches in records."""
-
-    @property
-    def shared(self) -> dict[str, Any]:
-        """What all functions that fit or select take, beside mechanism, laws and measurement."""
-        return {"vary": self.vary, "fixed": self.fixed, "progress": self.progress}
+    def only(self, names: Collection[str]) -> "Request":
+        """Return the request without the options that have other names."""
+        nothing: dict[str, Any] = dict.fromkeys({*self.given}.difference(names))
+        return replace(self, **nothing)
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class FitRequest(Request):
-    """A law to fit."""
-
-    law: Law
-    """An instance, whose values are the start, or a type."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class SelectRequest(Request):
-    """Laws to compare."""
-
-    laws: SeveralLaws | None
-    """The candidates; the usual ones if None."""
+OPTIONS = (
+    "route", "settings", "purpose", "horizon", "validate", "assumed", "t_end", "executor",
+)  # fmt: skip
+"""What may be said of how; each kind uses some of it."""
 
 
 @final
@@ -162,7 +149,7 @@ class Kind(ABC, Generic[F, V]):
     measured: ClassVar[str]
     """What was measured, in the plural, such as ``"travels"``."""
     uses: ClassVar[frozenset[str]]
-    """Names of the `Options` that are used."""
+    """Names of the `OPTIONS` that are used."""
     settings: ClassVar[frozenset[str]] = frozenset()
     """Names of the fields of `RecordSettings` that are used; any makes `settings` an option."""
     has_criteria: ClassVar[bool] = False
@@ -186,12 +173,16 @@ class Kind(ABC, Generic[F, V]):
     def __init_subclass__(cls) -> None:
         """Check the names of options and settings: a misspelt one would never be used."""
         super().__init_subclass__()
-        for own, kind in (("uses", Options), ("settings", RecordSettings)):
-            known = {f.name for f in fields(kind)}
-            if wrong := sorted({*getattr(cls, own, ())} - known):
+        fields_ = [field.name for field in fields(RecordSettings)]
+        known: Collection[str]
+        for own, of, known in (
+            ("uses", "option of Request", OPTIONS),
+            ("settings", "field of RecordSettings", fields_),
+        ):
+            if wrong := sorted({*getattr(cls, own, ())}.difference(known)):
                 raise TypeError(
-                    f"{cls.__name__}.{own} has {wrong[0]!r}, which is no field of"
-                    f" {kind.__name__}; known: {', '.join(sorted(known))}."
+                    f"{cls.__name__}.{own} has {wrong[0]!r}, which is no {of};"
+                    f" known: {', '.join(sorted(known))}."
                 )
         if cls.settings:
             cls.uses |= {"settings"}
@@ -223,11 +214,11 @@ class Kind(ABC, Generic[F, V]):
         return found.law, [path for one in names for path in (own if one == LAW else [one])]
 
     @abstractmethod
-    def fit(self, request: FitRequest, options: Options) -> F:
+    def fit(self, request: Request) -> F:
         """Fit a law."""
 
     @abstractmethod
-    def select(self, request: SelectRequest, options: Options) -> V:
+    def select(self, request: Request) -> V:
         """Compare laws and name one."""
 
     @abstractmethod
@@ -248,20 +239,15 @@ class Kind(ABC, Generic[F, V]):
         """Return the contact inputs that laws may depend on."""
         return known_inputs(mechanism, measurement)
 
-    def residual_text(
-        self,
-        error: float,
-        measurement: Measurement,
-        options: Options,
-    ) -> str:
+    def residual_text(self, error: float, request: Request) -> str:
         """Return the least residual so far in words; without what it is of, if not replaced."""
         return f"residual {number(error, 2)}"
 
-    def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
-        """Return the options with what is chosen for this measurement, before any fit."""
-        return options
+    def resolved(self, request: Request) -> Request:
+        """Return the request with what is chosen for this measurement, before any fit."""
+        return request
 
-    def why_unused(self, name: str, options: Options) -> str:
+    def why_unused(self, name: str, request: Request) -> str:
         """Return why an option or a setting that some kinds use has no effect here.
 
         It is the end of a sentence that begins with the name, and empty where nothing special is to

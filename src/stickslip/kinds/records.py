@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import fields, replace
-from typing import Any, final
+from typing import Any
 
 from typing_extensions import override
 
@@ -25,13 +25,9 @@ from stickslip.identification import (
 )
 from stickslip.kinds.kind import (
     Comparison,
-    FitRequest,
     FitSummary,
     Kind,
-    Law,
-    Options,
     Request,
-    SelectRequest,
 )
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
@@ -58,7 +54,6 @@ OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
 """Settings that are of measured friction alone."""
 
 
-@final
 class RecordKind(Kind[RecordFit, RecordVerdict]):
     """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
 
@@ -77,27 +72,27 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         return [one.name for one in specifications(laws)]
 
     @override
-    def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
-        """Return the options with the way to fit the records, and with its settings."""
-        settings = options.settings or RecordSettings()
-        if isinstance(options.route, RouteChoice):
-            return options
+    def resolved(self, request: Request) -> Request:
+        """Return the request with the way to fit the records, and with its settings."""
+        settings = request.settings or RecordSettings()
+        if isinstance(request.route, RouteChoice):
+            return request
         measurement = request.measurement
-        asked = options.route or way_for(options.purpose, measurement)
+        asked = request.route or way_for(request.purpose, measurement)
         # what is faulty is refused where it is fitted
         if asked is not None or check(measurement, mechanism=request.mechanism).worst == "error":
             choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
-            return replace(options, route=choice)
+            return replace(request, route=choice)
         chosen = Parameters.of(
-            request.mechanism, law, request.vary, request.fixed, measurement=measurement
+            request.mechanism, request.law, request.vary, request.fixed, measurement=measurement
         )
         vary = [LAW, *chosen.unknown]
         choice = choose_route(chosen.mechanism, measurement, vary=vary, settings=settings)
-        return replace(options, route=choice)
+        return replace(request, route=choice)
 
     @override
-    def why_unused(self, name: str, options: Options) -> str:
-        choice, settings = options.route, options.settings
+    def why_unused(self, name: str, request: Request) -> str:
+        choice, settings = request.route, request.settings
         if not isinstance(choice, RouteChoice):
             return ""
         if name == "settings" and settings is not None:
@@ -119,36 +114,21 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         return ""
 
     @override
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        compared_ = "friction"
-        if record_route_name(measurement, asked_for(options.route)) == "shooting":
+    def residual_text(self, error: float, request: Request) -> str:
+        compared_, measurement = "friction", request.measurement
+        if record_route_name(measurement, asked_for(request.route)) == "shooting":
             compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> RecordFit:
-        return fit_records(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            route=options.route,
-            settings=options.settings,
-            **request.shared,
-        )
+    def fit(self, request: Request) -> RecordFit:
+        return fit_records(**request.arguments("law", "route", "settings"))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> RecordVerdict:
+    def select(self, request: Request) -> RecordVerdict:
         return select_records(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            purpose=options.purpose or "simulate",
-            horizon=options.horizon,
-            route=options.route,
-            validate=options.validate,
-            settings=options.settings,
-            executor=options.executor,
-            **request.shared,
+            purpose=request.purpose or "simulate",
+            **request.arguments("laws", "horizon", "route", "validate", "settings", "executor"),
         )
 
     @override

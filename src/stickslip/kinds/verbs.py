@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from typing import Any, TypeAlias, overload
 
 from typing_extensions import TypeVar
@@ -16,7 +17,7 @@ from stickslip.identification import (
     RouteName,
     check_given,
 )
-from stickslip.kinds.kind import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
+from stickslip.kinds.kind import Request, SeveralLaws
 from stickslip.kinds.registry import (
     AnyKind,
     kind_of,
@@ -145,22 +146,22 @@ def fit(
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     kind = kind_of(measurement, route)
-    options = Options(route=route, settings=settings, t_end=t_end)
-    refuse_unused(kind, {name: name for name in options.given}, options)
+    request = Request(
+        mechanism=mechanism,
+        measurement=measurement,
+        fixed=fixed,
+        progress=progress,
+        route=route,
+        settings=settings,
+        t_end=t_end,
+    )
+    refuse_unused(kind, {name: name for name in request.given}, request)
     several = isinstance(law, Mapping) and kind.by_contact
     given = [one for one in law.values() if one is not None] if several else [law]
     refuse_foreign(kind, given)
     refuse_uninformed(kind, given, mechanism, measurement)
     law, vary = kind.law_and_parameters(law, vary, fixed or ())
-    request = FitRequest(
-        mechanism=mechanism,
-        law=law,
-        measurement=measurement,
-        vary=vary,
-        fixed=fixed,
-        progress=progress,
-    )
-    found: Fit[Any] = kind.fit(request, _chosen(kind, request, options, law))
+    found: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
     return found
 
 
@@ -260,7 +261,15 @@ def select(
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     kind = kind_of(measurement, route)
-    options = Options(
+    is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
+    several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
+    request = Request(
+        mechanism=mechanism,
+        laws=several,
+        measurement=measurement,
+        vary=vary,
+        fixed=fixed,
+        progress=progress,
         route=route,
         settings=settings,
         purpose=purpose,
@@ -270,34 +279,24 @@ def select(
         t_end=t_end,
         executor=executor,
     )
-    refuse_unused(kind, {name: name for name in options.given}, options)
-    is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
-    several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
+    refuse_unused(kind, {name: name for name in request.given}, request)
     given = several.values() if isinstance(several, Mapping) else several or ()
     refuse_foreign(kind, given)
-    for one in (measurement, options.validate):
+    for one in (measurement, request.validate):
         if one is not None:
             refuse_uninformed(kind, given, mechanism, one)
-    request = SelectRequest(
-        mechanism=mechanism,
-        laws=several,
-        measurement=measurement,
-        vary=vary,
-        fixed=fixed,
-        progress=progress,
-    )
-    verdict: Verdict = kind.select(request, _chosen(kind, request, options))
+    verdict: Verdict = kind.select(_chosen(kind, request))
     return verdict
 
 
-def _chosen(kind: AnyKind, request: Request, options: Options, law: Law | None = None) -> Options:
-    """Return the options with what is chosen for the measurement, if settings depend on it.
+def _chosen(kind: AnyKind, request: Request) -> Request:
+    """Return the request with what is chosen for the measurement, if settings depend on it.
 
     Settings that have no effect then are refused.
     """
-    changed = () if options.settings is None else options.settings.changed
+    changed = () if request.settings is None else request.settings.changed
     if not changed:
-        return options
-    options = kind.resolved(request, options, law)
-    refuse_unused(kind, {name: f"RecordSettings.{name}" for name in changed}, options)
-    return options
+        return request
+    request = kind.resolved(request)
+    refuse_unused(kind, {name: f"RecordSettings.{name}" for name in changed}, request)
+    return request

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
@@ -29,13 +30,7 @@ from stickslip.paper.unpublished import (
 from stickslip.paper.values import PaperValues, adopted, check_form
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.report import published_dict
-from stickslip.selection import (
-    FixedStepRow,
-    TravelVerdict,
-    compare_fixed_steps,
-    largest_step,
-    select_travels,
-)
+from stickslip.selection import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from stickslip.experiments import Rig, load_rig
 from stickslip.formatting import fixed, joined, percent, quantity
 from stickslip.friction import SOURCES
+from stickslip.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.sections import (
@@ -42,7 +43,6 @@ from stickslip.report import (
     render,
     versions,
 )
-from stickslip.selection import TravelVerdict
 
 
 class Beside(NamedTuple):

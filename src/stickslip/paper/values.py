@@ -6,9 +6,9 @@ from typing import Self
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, Rig, load_rig
 from stickslip.friction import Coulomb, CoulombViscous, FrictionLaw, LuGre
+from stickslip.kinds import TravelVerdict
 from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import vary
-from stickslip.selection import TravelVerdict
 
 OWN = (
     "give a rig file with a spring-block on the level that a compressed spring sets in motion, and"

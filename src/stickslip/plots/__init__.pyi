@@ -5,10 +5,19 @@ from stickslip.plots.animation.animation import frame_times as frame_times
 from stickslip.plots.animation.animation import picture_of as picture_of
 from stickslip.plots.animation.html_embedding import animation_html as animation_html
 from stickslip.plots.animation.video_encoding import encoder_of as encoder_of
+from stickslip.plots.core.arguments import check_type as check_type
 from stickslip.plots.core.axes import on_axes as on_axes
 from stickslip.plots.core.helpers import Array as Array
+from stickslip.plots.core.helpers import LineStyle as LineStyle
 from stickslip.plots.core.helpers import Sizes as Sizes
+from stickslip.plots.core.helpers import dense as dense
+from stickslip.plots.core.helpers import grouped as grouped
 from stickslip.plots.core.helpers import horizon as horizon
+from stickslip.plots.core.helpers import looks as looks
+from stickslip.plots.core.helpers import wrapped as wrapped
+from stickslip.plots.core.label_placement import Curve as Curve
+from stickslip.plots.core.label_placement import label_curves as label_curves
+from stickslip.plots.core.label_placement import label_ends as label_ends
 from stickslip.plots.core.svg import Draw as Draw
 from stickslip.plots.core.svg import NARROW as NARROW
 from stickslip.plots.core.svg import Size as Size
@@ -93,8 +102,6 @@ from stickslip.plots.runs.run import draw_runs as draw_runs
 from stickslip.plots.runs.run import plot_friction_velocity as plot_friction_velocity
 from stickslip.plots.runs.run import plot_run as plot_run
 from stickslip.plots.runs.run import plot_runs as plot_runs
-from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES as TRAVEL_SIZES
-from stickslip.plots.runs.travel_comparison import draw_travels as draw_travels
 from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.plots.runs.validation import draw_validation as draw_validation
 from stickslip.plots.runs.validation import plot_validation as plot_validation
@@ -114,7 +121,6 @@ from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_residuals as plot_residuals
 from stickslip.plots.selection.fits import plot_scores as plot_scores
-from stickslip.plots.selection.fits import plot_travel_residuals as plot_travel_residuals
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
 from stickslip.plots.selection.intervals import INTERVAL_SIZE as INTERVAL_SIZE
 from stickslip.plots.selection.intervals import Interval as Interval
@@ -131,10 +137,6 @@ from stickslip.plots.selection.residuals import ResidualPanel as ResidualPanel
 from stickslip.plots.selection.residuals import draw_prediction_error as draw_prediction_error
 from stickslip.plots.selection.residuals import draw_residuals as draw_residuals
 from stickslip.plots.selection.residuals import residual_sizes as residual_sizes
-from stickslip.plots.selection.separation import SEPARATION_SIZES as SEPARATION_SIZES
-from stickslip.plots.selection.separation import draw_proposal as draw_proposal
-from stickslip.plots.selection.separation import draw_separation as draw_separation
-from stickslip.plots.selection.separation import plot_separation as plot_separation
 from stickslip.plots.sweep_maps import draw_basins as draw_basins
 from stickslip.plots.sweep_maps import draw_bifurcation as draw_bifurcation
 from stickslip.plots.sweep_maps import draw_velocity_map as draw_velocity_map
@@ -183,9 +185,7 @@ __all__ = [
     "draw_run",
     "draw_runs",
     "draw_scene",
-    "draw_separation",
     "draw_sketch",
-    "draw_travels",
     "draw_trials",
     "draw_validation",
     "draw_velocity_map",
@@ -211,7 +211,6 @@ __all__ = [
     "plot_residuals",
     "plot_run",
     "plot_runs",
-    "plot_separation",
     "plot_sweep",
     "plot_trials",
     "plot_validation",

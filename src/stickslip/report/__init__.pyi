@@ -18,6 +18,7 @@ from stickslip.report.core.blocks import Paragraph as Paragraph
 from stickslip.report.core.blocks import Reference as Reference
 from stickslip.report.core.blocks import References as References
 from stickslip.report.core.blocks import Subheading as Subheading
+from stickslip.report.core.certificates import evidence as evidence
 from stickslip.report.core.documents import LawLine as LawLine
 from stickslip.report.core.documents import Opening as Opening
 from stickslip.report.core.documents import Origin as Origin
@@ -41,10 +42,12 @@ from stickslip.report.core.page import write as write
 from stickslip.report.core.reproduce import law_references as law_references
 from stickslip.report.core.reproduce import reproduce as reproduce
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
+from stickslip.report.core.shared_sections import certificate as certificate
 from stickslip.report.core.shared_sections import opening as opening
 from stickslip.report.core.shared_sections import record_and_checks as record_and_checks
 from stickslip.report.core.sparklines import Axis as Axis
 from stickslip.report.core.sparklines import Colour as Colour
+from stickslip.report.core.sparklines import ERRORS as ERRORS
 from stickslip.report.core.sparklines import Mark as Mark
 from stickslip.report.core.sparklines import RowPlot as RowPlot
 from stickslip.report.core.sparklines import error_axis as error_axis
@@ -61,13 +64,11 @@ from stickslip.report.core.versions import colophon as colophon
 from stickslip.report.core.versions import versions as versions
 from stickslip.report.joints.sections import joint_sections as joint_sections
 from stickslip.report.laws import characterization_page as characterization_page
-from stickslip.report.plans import plan_page as plan_page
 from stickslip.report.records.sections import record_sections as record_sections
 from stickslip.report.runs import ContactsReport as ContactsReport
 from stickslip.report.runs import RunReport as RunReport
 from stickslip.report.runs import contacts_page as contacts_page
 from stickslip.report.runs import run_page as run_page
-from stickslip.report.travels.sections import travel_sections as travel_sections
 
 __all__ = [
     "Animation",

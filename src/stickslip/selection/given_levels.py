@@ -1,7 +1,6 @@
 """Break-away levels that were given, not fitted, and that the measurement refutes directly."""
 
-import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 import numpy as np
 
@@ -9,24 +8,18 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import levels_at
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, anywhere, bound
-from stickslip.identification import RecordFit, Trial, balanced
+from stickslip.identification import RecordFit, balanced
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, parameters, vary
-from stickslip.selection.contradictions import setting_of
-from stickslip.simulation import simulate
 
 STEP = 1e-3
 """Relative change of a parameter that shows whether the break-away level depends on it."""
-MOVED = 3.0
-"""Travel over its uncertainty from which a body moved beyond doubt."""
 CLEAR = 0.2
 """Share by which friction at rest must stay below a level that is said to be refuted."""
 RESTED = 5
 """Samples of a rest at least."""
 DEPARTURES = 2
 """Rests that ended in motion at least: one could be a blow or a slip of the sensor."""
-SAMPLES = 501
-"""Times of a run at which the friction that a drive calls for is looked at."""
 
 
 def given_level(law: FrictionLaw, held: Collection[str]) -> str:
@@ -67,47 +60,6 @@ def level_text(mechanism: Mechanism, friction: float, load: float) -> str:
     return quantity(friction, "N m" if levels == "torques" else "N")
 
 
-def refuted_by_travels(
-    law: FrictionLaw, held: Collection[str], trials: Sequence[Trial], *, t_end: float
-) -> str:
-    """Return that a body moved which a given break-away level would have held at rest.
-
-    Such a body stays where it is for the whole run, and the friction that holds it there is known
-    from the balance of forces.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, Measurement, SpringBlock
-    >>> from stickslip.identification import trials_of
-    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.06)
-    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.9)
-    >>> trials = trials_of(rig, Measurement(travel=0.12, uncertainty=1e-3), 10.0)
-    >>> refuted_by_travels(law, ["static_coefficient"], trials, t_end=10.0)
-    'The given $mu_s$ = 0.9 contradicts the readings: the body moved, though friction ...'
-    """
-    name = given_level(law, held)
-    if not name or law.states:  # bristles move before they break away
-        return ""
-    least, where = math.inf, ""
-    for trial in trials:
-        if abs(trial.travel) <= MOVED * trial.half_width:
-            continue
-        end = trial.until(t_end)
-        run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
-        if not run.status.complete or any(np.any(run[rate]) for rate in trial.mechanism.rates):
-            continue
-        seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
-        friction, load = np.abs(seen["friction"]), seen["normal_force"]
-        at = int(np.argmax(friction / load))
-        if friction[at] / load[at] < least:
-            least = float(friction[at] / load[at])
-            known = level_text(trial.mechanism, float(friction[at]), float(load[at]))
-            where = f"{setting_of(trials, trial)}, though friction at rest was at most {known}"
-    if not where:
-        return ""
-    return f"The {_given(law, name)} contradicts the readings: the body moved{where}"
-
-
 def refuted_by_record(fit: RecordFit) -> str:
     """Return that a body broke away below a break-away level that was given.
 
@@ -118,7 +70,7 @@ def refuted_by_record(fit: RecordFit) -> str:
     free = {estimate.path for estimate in fit.estimates}
     paths = [path for path, _, _ in parameters(law, "friction") if path not in free]
     name = given_level(law, [path.rpartition(".")[2] for path in paths])
-    if not name or law.states or fit.friction_was_measured or stops_of(mechanism):
+    if not name or law.states or stops_of(mechanism):
         return ""
     try:
         segments = balanced(mechanism, fit.measurement, hold="first")
@@ -145,10 +97,12 @@ def refuted_by_record(fit: RecordFit) -> str:
     if levels[at] >= (1.0 - CLEAR) * float(laws[at].break_away(loads[at])):
         return ""
     known = level_text(mechanism, levels[at], loads[at])
-    return f"the {_given(law, name)} contradicts the record: friction at rest was at most {known}"
+    return (
+        f"the {given_text(law, name)} contradicts the record: friction at rest was at most {known}"
+    )
 
 
-def _given(law: FrictionLaw, name: str) -> str:
+def given_text(law: FrictionLaw, name: str) -> str:
     """Return a value that was given, with symbol and unit, as part of a sentence."""
     of = fields_of(type(law))[name]
     return f"given ${of.symbol}$ = {quantity(getattr(law, name), of.unit)}"

@@ -65,10 +65,6 @@ def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str
     return kept, [f"dropped {count(dropped, 'non-finite sample')}"]
 
 
-def _was(size: int) -> str:
-    return "was" if size == 1 else "were"
-
-
 def _sorted(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     if "time" not in columns:
         raise InputError(

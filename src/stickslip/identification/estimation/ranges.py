@@ -1,17 +1,36 @@
 """Where fits look for the parameters of a law: its quantities' ranges, times measured sizes."""
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import Quantity, fields_of
+from stickslip.quantities import Quantity, fields_of, vary
 
 DECADES = 1e3
 """Factor by which a parameter without a range may leave its given value."""
 LEVELS = frozenset({"level", "level+", "level-", "force", "stiffness"})
 """Sizes that grow with friction."""
+
+ORDINARY = {
+    "level": 0.25,
+    "level+": 0.25,
+    "level-": 0.25,
+    "slope": 0.5 / 9.81,
+    "slope+": 0.5 / 9.81,
+    "slope-": 0.5 / 9.81,
+    "drag": 1.0 / 9.81,
+    "speed": 0.5,
+    "displacement": 0.25e-3,
+    "stiffness": 1e3,
+    "damping": 10.0,
+}
+"""Dry metal on metal; slopes and drag are over the load. Bristles give way by 0.25 mm."""
+SURPLUS_AT_REST = 0.4
+"""What a level has over that which it does not fall below, over the latter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,3 +132,50 @@ def _without_range(kind: type[FrictionLaw], name: str, quantity: Quantity) -> st
         ' start are multiples of the scale as measured, or values with scale="none"; or give an'
         f" instance of {kind.__name__}, whose values other than 0 are the start."
     )
+
+
+def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
+    """Return the names of the parameters that a law cannot do without.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> required_of(Dahl)
+    ('kinetic_coefficient', 'bristle_stiffness')
+    """
+    fields = law.__dataclass_fields__
+    return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
+
+
+def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
+    """Return a law of that type with ordinary values for each parameter it needs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> starting_law(Coulomb)
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    """
+    per_load = ("slope", "slope+", "slope-", "drag")
+    typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
+    typical |= {"load": load, "force": ORDINARY["level"] * load}
+    sizes = Sizes(typical=typical, reach=typical)
+    values: dict[str, Any] = {}
+    for name in required_of(law):
+        quantity = with_ranges(law, name)
+        values[name] = sizes.of(quantity).start
+        if quantity.at_least in values:
+            values[name] = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
+    return law(**values)
+
+
+def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
+    """Return a law with the values that are known, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> with_known(Viscous(viscous_coefficient=1.0), {"viscous_coefficient": 30.0})
+    Viscous(viscous_coefficient=30.0)
+    """
+    return vary(law, "friction", {f"friction.{name}": v for name, v in (known or {}).items()})

@@ -15,8 +15,7 @@ from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.identification.estimation.jackknife import Displaced
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.travels.model import uncertainties_of
-from stickslip.identification.travels.propagation import span_of
+from stickslip.identification.rig_uncertainties import span_of, uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 

@@ -45,6 +45,8 @@ class ComposedLaw:
     """Constant force [N] beside friction, as mechanisms count it."""
     inertia: float | None
     """Inertia of the structure; None where none was looked for."""
+    held: tuple[str, ...] = ()
+    """Paths of values that the balance found and a fit holds, such as those of exponents."""
 
     @property
     def name(self) -> str:
@@ -174,7 +176,8 @@ def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
     if "stribeck" not in inside:
         return (length, 1.0)
     step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
-    return (length, 1.0, *_parameters_of(law, inside["stribeck"])[:1], step, 1.0)
+    velocity, fading = _parameters_of(law, inside["stribeck"])
+    return (length, 1.0, velocity, step, fading)
 
 
 def composed_law(
@@ -193,7 +196,8 @@ def composed_law(
         try:
             spec = _specification(structure, text, channel, directional=directional)
             kind = spec.law if isinstance(spec.law, type) else type(spec.law)
-            start = _started(kind, coefficients)
+            values = _values(kind, coefficients)
+            start = kind(**values)
         except (InputError, ParameterError):
             continue
         free = kind.fit_order if spec.free is None else spec.free
@@ -202,6 +206,7 @@ def composed_law(
             specification=replace(spec, law=start, free=free),
             constant=0.0 if kind.directional else next(iter(found.of("offset", channel)), 0.0),
             inertia=next(iter(found.of("inertia", channel)), None),
+            held=tuple(f"friction.{name}" for name in values if name not in free),
         )
     return None
 
@@ -396,8 +401,8 @@ def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str
     return found
 
 
-def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLaw:
-    """Return a law with the values that its structure has."""
+def _values(kind: type[FrictionLaw], coefficients: _Coefficients) -> dict[str, float]:
+    """Return the values of a law that its structure has."""
     made: Composition = kind.made_of
     values: dict[str, float] = {}
     for text, leaf in _leaves(made):
@@ -411,7 +416,7 @@ def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLa
                 values |= dict(zip(field, pair, strict=True))
             else:
                 values[field] = 0.5 * sum(value) if isinstance(value, tuple) else value
-    return kind(**{name: value for name, value in values.items() if name in made.fields})
+    return {name: value for name, value in values.items() if name in made.fields}
 
 
 def _leaves(made: Composition) -> Iterator[tuple[str, Leaf]]:

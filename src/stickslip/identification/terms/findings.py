@@ -1,8 +1,9 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, final
 
 import numpy as np
@@ -15,20 +16,32 @@ from stickslip.evidence import (
     Explanation,
     Fault,
     Fit,
+    Rule,
+    Series,
     Term,
+    acceleration_noise,
     explain,
+    fit,
     outliers,
+    pieces,
     resolution,
+    usual_band,
 )
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent, quantity, scale_of, with_unit, within
+from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
+from stickslip.identification.terms.dense_series import (
+    dense_series,
+    is_dense,
+    joints_series,
+    loads_of,
+)
 from stickslip.mechanisms import Mechanism
 
 NAMES: Final[Mapping[str, str]] = {
@@ -51,9 +64,13 @@ NEARLY: Final = 1.5
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
-"""... or so many times the noise of the force sensor in the band."""
+"""... or so many times the noise of the sensors in the band."""
 CORRECTED: Final = ("delay", "lag")
 """Kinds that settings correct for where friction is measured."""
+PARTLY: Final = 0.025
+"""Share of the friction from which what is left is said beside the law of the rest ..."""
+FAR: Final = 4.0
+"""... and so many times that noise."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -101,13 +118,53 @@ def asked_of(
     if not is_dense(mechanism, measurement):
         return None
     series = dense_series(mechanism, measurement, hold, unknown, response)
+    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
+    return _asked(series, load, mass_of(mechanism), None, progress)
+
+
+def asked_of_joints(
+    torques: JointTorques,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    hold: Hold,
+    joints: Collection[str],
+    progress: Callable[[str, float, str], None] | None = None,
+) -> Mapping[str, Asked]:
+    """Return the laws that the force balance of each joint asks for, of those that can be judged.
+
+    Each joint is explained alone, beside columns by which the parameters of the mechanism that are
+    looked for may differ for it: of several joints in one problem, the terms of one whose forces
+    are small would not earn their place. The band is the least of all, as each balance has the
+    accelerations of all joints, but not below that of the filter of their fits.
+    """
+    every, loads, passed = joints_series(torques, mechanism, measurement, hold)
+    own = {
+        name: (series, load)
+        for name, series, load in zip(torques.coordinates, every, loads, strict=True)
+        if name in joints and series
+    }
+    bands = [usual_band([p for one in series for p in pieces(one)]) for series, _ in own.values()]
+    fc, found = max([passed, min(bands, default=0.0)]), {}
+    for name, (series, load) in own.items():
+        told = None if progress is None else partial(progress, name)
+        asked = _asked(series, load, series[0].mass, fc, told)
+        if asked is not None:
+            found[name] = asked
+    return found
+
+
+def _asked(
+    series: Sequence[Series],
+    load: float,
+    mass: float | None,
+    fc: float | None,
+    progress: Callable[[float, str], None] | None,
+) -> Asked | None:
     try:
-        found = explain(series, progress=progress)
+        found = explain(series, fc=fc, progress=progress)
     except InputError:
         return None
-    usual = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    load = found.balance.references.get("load", usual)
-    asked = Asked.of(found, load, mass_of(mechanism))
+    asked = Asked.of(found, found.balance.references.get("load", load), mass)
     return asked if asked.laws else None
 
 
@@ -147,19 +204,20 @@ def model_errors(
     guess.
     """
     far = _outliers(found.balance, measurement)
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
         return (_unexplained(found, measurement), *far)
     errors = [_error(one, measurement, hold, response) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
-        if term.kind in {"ripple", "imbalance"}
+        if term.kind in {"ripple", "imbalance"} and _earned(found, term)
     ]
     errors += [
         one
         for one in (
             _late_instead(found, measurement, response),
             _constant_level(found, measurement),
+            _partly(found, measurement),
         )
         if one is not None
     ]
@@ -212,6 +270,19 @@ def _constant_level(found: Explanation, measurement: Measurement) -> ModelError 
     )
 
 
+def _earned(found: Explanation, term: Term) -> bool:
+    """Whether a force along the way earns the margins of a fault; not beside presliding.
+
+    An axis that sticks and slips does so at even distances: what its law leaves looks like a force
+    that depends on position.
+    """
+    best, usual = found.best, Rule()
+    if best.structure.memories or usual.fault is None:
+        return False
+    without = fit(found.balance, best.structure.without(term))
+    return Rule(*usual.fault).better(best, without, found.scale)
+
+
 def _late_instead(
     found: Explanation, measurement: Measurement, response: SensorResponse
 ) -> ModelError | None:
@@ -249,12 +320,13 @@ def _late_instead(
     )
 
 
-def _noise(balance: Balance) -> float:
-    """Return the noise of the force sensor in the band [N]."""
-    found = [
+def _noise(found: Explanation) -> float:
+    """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
+    balance = found.balance
+    force = max(
         resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
-    ]
-    return max(found)
+    )
+    return math.hypot(force, acceleration_noise(balance, found.best))
 
 
 def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
@@ -292,6 +364,26 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
         effect=found.best.rms,
         interval=(math.nan, math.nan),
         share=1.0,
+    )
+
+
+def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a part of the friction is left that is no noise and no law explains, if so."""
+    noise = _noise(found)
+    if found.left <= PARTLY or found.best.rms <= FAR * noise:
+        return None
+    force = quantity(found.best.rms, measurement.unit("force"))
+    return ModelError(
+        kind="unexplained",
+        finding=(
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction,"
+            " which is more than the noise of its sensor: a law that was not tried may come closer."
+        ),
+        consequence="Intervals do not allow for it.",
+        effect=found.best.rms,
+        interval=(math.nan, math.nan),
+        share=0.0,
+        moved=(),
     )
 
 

@@ -15,7 +15,7 @@ from stickslip.kinds.features.fit import fit_features
 from stickslip.kinds.features.result import FeatureFit
 from stickslip.kinds.features.selection import feature_laws, select_features
 from stickslip.kinds.features.verdict import COLUMNS, FeatureVerdict
-from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 
@@ -41,7 +41,7 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
         return [one.name for one in feature_laws(laws)]
 
     @override
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+    def residual_text(self, error: float, request: Request) -> str:
         return f"error of the features {percent(error)}"
 
     @override
@@ -49,23 +49,13 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
         return input_names(mechanism)
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> FeatureFit:
-        seed = 0 if options.settings is None else options.settings.seed
-        return fit_features(
-            request.mechanism, request.law, request.measurement, seed=seed, **request.shared
-        )
+    def fit(self, request: Request) -> FeatureFit:
+        seed = 0 if request.settings is None else request.settings.seed
+        return fit_features(seed=seed, **request.arguments("law"))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> FeatureVerdict:
-        return select_features(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            validate=options.validate,
-            settings=options.settings,
-            executor=options.executor,
-            **request.shared,
-        )
+    def select(self, request: Request) -> FeatureVerdict:
+        return select_features(**request.arguments("laws", "validate", "settings", "executor"))
 
     @override
     def comparison(self, verdict: FeatureVerdict) -> Comparison:

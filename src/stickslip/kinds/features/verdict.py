@@ -133,6 +133,7 @@ COLUMNS: Final[Columns[FeatureCandidate]] = (
     ),
     Column(
         key="score", title="held-out, %", page="held-out error\n%, ± 1 s.e.", why_empty="no score",
+        plotted=True,
         value=lambda one: one.score, text=lambda one: share_parts(one) if one.fit else None,
     ),
     Column(key="score_error", value=lambda one: one.score_error),

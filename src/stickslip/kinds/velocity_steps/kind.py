@@ -10,7 +10,7 @@ from stickslip.formatting import number, percent
 from stickslip.friction import RateState
 from stickslip.identification import AGREE, RecordSettings
 from stickslip.kinds.columns import terminal_table
-from stickslip.kinds.kind import Comparison, FitRequest, FitSummary, Kind, Options, SelectRequest
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.kinds.velocity_steps.problem import serves
 from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
@@ -47,7 +47,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         return [one.name for one in rate_state_laws(laws)]
 
     @override
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+    def residual_text(self, error: float, request: Request) -> str:
         return f"coefficient off by {number(error, 2)}"
 
     @override
@@ -61,28 +61,15 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         return law, vary
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> RateStateFit:
-        settings = options.settings or RecordSettings(starts=STARTS)
+    def fit(self, request: Request) -> RateStateFit:
+        settings = request.settings or RecordSettings(starts=STARTS)
         return fit_rate_state(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            starts=settings.starts,
-            seed=settings.seed,
-            **request.shared,
+            starts=settings.starts, seed=settings.seed, **request.arguments("law")
         )
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> RateStateVerdict:
-        return select_rate_state(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            validate=options.validate,
-            settings=options.settings,
-            executor=options.executor,
-            **request.shared,
-        )
+    def select(self, request: Request) -> RateStateVerdict:
+        return select_rate_state(**request.arguments("laws", "validate", "settings", "executor"))
 
     @override
     def comparison(self, verdict: RateStateVerdict) -> Comparison:

@@ -104,7 +104,7 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
     Column(
         key="score", title="held-out error", page="held-out error\n± 1 s.e.",
         value=lambda one: one.score,
-        text=lambda one: score_text(COEFFICIENT, one.score, one.score_error),
+        text=lambda one: score_text(COEFFICIENT, one.score, one.score_error), plotted=True,
     ),
     Column(
         key="score_error",

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.identification import Fit, RecordFit, TravelFit
+from stickslip.identification import Fit, RecordFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.svg import Draw
@@ -170,15 +170,6 @@ def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
     """
     check_type("fit", fit, Fit)
     return fit.plot(ax)
-
-
-def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
-    """Plot measured less predicted travel, by trial."""
-    errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
-    pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
-    rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
-    draw = draw_intervals(rows, "measured minus predicted travel", "mm")
-    return on_axes(draw, ax, INTERVAL_SIZE)
 
 
 def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:

@@ -12,11 +12,9 @@ from stickslip.friction import Viscous
 from stickslip.identification import Estimate, Laws
 from stickslip.kinds import (
     Comparison,
-    FitRequest,
     FitSummary,
     Kind,
-    Options,
-    SelectRequest,
+    Request,
     terminal_table,
 )
 from stickslip.quantities import fields_of
@@ -44,11 +42,11 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
         return [Viscous.name]
 
     @override
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+    def residual_text(self, error: float, request: Request) -> str:
         return f"{error} m/s"
 
     @override
-    def fit(self, request: FitRequest, options: Options) -> ToyFit:
+    def fit(self, request: Request) -> ToyFit:
         force, speed = (request.measurement.values(name) for name in ("force", "velocity"))
         slope = float(np.mean(np.asarray(force) / np.asarray(speed)))
         estimate = Estimate(
@@ -63,11 +61,8 @@ class ToyKind(Kind[ToyFit, ToyVerdict]):
         return ToyFit(law=law, mechanism=request.mechanism, estimates=(estimate,))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> ToyVerdict:
-        fitted = self.fit(
-            FitRequest(mechanism=request.mechanism, law=Viscous, measurement=request.measurement),
-            options,
-        )
+    def select(self, request: Request) -> ToyVerdict:
+        fitted = self.fit(replace(request, law=Viscous))
         one = ToyCandidate(name=Viscous.name, title=Viscous.title, fit=fitted)
         words = Wording(
             verdict="Use viscous friction.",

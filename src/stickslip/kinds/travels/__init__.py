@@ -1,0 +1,1 @@
+"""Travels: distances to rest, or per cycle of a drive."""

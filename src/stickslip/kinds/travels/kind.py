@@ -1,0 +1,104 @@
+"""Travels: distances to rest, or per cycle of a drive."""
+
+from collections.abc import Collection, Sequence
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import (
+    quantity,
+)
+from stickslip.friction import law_type
+from stickslip.identification import AnyLaw, Laws, quantities_read
+from stickslip.kinds.columns import terminal_table
+from stickslip.kinds.kind import (
+    Comparison,
+    FitSummary,
+    Kind,
+    Law,
+    Request,
+)
+from stickslip.kinds.travels.fit import fit_travels
+from stickslip.kinds.travels.result import TravelFit
+from stickslip.kinds.travels.selection import PLAIN, select_travels
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import limits_of
+
+T_END = 10.0
+"""Time after which a body counts as stopped [s]."""
+
+
+@final
+class TravelKind(Kind[TravelFit, TravelVerdict]):
+    """Runs to rest, fitted to distances."""
+
+    routes = ("travel",)
+    measured = "travels"
+    uses = frozenset({"assumed", "t_end"})
+    has_criteria = True
+    counts_runs = True
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return bool(measurement.travelled)
+
+    @override
+    def why_unused(self, name: str, request: Request) -> str:
+        if name == "validate":
+            return "requires a second record, and travels have none: give more trials instead."
+        return ""
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+
+    @override
+    def owner(self, law: Law) -> AnyLaw:
+        return law_type(law) if isinstance(law, str) else law
+
+    @override
+    def law_and_parameters(
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        return self.owner(law), vary
+
+    @override
+    def fit(self, request: Request) -> TravelFit:
+        t_end = T_END if request.t_end is None else request.t_end
+        return fit_travels(t_end=t_end, **request.arguments("law"))
+
+    @override
+    def select(self, request: Request) -> TravelVerdict:
+        t_end = T_END if request.t_end is None else request.t_end
+        return select_travels(t_end=t_end, **request.arguments("laws", "assumed"))
+
+    @override
+    def comparison(self, verdict: TravelVerdict) -> Comparison:
+        everyone = verdict.candidates
+        notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
+        heads, rows = terminal_table(columns_of(verdict), everyone)
+        return Comparison(heads=heads, rows=rows, notes=notes)
+
+    @override
+    def summary(
+        self, fit: TravelFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        rows, read = [], quantities_read(fit.trials)
+        for trial, *pair in zip(fit.trials, fit.measured, fit.predicted, strict=True):
+            rows.append([quantity(travel, "m") for travel in pair])
+            rows[-1] += [trial.as_read(travel) for travel in pair] if read else []
+        heads = ["measured travel", "predicted"]
+        heads += [f"measured {read}", "predicted"] if read else []
+        return FitSummary(heads=heads, rows=rows, limits=limits_of(fit))
+
+    @override
+    def sections(
+        self, verdict: TravelVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.kinds.travels.page.sections import (
+            sections,  # figures are loaded where a page is made
+        )
+
+        return sections(verdict, origin, remark)

@@ -1,0 +1,1 @@
+"""Plans of travels: what to measure, as a sheet, tables and a page."""

@@ -1,0 +1,897 @@
+"""Weighted least squares on travels, with all values that explain them and their intervals."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import formatting
+from stickslip.errors import ConvergenceError
+from stickslip.formatting import joined, number
+from stickslip.friction import FrictionLaw
+from stickslip.identification import (
+    Estimate,
+    TravelModel,
+    Trial,
+    is_rig,
+    spanning,
+    standard_errors,
+    under_cycles,
+)
+from stickslip.kinds.travels.descent import descended, slopes_of
+from stickslip.kinds.travels.propagation import (
+    Propagated,
+    agreeing_scale,
+    covariance_of,
+    propagated,
+)
+from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
+from stickslip.kinds.travels.start_values import Start, plausible, room_for, spread, starting_points
+from stickslip.quantities import Quantity, parameters
+
+Array: TypeAlias = NDArray[np.float64]
+
+STEP = 1e-4
+"""Half the span of central differences over the size of a parameter; see `descent`."""
+POLISHED = 3
+"""Starting points that descents go on from, at most, where each run is slow or a mechanism is
+unknown."""
+POOR = 4.0
+"""Mean square of standardised residuals beyond which, where a mechanism is unknown, searches begin
+from all further starting points."""
+STEPS, REFINED, BRIEF = 15, 4, 6
+"""Steps of a descent, at most: of a search, from a start that is already near, and beside a draw of
+nuisances."""
+WEIGHINGS = 2
+"""Fits by weights that follow from the fit before, where the mechanism is uncertain."""
+NEAR = 100.0
+"""Cost of a starting point over that of the best one beyond which no slow search begins there."""
+LARGEST = 1e150
+"""Size of residuals whose sum of squares is a number; readings of 0 weigh as much."""
+FAILED = 1e6
+"""Standardised residual of a run that cannot be made."""
+MET = 1e-3
+"""Standardised residual up to which a value gives a single travel."""
+APART = 1e-3
+"""Distance over their size from which values of two descents are told apart."""
+STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
+"""Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
+it should, which its third derivatives change."""
+WALK = (0.3, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)
+"""Lengths of an interval, that slopes at the best values give, at which its end is looked for."""
+OUT, OUTWARDS = (1.0, 1.5, 2.2, 4.0, 8.0, 16.0, 32.0, 64.0), 1e-3
+"""Lengths of an interval that known nuisances leave at which it is seen how far it goes where they
+follow, and its least length over the size of the value."""
+BESIDE = 6.0
+"""Standard errors from the best values at which searches begin again: mean speeds and travels rise
+and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
+INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
+"""What the interval of an estimate is called, by the kind of uncertainty of a single reading."""
+SPAN, LEVELS, MANY, FEW = (0.3, 2.0), 48, 24, 8
+"""Levels over those of a simpler law at which one with nuisances is scanned where it does not
+explain the travels, how many they are, and from how many of them descents begin: from fewer where
+runs are of many cycles."""
+FEW_TRIALS = 3
+"""Settings, from the shortest to the longest travel, that such a scan runs."""
+UNSTATED = 0.02
+"""Share of the travels up to which residuals count as small where no uncertainty was stated."""
+FREED = 4
+"""Drawn points from which descents free what was drawn, at most; one where runs are of many
+cycles."""
+INSENSITIVE = "the trials hardly depend on it"
+"""Why an estimate has no interval."""
+TOGETHER = 0.95
+"""Correlation beyond which two parameters are told in combination only."""
+AS_WELL = 3.841458820694124
+"""Chi-square over its least value up to which other values fit as well: 95 %."""
+SAME = 1e-3
+"""Share of that room within which the readings do not prefer one of two minima."""
+FLAT = 1e-8
+"""Singular value over the largest, columns scaled, below which a direction is not identified."""
+
+
+def fit_readings(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    starts: Sequence[Start] | None = None,
+    nuisances: Sequence[str] = (),
+) -> TravelFit:
+    """Fit the free parameters to all trials, and return the best point of all searches.
+
+    One search serves one travel and several: descents from all points of a scan of the whole range
+    that lead downhill. Values where others of them end and that explain the travels as well are
+    told with the best ones, and intervals hold all of them.
+
+    Intervals are those of Student's t distribution. With stated uncertainties that the residuals
+    bear out, the standard errors are known, which is the limit of infinitely many degrees of
+    freedom. Where no uncertainty is stated, or the residuals exceed it significantly, the variance
+    is estimated from the residuals, and t has as many degrees of freedom as there are readings more
+    than parameters; see `TravelFit.variance`. The interval of a single travel is what its stated
+    range, or 95 % of its errors, leaves of the parameter.
+
+    Uncertainties of the mechanism make the covariance of the travels, at a first fit without those
+    that trials share: what was set for each trial adds to its variance, what trials share moves
+    them together. Where residuals give the errors of the readings, weights follow the ratio of
+    both.
+    """
+    problem = _Problem(model, trials)
+    count = len(model.free)
+    given = starting_points(model, trials) if starts is None else starts
+    points = problem.unknowns([list(point)[:count] for point in given])
+    ends = [*points] if nuisances and starts is not None else problem.ends(points)
+    reached: list[list[float]] = []
+    wide: _Problem | None = None
+    if nuisances:
+        level = [(problem.matrix @ end).tolist() for end in ends]
+        model, wide, reached = _freed(model, trials, level, given, nuisances)
+        problem = _Problem(model, trials)
+        ends = [problem.free_parameters(reached[0][:count])]
+    best = problem.nearest(ends)
+    if problem.rig:
+        ends += [problem.polished(start, STEPS) for start in problem.beside(best)]
+        best = min(ends, key=problem.cost)
+    if problem.cost(best) >= FAILED**2:
+        if len(trials) == 1:
+            raise _no_value(model, trials[0])
+        raise ConvergenceError(
+            f"the search found no values of {', '.join(model.free)} with which every trial can"
+            " be simulated."
+        )
+    if len(trials) == 1 and problem.cost(best) > MET**2:
+        raise _no_value(model, trials[0])
+    for _ in range(WEIGHINGS):
+        if not problem.weighed(best):
+            break
+        best = min(best, problem.polished(best, REFINED), key=problem.cost)
+    followed = wide is not None and not model.law.states
+    found = problem.fit(best, ends, walked=not followed, reached=reached)
+    return wide.followed(found, reached) if wide is not None and followed else found
+
+
+def _freed(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    ends: Sequence[Start],
+    given: Sequence[Start],
+    nuisances: Sequence[str],
+) -> tuple[TravelModel, "_Problem", list[list[float]]]:
+    """Return the model with the nuisances that explain most, and that in which these are free.
+
+    All values that explain as well follow, the best first. `ends` are values of the free
+    parameters, and `given` may have some of the nuisances too.
+    """
+    count = len(model.free)
+    wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
+    drawn = plausible(model, trials, ends[0], nuisances)
+    more = [point for point in given if len(point) == len(wide.model.free)]
+    cycles = under_cycles(trials)
+    slow = bool(model.law.states) or cycles
+    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if model.law.states else FREED])
+    own = np.arange(len(wide.model.free)) < count
+    found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
+    if not model.law.states:
+        most = 1 if cycles else FREED
+        found = wide.with_free(found, most)
+        if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
+            coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
+            scanned = coarse.scanned(points[-len(drawn) :], FEW if cycles else MANY)
+            ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
+            found = wide.with_free([*found, *_sorted(*ends_of)], most)
+    least = wide.cost(found[0])
+    whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
+    limit = least + _Problem(whole, trials).room(least)
+    reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
+    return whole, wide, reached
+
+
+def _sorted(found: Array, costs: Array) -> list[Array]:
+    """Return unknowns in the order of their costs."""
+    return [*found[np.argsort(costs, kind="stable")]]
+
+
+def law_from(model: TravelModel, trials: Sequence[Trial], start: Start) -> FrictionLaw:
+    """Return the law that a descent from a start leads to, for what needs no intervals."""
+    problem = _Problem(model, trials)
+    best = problem.free_parameters(start)
+    for _ in range(1 + WEIGHINGS):
+        best = min(best, problem.polished(best, STEPS), key=problem.cost)
+        if problem.cost(best) >= FAILED**2:
+            raise ConvergenceError(f"the trials cannot be simulated with {model.law.title}.")
+        if not problem.weighed(best):
+            break
+    return model.with_values((problem.matrix @ best).tolist())
+
+
+def _no_value(model: TravelModel, trial: Trial) -> ConvergenceError:
+    """Return that no value of the one free parameter gives a single travel, and what it gives."""
+    (path,) = model.free
+    known = {name: (field, value) for name, field, value in parameters(model.law, "friction")}
+    field, start = known[path]
+    low, high = room_for(model.law, path.rpartition(".")[2])
+    room = (
+        f"above {number(low)}"
+        if math.isinf(high)
+        else (f"between {number(low)} and {number(high)}")
+    )
+    said = (
+        f"no value of {path} ({field.symbol}) {room} gives a travel of {number(trial.travel)}"
+        f" m; with {number(start)} the travel is"
+        f" {formatting.quantity(model.travel(trial, [start]), 'm', 4)}."
+    )
+    try:
+        model.check_rest([trial], [start], standard_errors([trial])[0])
+    except ConvergenceError as error:
+        said += f" With that value {error}"
+    return ConvergenceError(said)
+
+
+def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
+    """Return the fit to travels that given values lead to: its intervals to expect."""
+    measured = model.travels(trials, values)
+    pairs = zip(trials, measured.tolist(), strict=True)
+    problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])
+    best = problem.free_parameters(values)
+    problem.weighed(best)
+    return problem.fit(best)
+
+
+class _Problem:
+    """Whitened residuals, as a function of unknowns that keep a law's inequalities.
+
+    An unknown is the parameter itself, or how much it lies above another free parameter that it
+    must not fall below.
+    """
+
+    def __init__(self, model: TravelModel, trials: Sequence[Trial]) -> None:
+        self.model, self.trials = model, trials
+        self.rig = any(map(is_rig, model.free))
+        """Whether parameters of the mechanism are unknown too."""
+        self.measured = np.array([trial.travel for trial in trials])
+        self.readings, self.stated = standard_errors(trials)
+        """Standard errors of the readings alone (n,)."""
+        self.spread = Propagated(own={}, shared={})
+        """What the uncertainties of the mechanism make of the travels."""
+        self.weights = self.spread
+        """The same as it weighs residuals."""
+        self.relative = False
+        """Whether that is to scale with the errors of the readings, which residuals tell."""
+        self.whitening = np.diag(1.0 / self.readings)
+        """Makes uncorrelated residuals of variance 1 (n, n)."""
+        known = *parameters(model.law, "friction"), *parameters(trials[0].mechanism, "mechanism")
+        self.known: dict[str, tuple[Quantity, float]] = {p: (q, v) for p, q, v in known}
+        self.scale = np.array([self.known[path][1] or 0.1 for path in model.free])
+        self.matrix = np.eye(len(model.free))
+        """Values from unknowns."""
+        room = []
+        for i, path in enumerate(model.free):
+            prefix, _, name = path.rpartition(".")
+            base = f"{prefix}.{self.known[path][0].at_least}"
+            if base in model.free:
+                self.matrix[i, list(model.free).index(base)] = 1.0
+                room.append((0.0, math.inf))
+            elif is_rig(path):
+                own = self.known[path][0]
+                room.append((max(own.low, -math.inf if own.above is None else own.above), own.high))
+            else:
+                room.append(room_for(model.law, name, model.free))
+        self.low, self.high = (np.array(side) for side in zip(*room, strict=True))
+        above = np.array([self.known[p][0].above is not None for p in model.free])
+        self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
+        self._seen: dict[tuple[float, ...], Array] = {}
+
+    def free_parameters(self, values: Sequence[float]) -> Array:
+        """Return the unknowns for values of the parameters, just inside their bounds."""
+        found = np.linalg.solve(self.matrix, np.asarray(values, dtype=float))
+        clipped: Array = np.clip(found, self.least, self.high)
+        return clipped
+
+    def weighed(self, free_parameters: Array) -> bool:
+        """Weigh residuals by what the mechanism's uncertainties make of them; False without any."""
+        if not any((*trial.doubts, *trial.shared) for trial in self.trials):
+            return False
+        values = (self.matrix @ free_parameters).tolist()
+        self.spread = self.weights = propagated(self.model, self.trials, values)
+        self._whiten()
+        left = self.measured - self.predicted(free_parameters)
+        freedom = len(left) - len(values)
+        whole = float(np.sum((self.whitening @ left) ** 2))
+        self.relative = (
+            freedom > 0 and variance_of(whole, freedom, stated=self.stated)[1] < math.inf
+        )
+        if self.relative:
+            # weights that trust such readings against what trials share would be wrong: they
+            # follow the errors with which residuals agree, and the scale is that of residuals
+            self.weights = self.spread.scaled(1.0 / math.sqrt(self._scale(left, freedom)))
+            self._whiten()
+        return True
+
+    def _scale(self, left: Array, freedom: int) -> float:
+        """Return the variance of readings with which residuals agree, over that stated."""
+
+        def covariance(scale: float) -> Array:
+            scatter = self.spread.scatter(self.readings * math.sqrt(scale))
+            return covariance_of(scatter, self.spread.shared)
+
+        return agreeing_scale(left, self.readings, freedom, covariance)
+
+    def _whiten(self) -> None:
+        self.whitening = np.linalg.inv(np.linalg.cholesky(self._covariance()))
+
+    def _covariance(self) -> Array:
+        """Return the covariance of the travels (n, n) as residuals are weighed, up to a factor."""
+        return covariance_of(self.weights.scatter(self.readings), self.weights.shared)
+
+    def unknowns(self, points: Sequence[Start]) -> Array:
+        """Return the unknowns (k, p) for values of the parameters, just inside their bounds."""
+        return np.array([self.free_parameters(point) for point in points])
+
+    def table(self, points: Array) -> Array:
+        """Return the travels [m] (k, n) of k unknowns (k, p); NaN where a run cannot be made."""
+        keys = [tuple(point) for point in points.tolist()]
+        new = list(dict.fromkeys(key for key in keys if key not in self._seen))
+        if new:
+            rows = self.model.table(self.trials, np.array(new) @ self.matrix.T)
+            self._seen |= dict(zip(new, rows, strict=True))
+        return np.array([self._seen[key] for key in keys])
+
+    def residuals_of(self, points: Array) -> Array:
+        """Return measured less predicted travels of k unknowns, whitened (k, n)."""
+        left = self.measured - self.table(points)
+        made = np.all(np.isfinite(left), axis=1, keepdims=True)
+        found = np.clip(np.where(made, left, 0.0) @ self.whitening.T, -LARGEST, LARGEST)
+        return np.where(made, found, FAILED)
+
+    def predicted(self, free_parameters: Array) -> Array:
+        """Return the travels [m] (n,); NaN where a run cannot be made."""
+        return np.asarray(self.table(free_parameters[None])[0])
+
+    def residuals(self, free_parameters: Array) -> Array:
+        """Return measured less predicted travels, whitened (n,)."""
+        return np.asarray(self.residuals_of(free_parameters[None])[0])
+
+    def cost(self, free_parameters: Array) -> float:
+        return float(np.sum(self.residuals(free_parameters) ** 2))
+
+    def descend(
+        self,
+        points: Array,
+        steps: int,
+        moving: NDArray[np.bool_] | None = None,
+        *,
+        exact: bool = False,
+    ) -> tuple[Array, Array]:
+        """Return where descents end, and their costs; all unknowns move if not told."""
+        return descended(
+            self.residuals_of,
+            points,
+            low=self.least,
+            high=self.high,
+            sizes=0.1 * self.scale,
+            moving=np.ones(len(self.scale), dtype=bool) if moving is None else moving,
+            steps=steps,
+            exact=exact,
+        )
+
+    def ends(self, points: Array) -> list[Array]:
+        """Return where descents from points end, without those that met, the best first."""
+        slow = self.rig or bool(self.model.law.states)
+        steps = (STEPS if len(points) > 1 else REFINED) * (2 if self.rig else 1)
+        if slow:
+            costs = np.sum(self.residuals_of(points) ** 2, axis=1)
+            order = np.argsort(costs, kind="stable")
+            points, costs = points[order], costs[order]
+            points = points[costs <= NEAR * costs[0]]
+            found, costs = self.descend(points[:POLISHED], steps)
+            if self.rig and costs.min() > POOR * len(self.trials) and len(points) > POLISHED:
+                more, others = self.descend(points[POLISHED:], steps)
+                found, costs = np.concatenate([found, more]), np.concatenate([costs, others])
+        else:
+            found, costs = self.descend(points, steps)
+        order = np.argsort(costs, kind="stable")
+        found, costs = found[order], costs[order]
+        if not slow:
+            worth = costs <= costs[0] + 4.0 * self.room(float(costs[0]))
+            found, costs = self.descend(found[worth], REFINED, exact=True)
+            order = np.argsort(costs, kind="stable")
+            found, costs = found[order], costs[order]
+        apart: list[Array] = []
+        for one in found:
+            size = np.maximum(np.abs(one), 0.1 * self.scale)
+            if all(np.max(np.abs(one - other) / size) > APART for other in apart):
+                apart.append(one)
+        return apart
+
+    def nearest(self, ends: Sequence[Array]) -> Array:
+        """Return the best end; of those that readings do not tell apart, that near the start."""
+        if self.rig or len(ends) == 1:
+            return ends[0]
+        path = self.model.free[0]
+        start = float(getattr(self.model.law, path.rpartition(".")[2]) or 0.0)
+        least = self.cost(ends[0])
+        limit = least + SAME * self.room(least)
+        alike = [end for end in ends if self.cost(end) <= limit]
+        return min(alike, key=lambda end: abs(float((self.matrix @ end)[0]) - start))
+
+    def with_free(self, found: Sequence[Array], most: int) -> list[Array]:
+        """Return unknowns with where descents from the best of them end, the best first."""
+        best = sorted(found, key=self.cost)
+        free, _ = self.descend(np.array(best[:most]), STEPS)
+        return sorted([*best, *free], key=self.cost)
+
+    def poor(self, free_parameters: Array) -> bool:
+        """Whether unknowns leave more than the errors of the readings."""
+        from scipy.stats import chi2
+
+        if not self.stated:
+            left = self.measured - self.predicted(free_parameters)
+            return not np.linalg.norm(left) <= UNSTATED * np.linalg.norm(self.measured)
+        return self.cost(free_parameters) > float(chi2.ppf(SIGNIFICANT, len(self.trials)))
+
+    def scanned(self, points: Array, most: int) -> Array:
+        """Return the best of many values of the first unknown beside the others of each point."""
+        levels = np.geomspace(*SPAN, LEVELS)
+        rows = np.repeat(points, len(levels), axis=0)
+        rows[:, 0] *= np.tile(levels, len(points))
+        rows = np.clip(rows, self.least, self.high)
+        costs = np.sum(self.residuals_of(rows) ** 2, axis=1)
+        return rows[np.argsort(costs, kind="stable")[:most]]
+
+    def room(self, cost: float) -> float:
+        """Return how much more than the least cost values may leave that explain as well."""
+        from scipy import stats
+
+        trials, freedom = self.trials, len(self.trials) - len(self.model.free)
+        if len(trials) == 1:
+            kind = trials[0].kind
+            if kind == "standard" or self.spread.own or self.spread.shared:
+                return AS_WELL
+            return 3.0 if kind == "rounding" else 1.0
+        factor, freedom_of = variance_of(cost, freedom, stated=self.stated)
+        if freedom_of == 0.0:
+            return AS_WELL
+        return factor * float(stats.t.ppf(0.975, freedom_of)) ** 2
+
+    def drawn(self, ends: Sequence[Start], drawn: Array, more: Sequence[Start]) -> Array:
+        """Return unknowns for each end of a search without nuisances beside each draw of them."""
+        rows = [self.free_parameters(point) for point in more]
+        count = len(self.scale) - drawn.shape[1]
+        for end in ends:
+            start = np.zeros(len(self.scale))
+            # what a nuisance lies above is part of its value, and not of its unknown
+            start[:count] = np.linalg.solve(self.matrix[:count, :count], np.asarray(end))
+            for draw in drawn:
+                start[count:] = draw
+                rows.append(np.clip(start, self.least, self.high))
+        return np.array(rows)
+
+    def slopes_at(self, free_parameters: Array) -> Array:
+        """Return derivatives of the residuals (n, p), by central differences for a mechanism.
+
+        Near a resonance one-sided ones are wrong by a hundredth, and what scales with all else, as
+        masses, forces and a stiffness do together, would seem to be told apart.
+        """
+        if not self.rig:
+            return self.jacobian(free_parameters)
+        columns = []
+        for i, scale in enumerate(np.maximum(np.abs(free_parameters), 0.1 * self.scale)):
+            ends = np.clip(
+                free_parameters[i] + STEP * scale * np.array([-1.0, 1.0]), self.low[i], self.high[i]
+            )
+            there = [free_parameters.copy(), free_parameters.copy()]
+            there[0][i], there[1][i] = ends
+            low, high = map(self.residuals, there)
+            columns.append((high - low) / (ends[1] - ends[0]))
+        return np.stack(columns, axis=1)
+
+    def jacobian(self, free_parameters: Array) -> Array:
+        """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
+        return np.asarray(
+            slopes_of(
+                self.residuals_of,
+                free_parameters[None],
+                self.residuals(free_parameters)[None],
+                low=self.low,
+                high=self.high,
+                sizes=0.1 * self.scale,
+                moving=np.ones(len(self.scale), dtype=bool),
+            )[0]
+        )
+
+    def polished(self, start: Array, steps: int) -> Array:
+        """Return where a descent ends that begins at `start`."""
+        found, _ = self.descend(start[None], steps)
+        return np.asarray(found[0])
+
+    def beside(self, best: Array) -> Iterator[Array]:
+        """Yield unknowns on both sides of the best ones, along what each value is told with."""
+        gain, _ = self._gain(best)
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        values = self.matrix @ best
+        sizes = np.maximum(np.abs(values), self.scale)
+        for along, variance in zip(table.T, np.diag(table), strict=True):
+            if variance > 0.0:
+                step = BESIDE * along / math.sqrt(variance)
+                step *= min(1.0, 0.5 / float(np.max(np.abs(step) / sizes)))
+                for side in (-1.0, 1.0):
+                    yield self.free_parameters((values + side * step).tolist())
+
+    def fit(
+        self,
+        best: Array,
+        ends: Sequence[Array] = (),
+        *,
+        walked: bool = False,
+        reached: Sequence[Start] = (),
+    ) -> TravelFit:
+        """Return what the best unknowns are, with intervals."""
+        single = len(self.trials) == 1
+        residuals = self.residuals(best)
+        values = (self.matrix @ best).tolist()
+        gain, condition = self._gain(best)
+        freedom = len(residuals) - len(values)
+        variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
+        scatter = self.spread.scatter(self.readings)
+        doubtful = bool(self.spread.own or self.spread.shared)
+        sources = self.weights.sources(self.readings, gain)
+        correlation = _correlation(gain, self._covariance())
+        found = [
+            self._estimate(path, value, scale, variance, source, stated=doubtful)
+            for path, value, scale, source in zip(
+                self.model.free, values, self.scale.tolist(), sources, strict=True
+            )
+        ]
+        if self.rig:
+            found = self._told_apart(found, values, gain, variance[0])
+        rivals = self._rivals(found, best, ends)
+        if not self.rig:
+            found = [
+                self._holding(i, one, best, rivals, reached, walked=walked)
+                for i, one in enumerate(found)
+            ]
+        else:
+            found = [self._reaching(one, [r[i] for r in rivals]) for i, one in enumerate(found)]
+        others = tuple(rival[0] for rival in rivals) if len(values) == 1 and not self.rig else ()
+        return TravelFit(
+            law=self.model.with_values(values),
+            mechanism=self.model.set_up(self.trials[0], values).mechanism,
+            estimates=tuple(found),
+            measured=tuple(self.measured.tolist()),
+            predicted=tuple(self.predicted(best).tolist()),
+            others=others,
+            standard_errors=() if single else tuple(scatter.tolist()),
+            reading_errors=() if single else tuple(self.readings.tolist()),
+            slopes=() if single else self._slopes(best),
+            shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
+            stated=self.stated,
+            condition=condition,
+            correlation=correlation,
+            rivals=() if others else rivals,
+            trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
+            runs=self.model.runs,
+        )
+
+    def _holding(
+        self,
+        i: int,
+        one: Estimate,
+        best: Array,
+        rivals: Sequence[Sequence[float]],
+        reached: Sequence[Start],
+        *,
+        walked: bool,
+    ) -> Estimate:
+        """Return an estimate whose interval holds all values that explain the travels as well."""
+        if one.reason and (len(self.trials) > 1 or not self.stated):
+            return one
+        if walked:
+            one = self._between(i, one, best)
+        parts = [(one.low, one.high)]
+        if walked:
+            for rival in rivals:
+                there = self.free_parameters(rival)
+                other = self._between(i, self._local(i, one, there), there)
+                parts.append((other.low, other.high))
+        half = 0.5 * (parts[0][1] - parts[0][0]) if one.bounded else 0.0
+        parts += [(value[i] - half, value[i] + half) for value in reached]
+        return spanning(one, parts, self._lowest(one))
+
+    def _local(self, i: int, one: Estimate, there: Array) -> Estimate:
+        """Return an estimate at other unknowns, with the interval that slopes there give."""
+        gain, _ = self._gain(there)
+        known = np.where(np.isfinite(gain[i]), gain[i], 0.0)
+        spread = math.sqrt(self.room(self.cost(there)) * float(known @ self._covariance() @ known))
+        value = float((self.matrix @ there)[i])
+        low = max(value - spread, self._lowest(one))
+        return replace(one, value=value, low=low, high=value + spread, reason="")
+
+    def followed(self, fit: TravelFit, reached: Sequence[Start]) -> TravelFit:
+        """Return a fit whose intervals end where no values of nuisances explain the travels more.
+
+        The nuisances are the last unknowns here. Bristles take too long for that.
+        """
+        best = self.free_parameters(reached[0])
+        least = self.cost(best)
+        target = least + _Problem(replace(self.model, free=self.model.free[: len(fit.estimates)]),
+                                  self.trials).room(least)  # fmt: skip
+        found = []
+        for i, one in enumerate(fit.estimates):
+            if one.reason or np.count_nonzero(self.matrix[i]) > 1:
+                found.append(one)
+                continue
+            parts = [*(one.pieces or ((one.low, one.high),))]
+            for side, end in ((-1.0, one.low), (1.0, one.high)):
+                step = max(abs(end - best[i]), OUTWARDS * float(self.scale[i]))
+                parts.append((best[i], self._outermost(i, best, side * step, target)))
+            found.append(spanning(one, [(min(p), max(p)) for p in parts], self._lowest(one)))
+        return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
+
+    def _outermost(self, i: int, best: Array, step: float, target: float) -> float:
+        """Return the last value of an unknown with which the others still explain as well.
+
+        They are followed from value to value, since far from the best ones they lie elsewhere.
+        """
+        moving = np.arange(len(best)) != i
+        inside, cost = best, self.cost(best)
+        for times in OUT:
+            there = inside.copy()
+            there[i] = best[i] + times * step
+            there = np.clip(there, self.least, self.high)
+            if there[i] == inside[i]:
+                break
+            ends, costs = self.descend(there[None], REFINED, moving)
+            if costs[0] > target:
+                ends, costs = self.descend(self._turned(ends[0]), REFINED, moving)
+            at = int(np.argmin(costs))
+            if costs[at] > target:
+                share = math.sqrt((target - cost) / (float(costs[at]) - cost))
+                return float(inside[i] + share * (there[i] - inside[i]))
+            inside, cost = ends[at], float(costs[at])
+        return float(inside[i])
+
+    def _turned(self, there: Array) -> Array:
+        """Return unknowns, and the same with other powers of the speed."""
+        rows = [there]
+        for i, path in enumerate(self.model.free):
+            if self.known[path][0].scale == "none":
+                for value in (self.least[i], self.high[i]):
+                    rows.append(there.copy())
+                    rows[-1][i] = value
+        return np.array(rows)
+
+    def _lowest(self, one: Estimate) -> float:
+        return max(one.quantity.low, one.quantity.above or 0.0, 0.0)
+
+    def _between(self, i: int, one: Estimate, best: Array) -> Estimate:
+        """Return an estimate whose interval ends where the travels are explained no more.
+
+        The other values follow. Slopes at the best values say nothing of what is farther away, nor
+        that a parameter has a bound.
+        """
+        slow = bool(self.model.law.states) and len(self.trials) > 1
+        if slow or np.count_nonzero(self.matrix[i]) > 1:
+            return one
+        base = self.cost(best)
+        target = base + self.room(base)
+        gain, _ = self._gain(best)
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        if not table[i, i] > 0.0:
+            return one
+        half = math.sqrt(self.room(base) * table[i, i])
+        along = table[:, i] / table[i, i] * half
+        ends = [self._end(i, best, side * along, target) for side in (-1.0, 1.0)]
+        low, high = ends
+        reason = one.reason if len(self.trials) > 1 else ""
+        if not (math.isfinite(low) and math.isfinite(high)):
+            reason = INSENSITIVE
+            if len(self.trials) == 1:
+                reason = "no value gives the travel at one end of the range of the reading"
+        elif len(self.trials) > 1 and one.bounded and (self.spread.own or self.spread.shared):
+            # the ends bend as chi-square does, but residuals scale no uncertainty of the mechanism
+            low = one.value - (one.value - low) / half * (one.value - one.low)
+            high = one.value + (high - one.value) / half * (one.high - one.value)
+        return replace(one, low=low, high=high, reason=reason)
+
+    def _end(self, i: int, best: Array, along: Array, target: float) -> float:
+        """Return the value of a parameter in a direction with which the cost meets the target."""
+        unknown_step = np.linalg.solve(self.matrix, along)
+        points = np.clip(best + np.outer(WALK, unknown_step), self.least, self.high)
+        inside = np.flatnonzero(np.abs(points[:, i] - best[i]) > 0.0)
+        if not len(inside):
+            return float(best[i])
+        moving = np.arange(len(best)) != i
+        if moving.any():
+            points, costs = self.descend(points, REFINED, moving)
+        else:
+            costs = np.sum(self.residuals_of(points) ** 2, axis=1)
+        beyond = np.flatnonzero(costs > target)
+        if not len(beyond):
+            bounded = points[-1, i] <= self.least[i] or points[-1, i] >= self.high[i]
+            return float(points[-1, i]) if bounded else math.copysign(math.inf, along[i])
+        at = int(beyond[0])
+        near = best if at == 0 else points[at - 1]
+        if not moving.any():
+            return self._crossing(near, points[at], target)
+        inner = self.cost(best)
+        low = math.sqrt(max((inner if at == 0 else float(costs[at - 1])) - inner, 0.0))
+        high = math.sqrt(float(costs[at]) - inner)
+        share = (math.sqrt(max(target - inner, 0.0)) - low) / max(high - low, 1e-300)
+        return float(near[i] + min(max(share, 0.0), 1.0) * (points[at, i] - near[i]))
+
+    def _crossing(self, inside: Array, outside: Array, target: float) -> float:
+        """Return the single unknown between two at which the cost meets the target."""
+        from scipy.optimize import brentq
+
+        def excess(value: float) -> float:
+            return self.cost(np.array([value])) - target
+
+        low, high = float(inside[0]), float(outside[0])
+        if excess(low) >= 0.0:
+            return low
+        return float(brentq(excess, low, high, rtol=1e-10, xtol=1e-300))
+
+    def _told_apart(
+        self, found: Sequence[Estimate], values: Sequence[float], gain: Array, variance: float
+    ) -> list[Estimate]:
+        """Return estimates whose intervals reach to where the trials are explained no more.
+
+        Slopes at the best values say nothing of what is farther away, and are wrong where a run
+        jumps. So each interval is walked, the other values following, until chi-square has risen;
+        one that ends nowhere near, or is wider than the value itself, is open.
+        """
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        spreads = np.sqrt(np.maximum(np.diag(table), 1e-300))
+        told = []
+        for i, (one, scale) in enumerate(zip(found, self.scale.tolist(), strict=True)):
+            if one.reason:
+                told.append(one)
+                continue
+            half = one.high - one.value
+            step = table[:, i] / spreads[i] ** 2 * half
+            most = max(abs(one.value), scale)
+            far = max(self._reach(np.array(values), side * step, variance) for side in (1.0, -1.0))
+            if far * half <= most:
+                least = self.known[one.path][0]
+                low = max(one.value - far * half, least.low, least.above or -math.inf)
+                told.append(replace(one, low=low, high=one.value + far * half))
+                continue
+            others = [
+                other.quantity.symbol
+                for j, other in enumerate(found)
+                if j != i and abs(table[i, j]) > TOGETHER * spreads[i] * spreads[j]
+            ]
+            reason = INSENSITIVE
+            if others:
+                reason = f"the trials tell no more than a combination of it with {joined(others)}"
+            told.append(replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}))
+        return told
+
+    def _reach(self, values: Array, step: Array, variance: float) -> float:
+        """Return how many steps from values chi-square has risen; infinite if it does not."""
+        base = self.cost(self.free_parameters(values.tolist()))
+        for times in STRIDES:
+            there = self.free_parameters((values + times * step).tolist())
+            if self.cost(there) - base >= ENOUGH * AS_WELL * variance:
+                return times
+            if np.any((there <= self.least) & (step < 0.0)):  # a limit ends the interval
+                return times
+        return math.inf
+
+    def _rivals(
+        self, found: Sequence[Estimate], best: Array, ends: Sequence[Array]
+    ) -> tuple[tuple[float, ...], ...]:
+        """Return other values where a search ended that fit as well, outside of the intervals."""
+        least = self.cost(best)
+        room = least + (MET**2 if len(self.trials) == 1 else self.room(least))
+        rivals: list[tuple[float, ...]] = []
+        for end in ends:
+            values = tuple((self.matrix @ end).tolist())
+            outside = any(
+                not e.low <= v <= e.high if e.bounded else abs(v - e.value) > APART * abs(e.value)
+                for e, v in zip(found, values, strict=True)
+            )
+            if outside and self.cost(end) <= room:
+                rivals.append(values)
+        return tuple(rivals)
+
+    def _reaching(self, one: Estimate, others: Sequence[float]) -> Estimate:
+        """Return an estimate whose interval reaches over other values that fit as well."""
+        if not others or not one.bounded:
+            return one
+        half = one.high - one.value + max(abs(other - one.value) for other in others)
+        least = self.known[one.path][0]
+        low = max(one.value - half, least.low, least.above or -math.inf)
+        return replace(one, low=low, high=one.value + half)
+
+    def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
+        """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
+        slopes = -np.linalg.solve(self.whitening, self.slopes_at(best))
+        free = np.isfinite(slopes).all(axis=0) & (best > self.least) & (best < self.high)
+        return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
+
+    def _gain(self, best: Array) -> tuple[Array, float]:
+        """Return derivatives of values by travels (p, n), and the condition of the scaled Jacobian.
+
+        A value on which a direction bears that the travels do not determine has infinite ones.
+        """
+        jacobian = self.slopes_at(best) @ np.linalg.inv(self.matrix)
+        gain = np.full(jacobian.shape[::-1], np.inf)
+        sizes = np.linalg.norm(jacobian, axis=0)
+        if not np.all(np.isfinite(jacobian)) or not np.any(sizes > 0.0):
+            return gain, math.inf
+        seen = sizes > 0.0  # what travels do not depend on at all bears on nothing else
+        left, singular, rows = np.linalg.svd(jacobian[:, seen] / sizes[seen], full_matrices=False)
+        condition = float(singular[0] / max(singular[-1], 1e-300)) if seen.all() else math.inf
+        inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
+        cut = np.abs(rows[inverse == 0.0]).max(axis=0, initial=0.0) > FLAT
+        # the Jacobian is that of residuals, which fall as a prediction rises
+        known = -(rows.T * inverse / sizes[seen, None]) @ left.T @ self.whitening
+        gain[seen] = np.where(cut[:, None], np.inf, known)
+        return gain, condition
+
+    def _kind(self) -> str:
+        """Return of which kind the uncertainty of a single reading is, the rig's included."""
+        return "standard" if self.spread.own or self.spread.shared else self.trials[0].kind
+
+    def _estimate(
+        self,
+        path: str,
+        value: float,
+        scale: float,
+        variance: tuple[float, float],
+        sources: Mapping[str, float],
+        *,
+        stated: bool,
+    ) -> Estimate:
+        """Return an estimate with its interval by Student's t; see `fit_readings`."""
+        from scipy import stats
+
+        factor, freedom = variance
+        sources = {
+            name: part
+            * (1.0 if name in self.spread.shared and not self.relative else math.sqrt(factor))
+            for name, part in sources.items()
+        }
+        common = math.hypot(*(sources[name] for name in self.spread.shared))
+        own = math.hypot(*(sources[name] for name in sources if name not in self.spread.shared))
+        error = math.hypot(common, own)
+        reason = ""
+        if freedom == 0:
+            spread, reason = math.inf, "too few readings to estimate their uncertainty"
+            if len(self.trials) == 1:
+                reason = "no uncertainty of the reading was stated"
+        elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
+            spread, reason = math.inf, INSENSITIVE
+        else:
+            scattered = float(stats.t.ppf(0.975, freedom)) * own
+            spread = math.hypot(scattered, float(stats.norm.ppf(0.975)) * common)
+        quantity = self.known[path][0]
+        least = max(quantity.low, quantity.above or 0.0, 0.0)
+        return Estimate(
+            path=path,
+            quantity=quantity,
+            value=value,
+            low=max(value - spread, least) if math.isfinite(spread) else -math.inf,
+            high=value + spread,
+            interval="95 %" if len(self.trials) > 1 else INTERVALS[self._kind()],
+            reason=reason,
+            sources=sources if stated and not reason else {},
+        )
+
+
+def _correlation(gain: Array, covariance: Array) -> tuple[tuple[float, ...], ...]:
+    """Return the correlation of estimates (p, p) from that of travels (n, n) and the gain (p, n).
+
+    It is 0 with what the travels do not tell.
+    """
+    known = np.where(np.isfinite(gain), gain, 0.0)
+    table = known @ covariance @ known.T
+    sizes = np.sqrt(np.diag(table))
+    table = table / np.outer(np.where(sizes > 0.0, sizes, 1.0), np.where(sizes > 0.0, sizes, 1.0))
+    np.fill_diagonal(table, 1.0)
+    return tuple(map(tuple, table.tolist()))

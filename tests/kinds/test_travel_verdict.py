@@ -1,0 +1,138 @@
+"""The verdict names no parameter in doubt, proposes nothing twice, and prints as a few lines."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
+from stickslip.identification.travel_model import trials_of
+from stickslip.kinds.travels.admissibility import doubts
+from stickslip.kinds.travels.separations import separations
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+COULOMB = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+VISCOUS = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5)
+STRIBECK = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.05)
+
+
+def trials(**travels):
+    return Measurement(
+        trials=tuple(
+            Measurement(
+                travel=1e-3 * travel,
+                uncertainty=0.0005,
+                uncertainty_kind="rounding",
+                overrides={"mechanism.compression": 1e-3 * int(setting.removeprefix("mm"))},
+                name=setting,
+            )
+            for setting, travel in travels.items()
+        )
+    )
+
+
+# of mu_k = 0.2538: 30.2 (it stops on the spring), 200.8 and 451.9 mm
+READINGS = trials(mm40=30, mm100=201, mm150=452)
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(RIG, [COULOMB, VISCOUS, STRIBECK], READINGS)
+
+
+def test_no_law_with_a_parameter_at_its_limit_is_chosen(verdict):
+    assert verdict.best.name == "coulomb"
+    assert doubts(verdict.best) == {}
+    assert "sigma_2" not in verdict.sentence
+
+
+def test_a_law_whose_viscous_part_may_be_zero_stays_in_the_ranking_with_the_reason(verdict):
+    assert len([c for c in verdict.candidates if not c.beside]) == 3
+    viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+    assert viscous.passed_over.startswith("$sigma_2$ is ")
+    assert viscous.passed_over.endswith("and Coulomb does not need it")
+    assert "$" not in viscous.to_dict()["passed_over"]
+    assert any(line.startswith("$sigma_2$ of Coulomb") for line in verdict.words.cannot_tell)
+
+
+def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
+    viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+    estimates = list(viscous.fit.estimates)
+    estimates[1] = dataclasses.replace(estimates[1], value=0.1, low=0.0, high=0.3)
+    fit = dataclasses.replace(viscous.fit, estimates=tuple(estimates))
+    found = doubts(dataclasses.replace(viscous, fit=fit))
+    assert found == {"viscous_coefficient": "consistent with zero (95 % interval)"}
+
+
+def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():
+    verdict = select(RIG, [VISCOUS], READINGS)
+    assert verdict.sentence.startswith("Use Coulomb + viscous friction with mu_k = 0.2537; ")
+    assert verdict.words.cannot_tell[0].startswith("$sigma_2$: ")
+    assert not any("sigma_2" in line for line in verdict.words.settles)
+
+
+def test_the_mechanism_of_a_verdict_is_the_one_passed_in(verdict):
+    assert verdict.mechanism == RIG
+    # the run is that of the first trial
+    assert verdict.best.criteria.travel == pytest.approx(0.029, abs=2e-3)
+
+
+def test_settings_already_measured_are_not_proposed_again(verdict):
+    measured = [row.value for row in verdict.separations if row.measured]
+    assert measured == [0.04, 0.1, 0.15]
+    new = [row.value for row in verdict.proposal.tried]
+    assert all(abs(a - b) > 0.02 * b for a in new for b in measured)
+    # between the measured ones, and beyond them: they span all that would be tried
+    assert 0.04 < new[0] < 0.1
+    assert new[-1] > 0.15
+
+
+def test_that_no_setting_would_tell_the_models_apart_is_said_plainly():
+    verdict = select(RIG, [COULOMB, VISCOUS], READINGS)
+    # Coulomb and Coulomb + viscous without its viscous part are one law
+    assert verdict.words.measure_next[0].startswith("No setting of $x_0$ from 60 mm to 225 mm")
+
+
+def test_a_trial_with_another_mass_is_not_a_setting_of_this_rig():
+    heavy = Measurement(
+        trials=(
+            Measurement(travel=0.1, overrides={"mechanism.mass": 2.0}),
+            Measurement(travel=0.2),
+        )
+    )
+    rows = separations(RIG, {"coulomb": COULOMB}, t_end=5.0, trials=trials_of(RIG, heavy, 5.0)[:1])
+    assert not any(row.measured for row in rows)
+
+
+def test_a_given_value_is_compared_with_the_interval_by_its_name(verdict):
+    assert verdict.words.settles[0].endswith("the given 0.25 is inside the 95 % interval.")
+    reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="interval")
+    one = select(RIG, [COULOMB], reading)
+    assert one.words.settles[-1].endswith("the given 0.25 is inside the stated interval.") or (
+        one.words.settles[-1].endswith("the given 0.25 is outside the stated interval.")
+    )
+
+
+def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
+    for part in (
+        verdict,
+        verdict.best,
+        verdict.best.fit,
+        verdict.best.fit.estimates[0],
+        load_rig(),
+    ):
+        assert repr(part).count("\n") <= 4
+        assert len(repr(part)) < 400
+        assert part._repr_html_().startswith("<p>")
+        assert "$" not in repr(part)
+    assert verdict.sentence in repr(verdict)
+    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.254 (0.217 to 0.259)"
+
+
+def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
+    table = verdict.to_dataframe()
+    assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
+    assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
+    scores = [np.nan if one.score is None else one.score for one in verdict.candidates]
+    np.testing.assert_array_equal(table["score"], scores)
+    assert table["range"][0] == "0.217 to 0.259"
