@@ -494,7 +494,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"named, alone or in a group: {named} of {len(faults)};"
             f" wrong: {sum(bool(row['false']) for row in faults)}",
             f"a parameter outside its 95 % interval and nothing said:"
-            f" {sum(map(certain, faults))}; outside twice its interval:"
+            f" {sum(map(certain, faults))} of {len(faults)}; outside twice its interval:"
             f" {sum(bool(row.get('far')) and not row['said'] for row in faults)}",
         ]
         lines += [

@@ -10,6 +10,7 @@ from tests.support import quick
 
 from stickslip import simulate
 from stickslip.drives import Sampled
+from stickslip.identification import ModelError
 
 
 def test_a_machine_without_a_fault_moves_as_the_engine_says():
@@ -66,5 +67,25 @@ def _row(name, seed, route):
 
 @pytest.mark.parametrize(("said", "silent"), [([], 1), (["delay"], 0)])
 def test_a_parameter_outside_its_interval_counts_where_nothing_is_said(said, silent):
-    row = {"fault": "sensor-delay", "said": said, "wrong": ["inertia 1.1"], "far": [], "named": 0}
+    row = {
+        "fault": "sensor-delay", "said": said, "wrong": ["inertia 1.1"], "far": [], "named": 0,
+        "false": [],
+    }  # fmt: skip
     assert f"said: {silent} of 1" in "\n".join(faults.summary([row]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "named", "false"),
+    [
+        ("delay", True, []),
+        ("delay or presliding", True, []),
+        ("unexplained", False, []),
+        ("flexibility", False, ["flexibility"]),
+    ],
+)
+def test_a_group_that_has_the_fault_names_it_and_another_kind_is_wrong(kind, named, false):
+    error = ModelError(
+        kind=kind, finding="", consequence="", effect=0.0, interval=(0.0, 0.0), share=0.0
+    )
+    found = faults.outcome([error], [], ["delay"])
+    assert (found["named"], found["false"]) == (named, false)
