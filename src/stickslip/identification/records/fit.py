@@ -309,13 +309,14 @@ class RecordFit(Fit[AnyLaw_co]):
         if not isinstance(build, JointBalanceBuilder):
             return ()
         known = {along: one.name for along, one in contacts_along(self.mechanism).items()}
-        own = {along: known[along] for along in build.problem.maps if along in known}
+        given = dict(laws.members)  # of what was said not to rub there is none
+        own = {along: known[along] for along in build.problem.maps if known.get(along) in given}
         asked = asked_of_joints(
             build.torques, self.mechanism, self.measurement, build.hold, own.keys()
         )
         found: list[ModelError] = []
         for along, one in asked.items():
-            law = dict(laws.members)[own[along]]
+            law = given[own[along]]
             record = joint_record(self.mechanism, self.measurement, along)
             errors = model_errors(one.explanation, record, build.hold, self.problem.response)
             errors = errors_of(one, law, law.name, errors, record.unit("force"))
