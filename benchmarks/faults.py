@@ -2,6 +2,11 @@
 
 ``python -m benchmarks.faults --seeds 1 2 3 --jobs 1``; results are appended to a file line by
 line, and a run that was killed goes on where it was. ``--clean 40`` counts false alarms instead.
+``--route explain`` asks the force balance alone, without a fit, which takes seconds a record.
+
+A fault is *named* if a finding has it, alone or in a group, or, where it is an effect of friction,
+if the structure of the force balance has its terms; *wrong* if a finding names something else;
+and *nothing named* otherwise.
 
 Each record is of a made-up axis with Coulomb + viscous friction, random in mass, level, motion,
 sampling, noise and disturbance, pushed by a planned force or moved by a controller. The 26 faults:
@@ -32,12 +37,16 @@ from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
 from stickslip import Axis, FrictionLaw, Measurement, check, fit
 from stickslip.errors import StickslipError
-from stickslip.identification import RecordFit
+from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
+from stickslip.identification.sensor_response import PROMPT
 from stickslip.identification.settings import RecordSettings
 
 RESULTS = "faults.jsonl"
+ROUTES = ("shooting", "inverse-dynamics", "explain")
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
-LATE = ("delay", "late or elastic")
+LATE = ("delay", "lag", "late or elastic")
+NEUTRAL = ("law", "unexplained")
+"""Kinds of findings that name no cause."""
 USUAL = ("effective size",)
 """Kinds of findings of `check` that clean records have as well: they state no fault."""
 TRIED = 20
@@ -52,6 +61,8 @@ class Fault:
     record: Callable[[Measurement, Random], Measurement] = lambda record, _random: record
     named: tuple[str, ...] = ()
     """Kinds of `ModelError` and of findings of `check` that name it."""
+    terms: tuple[str, ...] = ()
+    """Kinds of terms of the force balance that are it, where it is an effect of friction."""
     mass: float = math.nan
     """The mass that is given, over the true one; not a number where it is unknown."""
     free: tuple[str, ...] = ()
@@ -206,7 +217,7 @@ FAULTS: Mapping[str, Fault] = {
     "unknown-spring": Fault(machine=_spring, named=("position force", "spring")),
     "cogging": Fault(machine=_cogging, named=("position force",)),
     "imbalance": Fault(machine=_imbalance, named=("imbalance", "position force")),
-    "gravity": Fault(machine=_gravity, free=("mechanism.offset",)),
+    "gravity": Fault(machine=_gravity, terms=("offset",), free=("mechanism.offset",)),
     "wrong-mass": Fault(mass=0.85, named=("inertia",)),
     "sensor-delay": Fault(
         machine=lambda m, _r: replace(m, position_delay=0.012), named=LATE
@@ -228,18 +239,23 @@ FAULTS: Mapping[str, Fault] = {
         record=lambda found, _r: replace(found, force=-np.asarray(found.values("force"))),
         named=("force sign", "units", "drive"),
     ),
-    "aliased-ripple": Fault(record=_rippled, named=("ripple",)),
+    "aliased-ripple": Fault(record=_rippled, named=("ripple in time",)),
     "quantisation": Fault(record=_coarse, named=("quantisation", "reversals")),
     "dropped-samples": Fault(record=_dropped, named=("dropped samples", "jump", "gap")),
-    "outliers": Fault(record=_outlying, named=("jump",)),
+    "outliers": Fault(record=_outlying, named=("jump", "outliers")),
     "level-drift": Fault(machine=_drift, named=DRIFTS),
     "warm-up": Fault(machine=_warm, named=DRIFTS),
-    "place-dependence": Fault(machine=_placed, named=("law",)),
+    "place-dependence": Fault(
+        machine=_placed, named=("law",), terms=("level_ripple", "level_slope")
+    ),
     "asymmetry": Fault(
-        machine=_asymmetric, named=("law",), free=("mechanism.offset",)
+        machine=_asymmetric,
+        named=("law",),
+        terms=("viscous_dir", "power_dir"),
+        free=("mechanism.offset",),
     ),
     "stribeck-peak": Fault(
-        machine=_peak, named=("law",), free=("friction.kinetic_coefficient",)
+        machine=_peak, named=("law",), terms=("stribeck",), free=("friction.kinetic_coefficient",)
     ),
 }  # fmt: skip
 """What is built in, by name."""
@@ -270,14 +286,13 @@ def faulty(name: str, random: Random) -> tuple[Machine, Measurement]:
     raise StickslipError(f"no machine with {name} reverses.")
 
 
-def said_of(found: RecordFit, measurement: Measurement) -> list[str]:
-    """Return the kinds of what `check` and the tests on residuals say."""
-    warned = [
+def warnings_of(mechanism: Axis, measurement: Measurement) -> list[str]:
+    """Return the kinds of what `check` warns of."""
+    return [
         one.kind
-        for one in check(measurement, mechanism=found.mechanism).findings
+        for one in check(measurement, mechanism=mechanism).findings
         if one.severity != "info" and one.kind not in USUAL
     ]
-    return [*warned, *(one.kind for one in found.model_errors)]
 
 
 def outside(
@@ -294,6 +309,50 @@ def outside(
     return wrong
 
 
+def parts_of(kind: str) -> set[str]:
+    """Return the kinds that a finding names: several, if they are not told apart."""
+    return {kind, *kind.split(" or ")}
+
+
+def outcome(
+    errors: Sequence[ModelError], beside: Sequence[str], right: Sequence[str]
+) -> dict[str, Any]:
+    """Return what findings are worth where some kinds are right, with with those `beside` them."""
+    kinds = [one.kind for one in errors]
+    wrong = [k for k in kinds if k not in NEUTRAL and not parts_of(k) & {*right}]
+    named = any(parts_of(kind) & {*right} for kind in [*kinds, *beside])
+    return {
+        "said": [*beside, *kinds],
+        "kinds": kinds,
+        "named": named,
+        "false": wrong,
+        "sentences": [one.finding for one in errors],
+    }
+
+
+def explained(
+    mechanism: Axis, measurement: Measurement, unknown: Sequence[str], right: Sequence[str]
+) -> dict[str, Any]:
+    """Return what `check` and the force balance alone say of a record, and for how much time."""
+    began = time.process_time()
+    warned = warnings_of(mechanism, measurement)
+    hold = RecordSettings().holding
+    asked = asked_of(mechanism, measurement, hold, unknown, PROMPT)
+    if asked is None:
+        return {"structure": "", **outcome((), warned, right), "seconds": 0.0}
+    found = asked.explanation
+    structure = found.best.structure
+    errors = model_errors(found, measurement, hold, PROMPT)
+    terms = [term.kind for term in structure.free] + ["memory"] * bool(structure.memories)
+    return {
+        "structure": str(structure),
+        "left": found.left,
+        "terms": terms,
+        **outcome(errors, [*warned, *(term for term in terms if term in right)], right),
+        "seconds": time.process_time() - began,
+    }
+
+
 def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     """Return what a fit of the right law says of a record with a fault."""
     fault = FAULTS[name]
@@ -303,32 +362,33 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     axis, law = machine.rig.axis, machine.rig.law
     row |= {"closed": machine.closed, "disturbance": machine.rig.disturbance}
     given = axis.inertia * (fault.mass if math.isfinite(fault.mass) else 1.0)
+    unknown = () if math.isfinite(fault.mass) else ("mechanism.inertia",)
+    if route == "explain":
+        right = (*fault.named, *fault.terms)
+        return row | explained(Axis(inertia=given), measurement, unknown, right)
     began = time.perf_counter()
     try:
         found = fit(
             Axis(inertia=given),
             type(law),
             measurement,
-            vary=["friction.*", *(() if math.isfinite(fault.mass) else ("mechanism.inertia",))],
+            vary=["friction.*", *unknown],
             route=route,
             settings=RecordSettings(starts=2),
         )
     except StickslipError as error:
-        kinds = [one.kind for one in check(measurement, mechanism=axis).findings
-                 if one.severity != "info" and one.kind not in USUAL]  # fmt: skip
+        kinds = warnings_of(axis, measurement)
         return row | {
             "refused": str(error),
             "said": kinds,
             "named": bool({*kinds} & {*fault.named}),
+            "false": [],
         }
     assert isinstance(found, RecordFit)
-    kinds = said_of(found, measurement)
     return row | {
         "wrong": outside(found, law, axis, fault.free),
         "far": outside(found, law, axis, fault.free, times=2.0),
-        "said": kinds,
-        "sentences": [str(one) for one in found.model_errors],
-        "named": bool({*kinds} & {*fault.named}),
+        **outcome(found.model_errors, warnings_of(found.mechanism, measurement), fault.named),
         "seconds": time.perf_counter() - began,
     }
 
@@ -349,6 +409,8 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
         assert truth in TRUTHS
         rig = draw(random, truth)
         law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
+    if route == "explain":
+        return row | explained(Axis(inertia=1.0), measurement, ("mechanism.inertia",), ())
     plain = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
     free = plain if truth == "dahl" else ("friction.*",)
     try:
@@ -357,13 +419,12 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
             route=route, settings=RecordSettings(starts=2),
         )  # fmt: skip
     except StickslipError as error:
-        return row | {"refused": str(error), "said": [], "sentences": []}
+        return row | {"refused": str(error), **outcome((), (), ())}
     assert isinstance(found, RecordFit)
     return row | {
         "wrong": outside(found, law, axis, ()),
         "far": outside(found, law, axis, (), times=2.0),
-        "said": [one.kind for one in found.model_errors],
-        "sentences": [str(one) for one in found.model_errors],
+        **outcome(found.model_errors, (), ()),
     }
 
 
@@ -397,7 +458,11 @@ def run(
             file.write(json.dumps(row) + "\n")
             file.flush()
             said = row.get("refused") or f"said {row['said']}, outside {row.get('wrong', [])}"
-            yield f"{row['fault']}, seed {row['seed']}: {said}"
+            verdict = "WRONG" if row.get("false") else "named" if row.get("named") else "-"
+            yield (
+                f"{row['fault']}, seed {row['seed']}: {verdict}, {said}"
+                f" | {row.get('structure', '')}"
+            )
 
 
 def certain(row: Mapping[str, Any]) -> bool:
@@ -407,39 +472,47 @@ def certain(row: Mapping[str, Any]) -> bool:
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the table by fault, and the shares of named faults and of false certainty."""
-    lines = [f"{'fault':20} {'records':>7} {'outside':>7} {'named':>5} {'silent':>6}  said"]
+    lines = [
+        f"{'fault':20} {'records':>7} {'named':>5} {'nothing':>7} {'wrong':>5} {'outside':>7}"
+        f" {'silent':>6}  said"
+    ]
     for name in FAULTS:
         own = [row for row in rows if row["fault"] == name]
         if own:
             kinds = sorted({kind for row in own for kind in row["said"]})
-            outside = sum(bool(row.get("wrong")) for row in own)
             lines.append(
-                f"{name:20} {len(own):7} {outside:7} {sum(row['named'] for row in own):5}"
-                f" {sum(certain(row) for row in own):6}  {', '.join(kinds)}"
+                f"{name:20} {len(own):7} {sum(row['named'] for row in own):5}"
+                f" {sum(not (row['named'] or row['false']) for row in own):7}"
+                f" {sum(bool(row['false']) for row in own):5}"
+                f" {sum(bool(row.get('wrong')) for row in own):7}"
+                f" {sum(map(certain, own)):6}  {', '.join(kinds)}"
             )
     faults = [row for row in rows if row["fault"] in FAULTS]
-    asked = ("sensor-delay", "actuator-delay", "amplifier-lag", "sensor-low-pass",
-             "place-dependence", "flexible-coupling")  # fmt: skip
-    wanted = [row for row in faults if row["fault"] in asked]
     if faults:
+        named = sum(row["named"] for row in faults)
         lines += [
+            f"named, alone or in a group: {named} of {len(faults)};"
+            f" wrong: {sum(bool(row['false']) for row in faults)}",
             f"a parameter outside its 95 % interval and nothing said:"
-            f" {sum(map(certain, faults))} of {len(faults)} records",
-            f"a parameter outside twice its interval and nothing said:"
+            f" {sum(map(certain, faults))}; outside twice its interval:"
             f" {sum(bool(row.get('far')) and not row['said'] for row in faults)}",
-            f"delays, lags, place dependence and flexibility named:"
-            f" {sum(row['named'] for row in wanted)} of {len(wanted)}",
+        ]
+        lines += [
+            f"  {row['fault']}, seed {row['seed']}: {row['sentences']}"
+            for row in faults
+            if row["false"]
         ]
     controls = [row for row in rows if row["fault"].startswith("clean")]
     if controls:
-        alarms = [row for row in controls if row["said"]]
-        lines.append(f"false alarms: {len(alarms)} of {len(controls)} clean records")
+        alarms = [row for row in controls if row["sentences"]]
+        lines.append(f"accused: {len(alarms)} of {len(controls)} clean records")
         outer = sum(bool(row.get("wrong")) for row in controls)
         far = sum(bool(row.get("far")) for row in controls)
         lines.append(
             f"of these, {outer} have a parameter outside its interval, {far} outside twice"
         )
         lines += [f"  {row['fault']}, {row['truth']}: {row['sentences']}" for row in alarms]
+
     return lines
 
 
@@ -450,7 +523,7 @@ def main() -> None:
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     parser.add_argument("--faults", nargs="+", choices=FAULTS, default=list(FAULTS))
     parser.add_argument("--clean", type=int, default=0, help="clean records a seed, and no faults")
-    parser.add_argument("--route", choices=("shooting", "inverse-dynamics"), default="shooting")
+    parser.add_argument("--route", choices=ROUTES, default="shooting")
     given = parser.parse_args()
     tasks: list[tuple[Callable[..., dict[str, Any]], tuple[Any, ...], str]] = []
     for seed in given.seeds:

@@ -1,16 +1,22 @@
 """Records of measured friction with a faulty force channel: what does a selection say of them?
 
-``python -m benchmarks.force_maps --numbers 0 24``; results are appended to a file line by line.
+``python -m benchmarks.force_maps --numbers 0 30``; results are appended to a file line by line.
+With ``--explain`` the force balance alone is asked, without a fit, which takes seconds a record.
 
-Each record is made up: a law, a motion, sampling, noise, and one of these faults of the force
-channel: none, a delay of 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20
-to 60 % of the level.
+Each record is made up: a law, a motion, sampling, noise, and one of these: nothing else, a delay of
+5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20 to 60 % of the level, a
+level that falls with a temperature that is recorded, 10 forces far off.
+
+A record is *right* if what is wrong with its force channel is found, alone or in a group with
+presliding or another late channel, and nothing else; *wrong* if a finding names something else, or
+if there is a memory where the truth has none and no finding says that a late channel may be meant.
 """
 
 import argparse
 import json
 import math
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
+from benchmarks.faults import explained, parts_of
 from benchmarks.rigs import Array, Random, between
 from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck, select
 from stickslip.errors import StickslipError
@@ -27,7 +34,17 @@ from stickslip.identification.estimation.bristle_integration import follow
 RESULTS = "force_maps.jsonl"
 FINE = 10
 """Samples of the true motion for each one of the record."""
-FAULTS = ("none", "delay", "lag", "drift")
+FAULTS = ("none", "delay", "lag", "drift", "temperature", "outliers")
+EITHER = "delay or presliding"
+NAMED = {
+    "delay": ("delay", "late or elastic", EITHER),
+    "lag": ("lag", "delay", "late or elastic", EITHER),
+    "drift": ("drift of the offset",),
+    "outliers": ("outliers",),
+}
+"""Kinds of findings that name a fault; nothing else may be named."""
+HARMLESS = ("law", "unexplained", "outliers")
+"""Kinds of findings that name no fault, or one that is left out."""
 TRUTHS = ("coulomb-viscous", "stribeck", "dahl")
 MOTIONS = ("sine", "sines", "strokes", "moves")
 AXIS = Axis(inertia=1.0)
@@ -96,8 +113,8 @@ def _friction(law: FrictionLaw, t: Array, x: Array, v: Array, random: Random) ->
 def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurement]:
     """Return what a record is of, the true law, and the record."""
     random = np.random.default_rng([seed, number])
-    fault = FAULTS[number % 4]
-    truth = TRUTHS[number // 4 % 3]
+    fault = FAULTS[number % len(FAULTS)]
+    truth = TRUTHS[number // len(FAULTS) % 3]
     motion = MOTIONS[int(random.integers(4))]
     level, speed = between(random, 0.1, 1000.0), between(random, 0.005, 0.5)
     rate = float(random.choice((100.0, 250.0, 1000.0)))
@@ -117,11 +134,19 @@ def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurem
     elif fault == "drift":
         size = float(random.uniform(0.2, 0.6) * random.choice((-1.0, 1.0)))
         f = f + size * level * fine / 16.0
+    warm = 20.0 + 15.0 * (1.0 - np.exp(-fine / 5.0))
+    if fault == "temperature":
+        size = float(random.uniform(0.005, 0.015))
+        f = f * (1.0 - size * (warm - 20.0))
     t, x, f = fine[::FINE], x[::FINE], f[::FINE]
     f = f + 0.02 * level * random.normal(size=len(t))
     x = x + float(10.0 ** random.uniform(-6.0, -4.5)) * float(np.ptp(x)) * random.normal(
         size=len(t)
     )
+    if fault == "outliers":
+        size = float(random.uniform(2.0, 10.0))
+        rows = random.choice(len(f), 10, replace=False)
+        f[rows] += size * level * random.choice((-1.0, 1.0), 10)
     row = {
         "number": number,
         "seed": seed,
@@ -131,7 +156,29 @@ def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurem
         "rate": rate,
         "size": size,
     }
-    return row, law, Measurement(time=t, position=x, friction=f, load=1.0)
+    measured = {"temperature": warm[::FINE]} if fault == "temperature" else {}
+    return row, law, Measurement(time=t, position=x, friction=f, load=1.0, inputs=measured)
+
+
+def verdict_of(row: Mapping[str, Any]) -> str:
+    """Return "right", "wrong" or "nothing" for what the force balance says of a record."""
+    kinds = [kind for kind in row["kinds"] if kind not in HARMLESS]
+    right = {*NAMED.get(row["fault"], ()), *([EITHER] if row["truth"] == "dahl" else [])}
+    memory = "memory" in row["terms"] and row["truth"] != "dahl"
+    if any(not parts_of(kind) & right for kind in kinds) or (memory and EITHER not in kinds):
+        return "wrong"
+    if row["fault"] == "temperature":
+        return "right" if "temperature" in row["terms"] else "nothing"
+    if row["fault"] in ("none", "outliers"):
+        return "right"
+    return "right" if any(parts_of(k) & {*NAMED[row["fault"]]} for k in kinds) else "nothing"
+
+
+def explained_of(number: int, seed: int) -> dict[str, Any]:
+    """Return what the force balance alone says of a record."""
+    row, _, record = drawn(number, seed)
+    row |= explained(AXIS, record, (), NAMED.get(row["fault"], ()))
+    return row | {"verdict": verdict_of(row)}
 
 
 def judged(number: int, seed: int) -> dict[str, Any]:
@@ -165,23 +212,30 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return [
         f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15}"
         f" {row['motion']:8} {row['rate']:5.0f} {row['seconds']:5.1f}s"
-        f" {row.get('refused') or row['verdict']} {row.get('wrong')} {row.get('checks')}"
+        f" {row.get('refused') or row['verdict']} {row.get('wrong') or ''}"
+        f" {row.get('checks') or row['said']} {row.get('structure') or ''}"
         for row in rows
     ]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.force_maps")
-    parser.add_argument("--numbers", type=int, nargs=2, default=[0, 24])
+    parser.add_argument("--numbers", type=int, nargs=2, default=[0, 30])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
+    parser.add_argument("--explain", action="store_true")
     given = parser.parse_args()
+    judge, rows = explained_of if given.explain else judged, []
     with given.results.open("a", encoding="utf-8") as file:
         for number in range(*given.numbers):
-            row = judged(number, given.seed)
+            row = judge(number, given.seed)
+            rows.append(row)
             file.write(json.dumps(row) + "\n")
             file.flush()
             print("\n".join(summary([row])), flush=True)
+    if given.explain:
+        count = Counter(row["verdict"] for row in rows)
+        print(", ".join(f"{name} {count[name]}" for name in ("right", "wrong", "nothing")))
 
 
 if __name__ == "__main__":

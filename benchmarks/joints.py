@@ -1,7 +1,13 @@
 """Records of made-up arms with known laws, and with faults: do intervals hold, is something said?
 
-``python -m benchmarks.joints --kinds clean late --numbers 0 40``; ``--select`` compares laws
-instead of fitting the true ones. Results are appended to a file line by line.
+``python -m benchmarks.joints --seed N`` selects laws for 15 arms: twelve sound ones with a law for
+each joint, one with a joint that hardly moves, one with a joint whose force is shown late and one
+whose lower link is given with a wrong mass. A law is right, or equal if it predicts a second record
+as well as the true one does; a false certainty is a law that is neither and recommended without
+doubt, or a fault that is not there.
+
+``python -m benchmarks.joints --kinds clean late --numbers 0 40`` fits the true laws to arms with
+faults; ``--select`` compares laws instead. Results are appended to a file line by line.
 
 Each arm has two links with random lengths, masses and inertias, and each joint a random law; both
 are moved by sums of sines. Faults: positions or forces of two joints swapped, positions of one
@@ -21,17 +27,43 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rigs import TRUTHS, Array, Random, Sizes, between
-from stickslip import FrictionLaw, Measurement, RecordSettings, TwoLinkArm, check, fit, select
+from benchmarks.rigs import TRUTHS as USUAL
+from benchmarks.rigs import Array, Random, Sizes, between
+from stickslip import (
+    Dahl,
+    FrictionLaw,
+    Measurement,
+    RecordSettings,
+    TwoLinkArm,
+    check,
+    fit,
+    select,
+)
 from stickslip.errors import StickslipError
 from stickslip.formulation import JointTorques
+from stickslip.friction import law, specification
 from stickslip.identification import RecordFit
 
 RESULTS = "joints.jsonl"
 JOINTS = ("shoulder", "elbow")
 LINEAR = ("upper_centre", "upper_inertia", "lower_centre", "lower_inertia")
 LAWS = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-drag", "stribeck")
+ALONG = "level * linear[position] + viscous"
+TRUE = ("coulomb-viscous", "stribeck", "direction-dependent", "power-viscous", ALONG, "dahl")
+"""Laws of the joints of a study."""
 SETTINGS = RecordSettings(hold="first", starts=1)
+
+
+def _along(random: Random, s: Sizes) -> FrictionLaw:
+    """Return a level that changes by 30 % from the middle to either end of the way."""
+    return law(ALONG)(
+        kinetic_coefficient=s.level,
+        level_position_slope=float(random.choice((-0.6, 0.6))) / s.stroke,
+        viscous_coefficient=s.level / s.speed * float(random.uniform(0.2, 1.5)),
+    )
+
+
+TRUTHS = {**USUAL, ALONG: _along}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +79,11 @@ def _late(r: Recorded, random: Random) -> Recorded:
     late = between(random, 0.005, 0.02)
     force = np.stack([np.interp(r.time - late, r.time, f) for f in r.force.T], axis=1)
     return replace(r, force=force)
+
+
+def _late_elbow(r: Recorded, random: Random) -> Recorded:
+    late = between(random, 0.005, 0.02)
+    return replace(r, force=_column(r.force, 1, lambda f: np.interp(r.time - late, r.time, f)))
 
 
 def _column(values: Array, at: int, of: Callable[[Array], Array]) -> Array:
@@ -84,6 +121,8 @@ FAULTS: Mapping[str, Callable[[Recorded, Random], Recorded]] = {
     "late": _late,
     "sign": _one_force(np.negative),
     "drift": _one_force(_drifting),
+    "late elbow": _late_elbow,
+    "wrong mass": lambda r, _: r,
 }
 """What is done to a record, by name."""
 
@@ -115,38 +154,61 @@ def _motion(random: Random, t: Array, still: int | None) -> tuple[Array, Array, 
 
 
 def drawn(
-    kind: str, number: int, seed: int
-) -> tuple[TwoLinkArm, dict[str, FrictionLaw], Measurement, dict[str, Any]]:
-    """Return an arm, its laws, a record, and what it is of."""
+    kind: str, number: int, seed: int, given: Sequence[str] = ()
+) -> tuple[TwoLinkArm, dict[str, FrictionLaw], list[Measurement], dict[str, Any]]:
+    """Return an arm, its laws (drawn unless given by name), two records, and what they are of."""
     random = np.random.default_rng([seed, number])
     arm = _arm(random)
     rate = float(random.choice((100.0, 250.0, 500.0, 1000.0)))
     t = np.arange(0.0, 10.0, 1.0 / rate)
     still = int(random.integers(2)) if kind == "still" else None
-    q, v, a = _motion(random, t, still)
-    forces, _ = JointTorques.of(arm, []).along(arm, t, q, v, a)
-    sizes = np.std(forces, axis=0)
-    names, laws = {}, {}
-    for i, joint in enumerate(JOINTS):
-        names[joint] = str(random.choice(LAWS))
-        level = float(sizes[i] * random.uniform(0.1, 1.0))
-        own = Sizes(level=level, speed=float(np.abs(v[:, i]).max()), stroke=float(np.ptp(q[:, i])))
-        laws[joint] = TRUTHS[names[joint]](random, own)
-        forces[:, i] += laws[joint].force(v[:, i], 1.0)
-    noise, torque = between(random, 2e-5, 5e-4), between(random, 0.002, 0.05)
-    found = Recorded(
-        time=t,
-        position=q + random.normal(0.0, noise, q.shape),
-        force=forces + torque * sizes * random.normal(size=q.shape),
-    )
-    found = FAULTS[kind](found, random)
-    record = Measurement(
-        time=t,
-        position=dict(zip(JOINTS, found.position.T, strict=True)),
-        force=dict(zip(JOINTS, found.force.T, strict=True)),
-    )
-    row = {"kind": kind, "number": number, "seed": seed, "rate": rate, "laws": names}
-    return arm, laws, record, row | {"noise": noise, "torque": torque}
+    names: dict[str, str] = {}
+    laws: dict[str, FrictionLaw] = {}
+    records: list[Measurement] = []
+    row: dict[str, Any] = {"kind": kind, "number": number, "seed": seed, "rate": rate}
+    for _ in range(2):
+        q, v, a = _motion(random, t, still)
+        forces, _ = JointTorques.of(arm, []).along(arm, t, q, v, a)
+        sizes = np.std(forces, axis=0)
+        for i, joint in enumerate(JOINTS):
+            if joint not in laws:
+                names[joint] = given[i] if given else str(random.choice(LAWS))
+                level = float(sizes[i] * random.uniform(0.1, 1.0))
+                speed, stroke = float(np.abs(v[:, i]).max()), float(np.ptp(q[:, i]))
+                own = Sizes(level=level, speed=speed, stroke=stroke)
+                laws[joint] = TRUTHS[names[joint]](random, own)
+            forces[:, i] += friction_along(laws[joint], q[:, i], v[:, i])
+        if not records:
+            noise, torque = between(random, 2e-5, 5e-4), between(random, 0.002, 0.05)
+        found = Recorded(
+            time=t,
+            position=q + random.normal(0.0, noise, q.shape),
+            force=forces + torque * sizes * random.normal(size=q.shape),
+        )
+        found = FAULTS[kind](found, random)
+        records.append(
+            Measurement(
+                time=t,
+                position=dict(zip(JOINTS, found.position.T, strict=True)),
+                force=dict(zip(JOINTS, found.force.T, strict=True)),
+            )
+        )
+    return arm, laws, records, row | {"laws": names, "noise": noise, "torque": torque}
+
+
+def friction_along(law: FrictionLaw, q: Array, v: Array) -> Array:
+    """Return the friction of a law along a motion (n,) under a load of 1."""
+    if isinstance(law, Dahl):
+        force, level = np.zeros(len(q)), law.kinetic_coefficient
+        for i, step in enumerate(np.diff(q)):
+            left = np.exp(-law.bristle_stiffness / level * abs(step))
+            force[i + 1] = np.sign(step) * level * (1.0 - left) + force[i] * left
+        return force + law.viscous_coefficient * v
+    slope = getattr(law, "level_position_slope", None)
+    if slope is not None:
+        level = law.kinetic_coefficient * (1.0 + slope * q)  # type: ignore[attr-defined]
+        return level * np.sign(v) + law.viscous_coefficient * v  # type: ignore[attr-defined]
+    return np.asarray(law.force(v, 1.0))
 
 
 def _guess(arm: TwoLinkArm) -> TwoLinkArm:
@@ -173,7 +235,7 @@ def true_value(path: str, arm: TwoLinkArm, laws: Mapping[str, FrictionLaw]) -> f
 
 def fitted(kind: str, number: int, seed: int) -> dict[str, Any]:
     """Return whether a fit of the true laws holds the true values, and what is said."""
-    arm, laws, record, row = drawn(kind, number, seed)
+    arm, laws, (record, _), row = drawn(kind, number, seed)
     began = time.process_time()
     try:
         found = fit(
@@ -207,7 +269,7 @@ def fitted(kind: str, number: int, seed: int) -> dict[str, Any]:
 
 def selected(kind: str, number: int, seed: int) -> dict[str, Any]:
     """Return what a selection names for each joint."""
-    arm, _, record, row = drawn(kind, number, seed)
+    arm, _, (record, _), row = drawn(kind, number, seed)
     began = time.process_time()
     try:
         verdict = select(_guess(arm), None, record, vary=LINEAR, settings=SETTINGS)
@@ -220,6 +282,111 @@ def selected(kind: str, number: int, seed: int) -> dict[str, Any]:
         "checks": [one.kind for one in verdict.checks.findings if one.severity != "info"],
         "seconds": time.process_time() - began,
     }
+
+
+def judged(kind: str, given: Sequence[str], number: int, seed: int) -> dict[str, Any]:
+    """Return how right a selection is about each joint of an arm."""
+    arm, laws, (record, second), row = drawn(kind, number, seed, given)
+    began = time.process_time()
+    wrong = kind == "wrong mass"
+    rig = replace(arm, lower_mass=1.4 * arm.lower_mass) if wrong else _guess(arm)
+    vary = () if wrong else LINEAR
+    verdict = select(rig, None, record, vary=vary, settings=SETTINGS)
+    row["seconds"] = time.process_time() - began
+    found = {}
+    for joint, true in laws.items():
+        own = verdict.joints.get(joint)
+        if own is None:
+            found[joint] = {"outcome": "not fitted", "certain": False, "said": []}
+            continue
+        fit_ = own.closest.fit
+        assert fit_ is not None
+        asked = specification(row["laws"][joint]).name
+        right = own.closest.name == asked
+        equal = right or (not wrong and _as_good(verdict, joint, laws, rig, record, second))
+        held = []
+        for one in fit_.estimates:
+            field = one.path.rpartition(".")[2]
+            if right and one.bounded and one.path.startswith("friction."):
+                held.append(one.low <= getattr(true, field) <= one.high)
+        found[joint] = {
+            "named": own.closest.name,
+            "outcome": "right" if right else "equal" if equal else "wrong",
+            "certain": own.sentence.startswith("Use") and asked not in own.equals,
+            "said": [one.kind for one in own.model_errors if one.share > 0.0],
+            "held": sum(held),
+            "bounded": len(held),
+            "sentence": own.sentence,
+        }
+    return row | {"joints": found, "verdict": verdict.sentence}
+
+
+def _as_good(
+    verdict: Any,
+    joint: str,
+    laws: Mapping[str, FrictionLaw],
+    rig: TwoLinkArm,
+    record: Measurement,
+    second: Measurement,
+) -> bool:
+    """Whether a combination predicts a joint of a second record as well as the true laws do."""
+    truth = {name: type(laws[name]) for name in verdict.joints}
+    best = fit(rig, truth, record, vary=["friction.*", *LINEAR], settings=SETTINGS)
+    own = verdict.closest.fit.score(second).joints[joint].rms
+    least = best.score(second).joints[joint].rms
+    return bool(own < 1.15 * least)
+
+
+def faults_of(row: Mapping[str, Any], joint: str) -> list[str]:
+    """Return what is said of a joint that is not so."""
+    said = row["joints"][joint]["said"]
+    true = {
+        ("late elbow", "elbow"): ("delay", "late or elastic"),
+        ("wrong mass", "elbow"): ("inertia", "unexplained"),
+        ("wrong mass", "shoulder"): ("inertia", "unexplained"),
+    }.get((row["kind"], joint), ())
+    return [one for one in said if one not in true]
+
+
+def totals(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the figures of a study."""
+    sound = [row for row in rows if row["kind"] in ("clean", "still")]
+    every = [one for row in sound for one in row["joints"].values() if "named" in one]
+    right, equal = (sum(one["outcome"] == k for one in every) for k in ("right", "equal"))
+    false = [
+        (row["number"], joint)
+        for row in rows
+        for joint, one in row["joints"].items()
+        if (one["certain"] and one["outcome"] == "wrong") or faults_of(row, joint)
+    ]
+    held, bounded = (sum(one[k] for one in every) for k in ("held", "bounded"))
+    seconds = [row["seconds"] for row in rows]
+    return (
+        f"joints of sound arms: {right} right, {equal} equal, of {len(every)};"
+        f" false certainties {len(false)} {false};"
+        f" intervals hold {held} of {bounded} ({100.0 * held / max(bounded, 1):.0f} %);"
+        f" processor time {np.median(seconds):.0f} s, at most {max(seconds):.0f} s"
+    )
+
+
+def study(seed: int, results: Path, numbers: Sequence[int]) -> None:
+    """Judge selections on all arms of a study."""
+    cases = [("clean", (a, TRUE[(i + k) % 6])) for k in (1, 3) for i, a in enumerate(TRUE)]
+    plain = ("coulomb-viscous", "coulomb-viscous")
+    cases += [("still", plain), ("late elbow", plain), ("wrong mass", plain)]
+    rows = []
+    with results.open("a", encoding="utf-8") as file:
+        for number, (kind, names) in enumerate(cases):
+            if number not in range(*numbers):
+                continue
+            rows.append(judged(kind, names, number, seed))
+            file.write(json.dumps(rows[-1]) + "\n")
+            file.flush()
+            for joint, one in rows[-1]["joints"].items():
+                text = f"{number:2} {kind:10} {joint:8} {rows[-1]['laws'][joint]:36}"
+                text += f" {one['outcome']:10} {one.get('named', ''):28} {one['said']}"
+                print(text, faults_of(rows[-1], joint), one.get("sentence", ""), flush=True)
+    print(totals(rows))
 
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -243,12 +410,15 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 def main() -> None:
     """Run the campaign."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.joints")
-    parser.add_argument("--kinds", nargs="+", choices=FAULTS, default=list(FAULTS))
+    parser.add_argument("--kinds", nargs="+", choices=FAULTS)
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--select", action="store_true")
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
+    if given.kinds is None:
+        study(given.seed, given.results, given.numbers)
+        return
     rows = []
     with given.results.open("a", encoding="utf-8") as file:
         for kind in given.kinds:

@@ -15,6 +15,7 @@ import json
 import math
 import time
 import warnings
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -302,6 +303,8 @@ def totals(scores: Sequence[Score], title: str) -> str:
             f"  coverage of 95 % intervals {100 * np.mean(covered):.0f} % of {len(covered)}"
             f" (levels {100 * np.mean(levels or [np.nan]):.0f} %)"
         )
+        missed = Counter(key for one in scores for key, held in one.covered.items() if not held)
+        lines += [f"  outside: {', '.join(f'{k} {n}' for k, n in missed.items())}"] * bool(missed)
     seconds = [one.seconds for one in scores]
     lines.append(
         f"  processor time, median {np.median(seconds):.1f} s, largest {max(seconds):.1f} s;"

@@ -1,7 +1,7 @@
 """Print the numbers by which the structure of the package is judged: python -m tools.structure.
 
-Everything is counted from the sources with `ast`, but for what one command runs, which is watched
-in a process of its own, and the tests, which pytest collects.
+Everything is counted from the sources with `ast`, but for what one command and one function run,
+which is watched in processes of their own, and the tests, which pytest collects.
 """
 
 import ast
@@ -39,22 +39,26 @@ ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "force-map"
 WATCH = """
 import json, sys, threading
 from pathlib import Path
-seen = set()
+import stickslip
+root = str(Path(stickslip.__file__).parent)
+seen, frames = set(), []
 def watch(frame, event, argument):
     if event == "call":
         seen.add(frame.f_code)
+        if frame.f_code.co_name == ALGORITHM and not frames:
+            while frame is not None:
+                frames.append(frame.f_code.co_filename.startswith(root))
+                frame = frame.f_back
+PREPARE
 threading.setprofile(watch)
 sys.setprofile(watch)
-from stickslip.cli import main
 try:
-    main(["demo", "--output", sys.argv[1], "--force"])
+    RUN
 except SystemExit as ended:
     code = ended.code
 else:
     code = 0
 sys.setprofile(None)
-import stickslip
-root = str(Path(stickslip.__file__).parent)
 # bodies of modules and classes run on import; comprehensions belong to their function
 own = [c for c in seen if c.co_filename.startswith(root) and not c.co_name.startswith("<")]
 own = [c for c in own if c.co_flags & 2]
@@ -63,9 +67,33 @@ print(json.dumps({
     "imported": len([name for name in sys.modules if name.partition(".")[0] == "stickslip"]),
     "functions": len({(c.co_filename, c.co_firstlineno, c.co_name) for c in own}),
     "modules": len({c.co_filename for c in own}),
+    "frames": sum(frames),
 }), file=sys.stderr)
 """
-"""Runs the command on the bundled rig; flag 2, CO_NEWLOCALS, is that of functions."""
+"""Watches what RUN runs; flag 2, CO_NEWLOCALS, is that of functions."""
+
+DEMO = {
+    "PREPARE": "",
+    "RUN": """
+    from stickslip.cli import main
+    main(["demo", "--output", sys.argv[1], "--force"])
+""",
+    "ALGORITHM": "None",
+}
+"""The command on the bundled rig."""
+
+TABLE = {
+    "PREPARE": """
+import numpy as np
+from stickslip import Axis, Measurement, select
+v = np.linspace(0.1, 1.0, 10)
+noise = 0.02 * np.random.default_rng(1).normal(size=10)
+table = Measurement(velocity=v, friction=2.0 + 3.0 * v + noise)
+""",
+    "RUN": 'select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], table)',
+    "ALGORITHM": "'select_table'",
+}
+"""A selection of two laws on a friction table of ten rows."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -190,11 +218,14 @@ def route_checks(tree: ast.Module, types: set[str]) -> tuple[int, int]:
     return by_type, by_text
 
 
-def watched() -> dict[str, int]:
-    """Return what `stickslip demo` imports and runs."""
+def watched(what: dict[str, str]) -> dict[str, int]:
+    """Return what a command, or a function, imports and runs."""
+    program = WATCH
+    for name, text in what.items():
+        program = program.replace(name, text)
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(
-            [sys.executable, "-c", WATCH, str(Path(folder, "report"))],
+            [sys.executable, "-c", program, str(Path(folder, "report"))],
             env={**os.environ, "PYTHONPATH": str(SOURCE)},
             capture_output=True,
             text=True,
@@ -202,7 +233,7 @@ def watched() -> dict[str, int]:
         )
     found: dict[str, int] = json.loads(done.stderr.splitlines()[-1])
     if found["code"]:
-        raise SystemExit(f"stickslip demo ended with {found['code']}:\n{done.stderr}")
+        raise SystemExit(f"it ended with {found['code']}:\n{done.stderr}")
     return found
 
 
@@ -249,10 +280,14 @@ def table() -> Iterator[tuple[str, object]]:
         yield f"{room}: isinstance and match on types of a route", by_type
         yield f"{room}: comparisons with the name or quantity of a route", by_text
     yield "public names at the top", len(importlib.import_module(PACKAGE).__all__)
-    seen = watched()
+    seen = watched(DEMO)
     yield "stickslip demo: modules imported", seen["imported"]
     yield "stickslip demo: modules with a function that ran", seen["modules"]
     yield "stickslip demo: functions that ran", seen["functions"]
+    seen = watched(TABLE)
+    yield "select of two laws on a friction table: modules that ran", seen["modules"]
+    yield "select of two laws on a friction table: functions that ran", seen["functions"]
+    yield "select of two laws on a friction table: frames to it", seen["frames"]
     yield "tests collected", tests_collected()
 
 

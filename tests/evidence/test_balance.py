@@ -218,3 +218,27 @@ def test_candidates_cover_decades_of_every_parameter(balance):
     assert {"power", "stribeck", "delay", "flexible", "loose", "saturation"} <= kinds
     assert "known" not in kinds
     assert Structure((Term("level"),)).having(Term("offset")).has("offset")
+
+
+def test_a_late_force_is_found_where_the_inertia_and_forces_of_other_joints_are_known():
+    """The motion takes its force on time: only what the channel shows is late."""
+    t = 2e-3 * np.arange(10_000)
+    q = np.sin(5.0 * t) + 0.4 * np.sin(11.3 * t)
+    v = 5.0 * np.cos(5.0 * t) + 0.4 * 11.3 * np.cos(11.3 * t)
+    a = -25.0 * np.sin(5.0 * t) - 0.4 * 11.3**2 * np.sin(11.3 * t)
+    taken = 0.3 * np.sin(7.7 * t)
+    applied = 0.05 * a + taken + 0.3 * np.sign(v)
+    late = np.interp(t - 0.008, t, applied) + 0.01 * RANDOM.normal(size=len(t))
+    noisy = q + 1e-5 * RANDOM.normal(size=len(t))
+    found = explain([Series(t, noisy, late, mass=0.05, taken=taken)])
+    assert found.best.structure.late[0] == pytest.approx(0.008, abs=5e-4)
+    assert found.best.of("level")[0] == pytest.approx(0.3, rel=0.02)
+
+
+def test_no_mass_is_accused_beside_columns_of_a_mechanism_that_are_free():
+    """They hold the inertia: its error would be theirs."""
+    t = 2e-3 * np.arange(5000)
+    series = Series(t, np.sin(3.0 * t), np.sign(np.cos(3.0 * t)), mass=0.1)
+    free = replace(series, extra={"inertia": np.sin(3.0 * t)})
+    kinds = [{term.kind for term in vocabulary(Balance([one]))} for one in (series, free)]
+    assert ["mass" in one for one in kinds] == [True, False]

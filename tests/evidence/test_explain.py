@@ -4,11 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks import force_maps
 from benchmarks.axis_records import ALL, record
 from benchmarks.structures import friction_error, kinds_of
 
-from stickslip.evidence import Fit, Rule, Series, Structure, Term, explain, predict
+from stickslip.evidence import (
+    Balance,
+    Fit,
+    Rule,
+    Series,
+    Structure,
+    Term,
+    explain,
+    outliers,
+    predict,
+)
+from stickslip.evidence.bristles import bristle_states
+from stickslip.evidence.search import Search
 from stickslip.evidence.structure import SIGN
+from stickslip.identification.terms.dense_series import dense_series
 
 SECONDS = 12.0
 RANDOM = np.random.default_rng(7)
@@ -201,3 +215,128 @@ def test_without_its_memory_a_level_per_direction_is_an_offset():
     assert forgetting.complete
     assert forgetting.has("offset")
     assert forgetting.cost < structure.cost
+
+
+def test_a_rig_is_not_accused_because_the_accusation_is_more_usual():
+    plain = (Term("inertia"), Term("level"))
+    gap = Structure((*plain, Term("backlash", (1e-3,)), Term("viscous")))
+    bristle = Structure((*plain, Term("power", (0.4,)))).shaped("", (2e-4, 1.0, 0.1, 4.0, 1.0))
+    assert gap.cost < bristle.cost
+    scatter = 1.0 + 0.5 * np.cos(np.arange(10.0))
+    t = 0.002 * np.arange(5000)
+    balance = Balance([Series(t, np.sin(t), 2.0 * np.sign(np.cos(t)), inertia=False)])
+    search = Search(balance, Rule(), [])
+    search.scale = 2.0
+    for structure, size in ((gap, 0.051), (bristle, 0.046)):
+        search.fits[structure] = Fit(
+            structure=structure,
+            coef=np.zeros(0),
+            owner=(),
+            sse=size * (scatter if structure is gap else scatter[::-1]),
+            counts=np.ones(10),
+            residual=np.zeros(1),
+            ok=True,
+        )
+    found, other = search.fits[bristle], search.fits[gap]
+    assert not search.better(found, other)
+    assert not search.better(other, found)
+    search.prune = lambda one: one
+    assert search._chosen(other, []).best is found
+    assert search._chosen(found, []).best is found
+    assert search._chosen(found, []).ties == (other,)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return record(truth_of("cv1"), 5, seconds=SECONDS).series
+
+
+def test_a_drift_between_the_clocks_of_force_and_position_is_named_with_its_rate(plain):
+    late = np.interp(plain.t * 1.0015, plain.t, plain.force)
+    (fault,) = explain([replace(plain, force=late)]).faults
+    assert fault.kinds[0] == "skew"
+    assert fault.value == pytest.approx(-1.5e-3, rel=0.1)
+
+
+def test_a_ripple_of_the_force_in_time_is_named_with_its_frequency(plain):
+    rippled = plain.force + 0.15 * np.sin(2.0 * np.pi * 7.3 * plain.t)
+    found = explain([replace(plain, force=rippled)])
+    (fault,) = found.faults
+    assert fault.kinds == ("hum",)
+    assert fault.value == pytest.approx(7.3, abs=0.01)
+    assert fault.size == pytest.approx(0.15 / np.sqrt(2.0), rel=0.1)
+    assert kinds_of(found.best.structure) == {"level", "viscous", "hum"}
+
+
+def test_single_values_far_off_are_left_out_and_accuse_nothing(plain):
+    q, force = plain.q.copy(), plain.force.copy()
+    random = np.random.default_rng(3)
+    at = random.choice(len(q), 12, replace=False)
+    q[at[:8]] += random.choice((-1.0, 1.0), 8) * 0.1 * np.ptp(q)
+    force[at[8:]] += 3.0 * np.ptp(force)
+    broken = replace(plain, q=q, force=force)
+    flags = outliers(broken)
+    assert set(np.flatnonzero(flags["position"])) == set(at[:8])
+    assert set(np.flatnonzero(flags["force"])) == set(at[8:])
+    found = explain([broken])
+    assert not found.faults
+    assert kinds_of(found.best.structure) == {"level", "viscous"}
+    assert found.intervals["-/level"][0] == pytest.approx(1.0, abs=0.01)
+
+
+def test_steps_rests_and_the_steps_of_a_coarse_encoder_are_no_outliers():
+    t = 0.001 * np.arange(4000)
+    force = np.sign(np.sin(9.0 * t))
+    q = 0.01 * np.round(np.where(t < 2.0, np.sin(t), np.sin(2.0)) / 0.01)
+    assert not any(one.any() for one in outliers(Series(t, q, force)).values())
+
+
+def axis_at(h, *, level=lambda v: 1.0, length=0.0, noise=1e-6, load=None, seconds=20.0):
+    """A record by inverse dynamics: an inertia of 4 kg, 2 N of friction times a level, 6 N s/m."""
+    random = np.random.default_rng(11)
+    t = np.arange(0.0, seconds, h)
+    v = 0.1 * (np.sin(3.7 * t) + 0.6 * np.sin(6.3 * t + 1.0) + 0.3 * np.sin(1.5 * t + 2.0))
+    x = np.concatenate([[0.0], np.cumsum(0.5 * h * (v[1:] + v[:-1]))])
+    state = bristle_states(x, [(length, 1.0)], 0.0)[:, 0] if length else np.sign(v)
+    share = 1.0 if load is None else load(t)
+    force = 2.0 * share * level(v) * state + 6.0 * v + 4.0 * np.gradient(v, h)
+    force += 0.03 * random.normal(size=len(t))
+    covariates = {} if load is None else {"load": 10.0 * share}
+    return Series(t, x + noise * random.normal(size=len(t)), force, covariates=covariates)
+
+
+def test_noise_of_the_acceleration_is_no_flexible_coupling():
+    # a resonance below the band takes the noise of the acceleration off the force
+    found = explain([axis_at(0.005, length=2e-3)])
+    assert not found.faults
+    assert kinds_of(found.best.structure) == {"level", "viscous", "memory"}
+
+
+def test_what_the_filter_mixes_with_the_force_at_rest_is_no_delay():
+    _, _, measured = force_maps.drawn(18, 42)  # stops with rests between them, at 100 Hz
+    found = explain(dense_series(force_maps.AXIS, measured, "zero", ()))
+    assert not found.faults
+
+
+def swelling(t):
+    return 2.0 ** np.sin(1.3 * t)
+
+
+@pytest.mark.parametrize(
+    ("level", "kinds"),
+    [
+        (lambda v: 1.0 + 0.2 * np.sign(v), {"load", "level_dir", "viscous"}),
+        (lambda v: 1.0 + 0.5 * np.exp(-((v / 0.01) ** 2)), {"load", "stribeck", "viscous"}),
+    ],
+)
+def test_all_that_acts_through_the_contact_grows_with_a_load_that_varies(level, kinds):
+    found = explain([axis_at(0.002, level=level, load=swelling)])
+    assert kinds_of(found.best.structure) == kinds
+    assert found.intervals["-/load"][0] == pytest.approx(0.2, rel=0.01)
+    assert not found.faults
+
+
+def test_a_power_of_the_speed_has_no_exponent_that_is_nearly_a_level():
+    found = explain([axis_at(0.002)])
+    powers = [t for one in found.family.values() for t in one.structure.terms if t.kind == "power"]
+    assert all(term.par[0] >= 0.2 for term in powers)

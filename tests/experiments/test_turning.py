@@ -45,6 +45,18 @@ def test_angles_and_torques_are_read_in_their_units(read):
     assert [record.unit(name) for name in ("position", "force")] == ["rad", "N m"]
 
 
+def test_a_torque_and_an_angle_are_the_force_and_the_position_of_a_record_in_time(read):
+    record = read("time [s],angle [deg],torque [mN m]", ROWS)
+    assert record.values("position")[2] == pytest.approx(math.pi, rel=1e-15)
+    assert record.values("force").tolist() == [0.001, 0.002, 0.003]
+    assert record.turning
+    assert record.unused == {}
+    # a force that is called so comes first, and a table of trials has no such quantity
+    both = read("time [s],position [deg],force [N m],torque [mN m]", ROWS)
+    assert both.values("force").tolist() == [1.0, 2.0, 3.0]
+    assert list(both.unused) == ["torque"]
+
+
 def test_rates_may_be_in_turns_a_minute(read):
     record = read("time,velocity,force", ROWS, units={"velocity": "rpm"})
     assert record.values("velocity")[2] == pytest.approx(6.0 * math.pi, rel=1e-12)

@@ -1,16 +1,19 @@
 """Structures of a force balance become laws that one can simulate, with their coefficients."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, SpringBlock
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock
 from stickslip.evidence import SIGN, Fit, Structure, Term
 from stickslip.friction import law
-from stickslip.identification import RecordSettings
-from stickslip.identification.sensor_response import SensorResponse
-from stickslip.identification.terms.composed_laws import composed_law, structure_of
+from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
+from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
-from stickslip.selection.explained import explained
+from stickslip.selection.explained import Explained, _compared, explained
 
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
@@ -67,7 +70,9 @@ def test_a_structure_is_a_law_in_the_notation(fit, text, name):
 
 def test_coefficients_are_those_of_the_law_over_the_load():
     fit = fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)})
-    law = composed_law(fit, 4.0).specification.law
+    found = composed_law(fit, 4.0)
+    assert found.held == ("friction.exponent",)
+    law = found.specification.law
     assert law.kinetic_coefficient == pytest.approx(0.5)
     assert law.static_coefficient == pytest.approx(0.75)
     assert (law.stribeck_velocity, law.exponent) == (0.1, 2.0)
@@ -173,3 +178,128 @@ def test_the_cure_adds_to_what_is_corrected_already():
     assert error.effect == pytest.approx(-0.01, abs=1e-3)
     asked = float(error.consequence.partition("friction_delay=")[2].partition(")")[0])
     assert asked == pytest.approx(0.02, abs=1e-3)
+
+
+def left_of(share):
+    """Return the findings where so much of the friction of a record without noise is left."""
+    t = 0.002 * np.arange(5000)
+    record = Measurement(time=t, position=np.sin(t), friction=2.0 * np.sign(np.cos(t)) + 0.01 * t)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), SensorResponse())
+    found = asked.explanation
+    left = np.full(len(found.best.counts), (share * found.scale) ** 2) * found.best.counts
+    found = replace(found, best=replace(found.best, sse=left), faults=())
+    return model_errors(found, record, "zero", SensorResponse())
+
+
+def test_what_is_left_beside_a_law_is_said_before_no_law_explains_it():
+    assert not any(one.kind == "unexplained" for one in left_of(0.02))
+    (partly,) = (one for one in left_of(0.07) if one.kind == "unexplained")
+    assert "7 % of the friction" in partly.finding
+    assert "a law that was not tried may come closer" in partly.finding
+    assert (partly.share, partly.moved) == (0.0, ())
+    (whole,) = left_of(0.2)
+    assert whole.finding.startswith("No law and no fault that was tried explains")
+
+
+def test_the_fading_of_a_law_is_that_of_its_shape():
+    bell = law("lugre(level + stribeck) + viscous")(
+        kinetic_coefficient=2.0,
+        static_coefficient=3.0,
+        stribeck_velocity=0.1,
+        bristle_stiffness=1e3,
+        bristle_damping=1.0,
+        viscous_coefficient=3.0,
+        fading_exponent=2.0,
+    )
+    best = fitted(level=2.0, viscous=3.0, shape=LUGRE).structure
+    assert structure_of(bell, best).shape("") == (2e-3, 1.0, 0.1, 0.5, 2.0)
+
+
+def test_the_textbook_bristle_stands_beside_other_laws_with_one():
+    wide = {"level": 2.0, "viscous": 3.0}
+    stop, lugre = fitted(**wide, shape=STOP), fitted(**wide, shape=LUGRE)
+    rivals = [fitted(**wide, shape=DAHL), fitted(level=2.0, shape=DAHL)]
+    asked = Asked(
+        explanation=SimpleNamespace(best=stop, scale=2.0),
+        laws={one.name: one for one in (composed_law(f, 1.0) for f in (stop, *rivals, lugre))},
+        fits={composed_law(f, 1.0).name: f for f in (stop, *rivals, lugre)},
+    )
+    names = [one.name for one in _compared(asked)]
+    assert names[:2] == ["maxwell[1](level) + viscous", "lugre"]
+    assert names[-1] == "coulomb-viscous"
+    assert len(names) == 4
+
+
+def test_a_fit_that_leaves_far_less_than_the_balance_is_not_said_to_lack_a_law():
+    best = fitted(level=2.0, viscous=3.0)
+    said = [
+        ModelError(
+            kind=kind, finding=kind, consequence="", effect=1.0, interval=(0.0, 1.0), share=0.0
+        )
+        for kind in ("unexplained", "delay")
+    ]
+    own = composed_law(best, 1.0)
+    asked = Asked(
+        explanation=SimpleNamespace(best=best, scale=2.0),
+        laws={own.name: own},
+        fits={own.name: best},
+    )
+    explained = Explained(asked=asked, specs=(), starts={}, errors=tuple(said), unit="N")
+
+    def kinds(rms, *, simulates=False):
+        fit = SimpleNamespace(
+            law=own.specification.law, rms=rms, problem=SimpleNamespace(simulates=simulates)
+        )
+        return [one.kind for one in explained.errors_of(own.name, fit)]
+
+    assert best.rms == 1.0
+    assert kinds(0.9) == ["unexplained", "delay"]
+    assert kinds(0.1) == ["delay"]
+    assert kinds(0.1, simulates=True) == ["unexplained", "delay"]  # of positions
+
+
+def under_a_load(friction):
+    """Return a record of measured friction (n,) under a load that swells, given speed and load."""
+    t = np.arange(0.0, 14.0, 0.004)
+    v = 0.1 * (np.sin(2.5 * t) + 0.6 * np.sin(4.3 * t + 1.0))
+    load = 50.0 * 2.0 ** np.sin(1.3 * t)
+    noise = 0.2 * np.random.default_rng(2).normal(size=len(t))
+    x = np.concatenate([[0.0], np.cumsum(0.002 * (v[1:] + v[:-1]))])
+    return Measurement(time=t, position=x, friction=friction(v, load) + noise, load=load)
+
+
+def test_a_level_that_grows_with_the_load_is_the_level_of_the_law():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
+    assert asked.best.text == "level + viscous"
+    assert asked.best.start["friction.kinetic_coefficient"] == pytest.approx(0.3, abs=0.003)
+    assert model_errors(asked.explanation, record, "zero", PROMPT) == ()
+    coulomb = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=40.0)
+    assert not asked.rejects(asked.fit_of("other", coulomb))
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (0.3, "N of the friction level does not grow with the load; 0.3"),
+        (0.0, "N, does not grow with the load that was recorded."),
+    ],
+)
+def test_a_level_that_does_not_grow_with_the_load_is_said(share, said):
+    record = under_a_load(lambda v, load: (share * load + 6.0) * np.sign(v) + 40.0 * v)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
+    (found,) = model_errors(asked.explanation, record, "zero", PROMPT)
+    assert found.kind == "load"
+    assert said in found.finding
+    assert found.interval[0] < 6.0 < found.interval[1]
+
+
+def test_outliers_are_counted_and_blame_nothing_else():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    friction = np.array(record.friction)
+    friction[[500, 1400, 2600]] += 200.0
+    broken = replace(record, friction=friction)
+    asked = asked_of(Axis(inertia=1.0), broken, "zero", (), PROMPT)
+    (found,) = model_errors(asked.explanation, broken, "zero", PROMPT)
+    assert found.kind == "outliers"
+    assert found.finding.startswith("3 samples of the friction lie far off those beside")

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import integrate
 
 from stickslip import Axis, Dahl, LuGre, Measurement, RecordSettings, fit, simulate
 from stickslip.drives import Sampled
 from stickslip.friction import law
+from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.records.problems import ProblemRequest, prepared
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
@@ -134,3 +136,27 @@ def test_a_law_whose_exponent_is_whole_at_the_start_is_fitted_with_its_exponent(
     # the first deflections of segments are those of the measured motion, sampled
     assert found.law.bristle_stiffness == pytest.approx(800.0, rel=0.05)
     assert found.law.exponent == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.7, 1.3, 2.0, 3.0])
+@pytest.mark.parametrize("start", [0.0, 4e-4, -8e-4, 2e-3])
+def test_a_bristle_that_yields_sharply_or_softly_follows_its_equation(exponent, start):
+    law = Dahl(kinetic_coefficient=25.0, bristle_stiffness=3e4, exponent=exponent)
+    for v in (0.01, -0.01):
+        path = Path(
+            time=np.array([0.0, 0.1]),
+            velocity=np.full(2, v),
+            load=np.ones(2),
+            travel=np.array([0.1 * v]),
+        )
+        found = follow(law, path, np.array([[start]]))[0, -1, 0]
+        run = integrate.solve_ivp(
+            lambda _t, z, v=v: [float(law.rates(v, 1.0, (z[0],))[0])],
+            (0.0, 0.1),
+            [start],
+            method="LSODA",
+            rtol=1e-10,
+            atol=1e-14,
+        )
+        # of a largest deflection of 8e-4; rates are rounded within 1e-6 of it where n < 1
+        assert found == pytest.approx(run.y[0, -1], abs=1e-8)

@@ -21,7 +21,11 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
-from stickslip.identification.force_map.force_balance import balanced, mean_force
+from stickslip.identification.force_map.force_balance import (
+    balanced,
+    mean_force,
+    passed_by_balance,
+)
 from stickslip.identification.force_map.problem import constant_of, map_along
 from stickslip.selection.cross_validation import cross_validate, plan_of
 
@@ -343,3 +347,19 @@ def test_reversals_of_slowly_sampled_records_are_no_rests():
         level = found.estimate("friction.kinetic_coefficient")
         errors.append((level.value - rig.law.kinetic_coefficient) / level.half_width)
     assert np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_bristles_are_resolved_as_finely_as_the_noise_of_positions_allows():
+    # slow moves with stick-slip steps of 5 ms: the mean frequency says nothing of the steps
+    t = 0.001 * np.arange(20_000)
+    x = np.sin(0.6 * t) + 1e-3 * np.sin(250.0 * t)
+    fine = 1e-7 * np.round(x / 1e-7)
+    coarse = 1e-2 * np.round(x / 1e-2)
+    assert passed_by_balance(fine, resolved=True) > 5.0 * passed_by_balance(fine)
+    assert passed_by_balance(coarse, resolved=True) < 0.2 * passed_by_balance(fine, resolved=True)
+    record = Measurement(time=t, position=fine, force=np.sign(np.gradient(x, t)))
+    own = [
+        balanced(Axis(inertia=1.0), record, hold="zero", resolved=resolved)[0].passed
+        for resolved in (False, True)
+    ]
+    assert own[1] > 5.0 * own[0]

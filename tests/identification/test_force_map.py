@@ -413,7 +413,7 @@ def test_held_parameters_stay():
         (
             Measurement(velocity=np.ones(4), friction=np.ones(4)),
             AXIS,
-            "at least 8 samples, and the record has 4",
+            "at least 5 rows, and the record has 4: measure friction at more speeds",
         ),
         (
             Measurement(velocity=np.ones(20), friction=np.ones(20)),

@@ -11,6 +11,7 @@ from stickslip import (
     Capsule,
     Coulomb,
     CoulombViscous,
+    Dahl,
     Measurement,
     SpringBlock,
     Viscous,
@@ -280,6 +281,18 @@ def test_a_run_that_ends_too_early_for_coulomb_friction_is_told_what_to_do():
     assert fit(BLOCK, law, reading, t_end=5.0).law.kinetic_coefficient > 0.1
     with pytest.raises(ConvergenceError, match=r"no value of .* Increase t_end"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2), t_end=0.2)
+
+
+def test_a_law_whose_bristles_creep_is_at_rest_within_the_scatter_of_unrounded_readings():
+    """Numbers with sixteen digits state no error: what they scatter about the law by is one."""
+    scatter = 1e-3 * np.random.default_rng(1).normal(size=6)
+    trials = []
+    for x, error in zip(np.linspace(0.12, 0.26, 6).tolist(), scatter.tolist(), strict=True):
+        run = simulate(replace(LEVEL, compression=x), Coulomb(kinetic_coefficient=0.3), t_end=9.0)
+        way = float(run["x"][-1] - run["x"][0]) + error
+        trials.append(Measurement(travel=way, overrides={"mechanism.compression": x}))
+    found = fit(LEVEL, Dahl, Measurement(trials=tuple(trials)), t_end=9.0)
+    assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=0.1)
 
 
 def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():

@@ -538,10 +538,24 @@ def test_what_went_to_0_is_not_said_to_have_been_given(loops):
     estimates = tuple(e for e in fit.estimates if not e.path.endswith("viscous_coefficient"))
     fit = dataclasses.replace(fit, estimates=estimates)
     given = {line.label: line.formula for line in law_lines(fit)}
-    gone = ("friction.viscous_coefficient",)
+    gone = dataclasses.replace(loops.closest, left_out=("friction.viscous_coefficient",))
     left_out = {line.label: line.formula for line in law_lines(fit, gone)}
     assert "taken as given" in given["viscous coefficient"]
     assert left_out["viscous coefficient"] == "$sigma_2$ = 0, estimated as 0 and left out"
+
+
+def test_a_value_that_nobody_gave_says_where_it_comes_from(loops):
+    law = dataclasses.replace(loops.closest.fit.law, exponent=2.0)
+    fit = dataclasses.replace(loops.closest.fit, law=law, estimates=())
+    plain_law = dataclasses.replace(fit, law=dataclasses.replace(law, exponent=1.0))
+    balanced = dataclasses.replace(loops.closest, from_balance=("friction.exponent",))
+
+    def said(fit, of=None):
+        return {line.label: line.formula for line in law_lines(fit, of)}["exponent"]
+
+    assert said(fit) == "$n$ = 2, taken as given"
+    assert said(fit, balanced) == "$n$ = 2, found by the force balance and held in the fit"
+    assert said(plain_law) == "$n$ = 1, as usual"
 
 
 def test_the_lines_of_python_make_the_selection_again(table_verdict):

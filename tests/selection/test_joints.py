@@ -178,3 +178,56 @@ def test_laws_of_different_kinds_are_named_among_all(seed):
     both = Measurement(trials=tuple(several))
     found = select(GUESSED, None, both, vary=LINEAR, settings=QUICK)
     assert found.best.name == "shoulder=stribeck,elbow=coulomb-viscous"
+
+
+def changed(one, joint, of):
+    """Return a record in which the force of a joint is another one."""
+    t, places, forces = parts(one)
+    return Measurement(time=t, position=places, force={**forces, joint: of(t, places, forces)})
+
+
+def test_a_level_that_changes_along_the_way_of_one_joint_is_a_law_of_that_joint():
+    """By 30 % from the middle to either end; without force balances it got Coulomb + viscous."""
+    level, _, v, _ = TRUTH["shoulder"].kinetic_coefficient, *motion(3)[1:]
+
+    def along(_, places, forces):
+        place = places["shoulder"]
+        return forces["shoulder"] + level * 0.3 * place / np.ptp(place) * 2.0 * np.sign(v[:, 0])
+
+    given = changed(record(3), "shoulder", along)
+    found = select(GUESSED, None, given, vary=LINEAR, settings=QUICK)
+    assert found.best.name == "shoulder=level * linear[position] + viscous,elbow=coulomb-viscous"
+    law = found.best.fit.law["shoulder"]
+    slope = 0.6 / np.ptp(parts(given)[1]["shoulder"])
+    assert law.level_position_slope == pytest.approx(slope, rel=0.05)
+    assert law.kinetic_coefficient == pytest.approx(level, rel=0.03)
+    assert not found.best.fit.model_errors
+    assert "coulomb-viscous" in [one.name for one in found.joints["shoulder"].candidates]
+
+
+def test_a_late_force_of_one_joint_is_a_finding_of_that_joint():
+    def late(t, _, forces):
+        return np.interp(t - 0.01, t, forces["elbow"])
+
+    given = changed(record(4), "elbow", late)
+    found = select(GUESSED, None, given, vary=LINEAR, settings=QUICK)
+    assert found.sentence.startswith("Shoulder: use")
+    (error,) = found.joints["elbow"].model_errors
+    assert "delay" in error.finding or "late" in error.finding
+    assert error.effect == pytest.approx(-0.01, abs=1e-3)
+    assert not found.joints["shoulder"].model_errors
+    (whole,) = found.closest.fit.model_errors
+    assert whole.finding.startswith("At the elbow: ")
+    alone = fit(GUESSED, "coulomb-viscous", given, vary=["friction.*", *LINEAR], settings=QUICK)
+    assert [one.finding[:14] for one in alone.model_errors] == ["At the elbow: "]
+
+
+def test_what_no_law_of_a_joint_explains_is_said_without_a_cause():
+    noise = np.random.default_rng(8).normal(size=5000)
+    slow = np.convolve(noise, np.ones(100) / 10.0, mode="same")
+
+    given = changed(record(5), "elbow", lambda *_: parts(record(5))[2]["elbow"] + 0.2 * slow)
+    found = select(GUESSED, None, given, vary=LINEAR, settings=QUICK)
+    (error,) = found.joints["elbow"].model_errors
+    assert error.kind == "unexplained"
+    assert "of the friction" in error.finding

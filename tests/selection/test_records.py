@@ -44,6 +44,7 @@ from stickslip.selection.record_wording import (
     outcomes,
     record_wording,
 )
+from stickslip.selection.records import _as_simulated
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -250,6 +251,36 @@ def test_the_blocks_that_are_told_are_those_that_are_scored():
     assert f"on {count} held-out blocks" in found.purpose.scored
 
 
+def test_what_is_to_be_simulated_is_simulated_over_the_whole_record(verdict, record):
+    known = {c.name: c for c in verdict.candidates if c.validation}
+    # after 8 s the true law leaves the encoder's noise, and what errors of its parameters add
+    assert 0.9e-5 < known["direction-dependent"].whole < 5e-5
+    assert known["coulomb-viscous"].whole > 10.0 * known["direction-dependent"].whole
+    assert "Simulated over the whole record" in verdict.words.lede
+    rows = {one["law"]: one["whole_record_error"] for one in verdict.to_dict()["candidates"]}
+    assert rows["direction-dependent"] == known["direction-dependent"].whole
+    position = select(AXIS, [CoulombViscous], record, purpose="position", settings=QUICK)
+    assert math.isnan(position.closest.whole)
+    assert "whole record" not in position.words.lede
+
+
+def test_of_laws_that_predict_alike_the_one_that_stays_near_over_whole_records_is_named(verdict):
+    best = verdict.closest
+    known = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+
+    def named(whole, **changes):
+        other = dataclasses.replace(
+            known, whole=whole * best.whole, **{"validation": best.validation, **changes}
+        )
+        return _as_simulated(best, [best, other], None, uncertainty=0.0).name
+
+    assert named(0.5, dropped="") == "coulomb-viscous"
+    assert named(0.9, dropped="") == best.name
+    assert named(math.nan, dropped="") == best.name
+    assert named(0.5, dropped="an objection") == best.name
+    assert named(0.5, dropped="", validation=known.validation) == best.name  # it predicts worse
+
+
 def failing_without_a_block(*kinds):
     """Return a descent that fails for laws of some types."""
 
@@ -430,6 +461,36 @@ def test_what_trades_off_is_not_settled_for_itself():
     assert (known[0].high - known[0].low) / known[0].value < (known[1].high - known[1].low) / known[
         1
     ].value
+
+
+def test_an_estimate_whose_interval_holds_0_settles_nothing():
+    v = np.linspace(-0.2, 0.2, 80)
+    friction = 2.0 * np.sign(v) + 0.1 * v + 0.05 * np.random.default_rng(1).normal(size=80)
+    found = fit_record(
+        AXIS, CoulombViscous, Measurement(velocity=v, friction=friction), settings=QUICK
+    )
+    level, slope = (
+        next(e for e in found.estimates if e.path == f"friction.{name}_coefficient")
+        for name in ("kinetic", "viscous")
+    )
+    assert slope.bounded
+    assert slope.low < 0.0 < slope.high
+    assert traded(found) == frozenset()
+    assert settled_estimates(found) == (level,)
+
+
+def test_a_short_step_to_a_fit_without_a_block_is_where_a_search_ends(verdict, monkeypatch):
+    fit = verdict.closest.fit
+    end = float(refits.positions_of(fit.problem)[-1, 1])
+    stepped = refits.refitted(fit, 0.25 * end, 0.375 * end)
+    monkeypatch.setattr(refits, "LINEAR", -1.0)  # no step is taken for granted
+    searched = refits.refitted(fit, 0.25 * end, 0.375 * end)
+    scale = fit.inference.errors
+    moved = (searched.values - fit.values) / scale
+    assert np.max(np.abs(moved)) > 0.05  # the block has something to say
+    # a hundredth of the way, plus what a search leaves that ends below a thousandth of the cost
+    np.testing.assert_allclose((stepped.values - searched.values) / scale, 0.0, atol=0.05)
+    assert len(stepped.residual) == len(searched.residual)
 
 
 def test_a_bound_is_told_with_its_unit():

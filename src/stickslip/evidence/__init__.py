@@ -5,15 +5,15 @@ linear in the rest, so that a hypothesis costs one small least-squares problem. 
 and swaps terms, and one rule judges every change on held-out blocks.
 """
 
-from stickslip.evidence.balance import Balance
+from stickslip.evidence.balance import Balance, usual_band
 from stickslip.evidence.bristles import SIGN, Shape, play
 from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
-from stickslip.evidence.fits import Fit, fit
+from stickslip.evidence.fits import Fit, acceleration_noise, fit
 from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import resolution
 from stickslip.evidence.rule import Rule
-from stickslip.evidence.series import Series
+from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.vocabulary import vocabulary
@@ -34,11 +34,15 @@ __all__ = [
     "Shape",
     "Structure",
     "Term",
+    "acceleration_noise",
     "begin",
     "explain",
     "fit",
+    "outliers",
+    "pieces",
     "play",
     "predict",
     "resolution",
+    "usual_band",
     "vocabulary",
 ]

@@ -75,7 +75,7 @@ class Balance:
             raise InputError(
                 "the force balance needs a piece of at least 64 samples without a gap."
             )
-        self.fc: float = like.fc if like else fc or _usual_band(measured)
+        self.fc: float = like.fc if like else fc or usual_band(measured)
         measured = [one for one in measured if _length(one) * self.fc > SHORTEST]
         _check_length(measured, self.fc, [] if like else series)
         self.spans: Spans = like.spans if like else _spans(measured)
@@ -127,6 +127,7 @@ class Balance:
             filter=None,
             t=np.arange(len(v), dtype=float),
             clock=still,
+            since=still,
             centre=0.0,
             q=still,
             path=still,
@@ -134,12 +135,14 @@ class Balance:
             a=still,
             raw=f,
             force=f,
+            taken=still,
             covariates=columns,
             extra={},
             references=found.references,
             start=0.0,
-            resolved=0.0,
+            noise=0.0,
             open=still > 0.0,
+            clear=still == 0.0,
             rows=slice(0, len(v)),
             states={SIGN: np.sign(v)},
         )
@@ -154,6 +157,7 @@ class Balance:
         self.channels = tuple(dict.fromkeys(one.channel for one in parts))
         self.force = np.concatenate([one.force[:: one.every] for one in parts])
         self.at_rest = np.concatenate([one.open for one in parts])
+        self.clear = np.concatenate([one.clear for one in parts])
         self.channel = np.concatenate([np.full(one.count, one.channel) for one in parts])
         self.scale = max(float(np.sqrt(np.mean(self.force**2))), 1e-300)
         self.fold = np.empty(self.count, dtype=int)
@@ -186,7 +190,7 @@ class Balance:
             force = np.abs(np.concatenate([one.raw for one in own]))
             self.usual_force[c] = float(np.quantile(force, 0.75))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
-        self._late: dict[tuple[float, float], Array] = {}
+        self._late: dict[tuple[float, float, float], Array] = {}
 
     def _check_motion(self) -> None:
         """Refuse what rests throughout, as far as the sensor shows."""
@@ -198,6 +202,11 @@ class Balance:
                 f" band of {number(self.fc)} Hz the force balance needs"
                 f" {number(SLIPPING / self.fc)} s of motion between rests and reversals."
             )
+
+    @property
+    def length(self) -> float:
+        """Return the length [s] of all series of a channel, the largest."""
+        return max(length for _, length in self.spans.values())
 
     def of(self, channel: str) -> list[Part]:
         """Return the parts of a channel."""
@@ -249,22 +258,16 @@ class Balance:
             columns = multipliers
         return columns, multipliers
 
-    def late(self, delay: float, lag: float = 0.0) -> Array:
-        """Return the forces (n,) that a channel shows of each row, late or through a filter [s]."""
-        if not (delay or lag):
+    def late(self, delay: float, lag: float = 0.0, skew: float = 0.0) -> Array:
+        """Return the forces (n,) that a channel shows of each row, late or through a filter [s].
+
+        With a skew it shows them later by so much for each second since the start.
+        """
+        if not (delay or lag or skew):
             return self.force
-        key = (delay, lag)
+        key = (delay, lag, skew)
         if key not in self._late:
-            self._late[key] = np.concatenate(
-                [
-                    np.interp(
-                        one.t[:: one.every] + delay,
-                        one.t,
-                        one.force + lag * np.gradient(one.force, one.h) if lag else one.force,
-                    )
-                    for one in self.parts
-                ]
-            )
+            self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
 
     @contextmanager
@@ -281,12 +284,21 @@ class Balance:
                     one.popitem()  # the last that was made
 
 
+def _shown(one: Part, delay: float, lag: float, skew: float) -> Array:
+    """Return the forces (m,) that a channel shows late, less what the known motion takes."""
+    whole = one.force + one.taken
+    shown = whole + lag * np.gradient(whole, one.h) if lag else whole
+    later = delay + skew * one.since[:: one.every]
+    found: Array = np.interp(one.t[:: one.every] + later, one.t, shown)
+    return found - one.taken[:: one.every]
+
+
 def _length(piece: Series) -> float:
     return float(piece.t[-1] - piece.t[0])
 
 
-def _usual_band(measured: Sequence[Series]) -> float:
-    """Return the least band of all channels: in each, that of most of its time.
+def usual_band(measured: Sequence[Series]) -> float:
+    """Return the least band [Hz] of all channels of pieces: in each, that of most of its time.
 
     It is wider where so narrow a band would leave nothing to hold out.
     """

@@ -122,8 +122,7 @@ def _size(search: Search, best: Fit, terms: Sequence[Term]) -> float:
     own = np.array([one in terms for one in made.owners], dtype=bool)
     force = made.columns[:, own] @ best.coef[own]
     if any(term.kind in SHOWN_LATE for term in terms):
-        late = best.structure.delay, best.structure.lag
-        force = force + balance.late(*late) - balance.force
+        force = force + balance.late(*best.structure.late) - balance.force
     return float(np.sqrt(np.mean(force[balance.use] ** 2)))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.evidence.balance import RESOLVED, Balance
+from stickslip.evidence.motion import acceleration_of_noise
 from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
 from stickslip.evidence.terms import TERMS, Term
 
@@ -158,7 +159,7 @@ def design(balance: Balance, structure: Structure) -> Design:
         columns=np.hstack([columns for _, columns, _ in made]),
         multipliers=np.hstack([multipliers for _, _, multipliers in made]),
         owners=tuple(term for term, columns, _ in made for _ in range(columns.shape[1])),
-        force=balance.late(structure.delay, structure.lag),
+        force=balance.late(*structure.late),
         open=balance.open(structure),
     )
 
@@ -375,3 +376,13 @@ def friction_scale(balance: Balance, found: Fit) -> float:
     rows = balance.use & ~balance.at_rest
     square = float(np.mean(friction[rows] ** 2)) if rows.any() else 0.0
     return max(math.sqrt(square), 1e-12 * balance.scale)
+
+
+def acceleration_noise(balance: Balance, found: Fit) -> float:
+    """Return the force [N] that noise of the positions costs through the inertias in the band."""
+    costs = [0.0]
+    for one in balance.parts:
+        moved = sum(sum(found.of(kind, one.channel)) for kind in ("inertia", "flexible", "loose"))
+        mass = moved if one.mass is None else one.mass
+        costs.append(abs(mass) * one.noise * acceleration_of_noise(one.h, balance.fc))
+    return max(costs)

@@ -14,12 +14,19 @@ Flags = NDArray[np.bool_]
 
 SHARE = 0.01
 """Share of the force that noise of the position may cost through the inertia in the band."""
+OF_FRICTION = 0.025
+"""Share of what a known mechanism leaves of the force that it may cost: with 1 %, records of
+5 s have so narrow a band that reversals look like Stribeck steps."""
 LOWEST, HIGHEST = 4.0, 60.0
 """Limits of the band [Hz]: below, reversals are not seen; above, friction has little to say."""
 RATE = 0.2
 """Largest band over the sampling rate."""
 TOP = 0.98
 """Quantile of the speed that counts as the largest."""
+MIXED = 0.5
+"""Reach of the filter beside rests and reversals, over 1/fc, beyond which a tenth is left ..."""
+RINGING = 1.6
+"""... and beyond which nothing is left of what happens there."""
 ABOVE = 3.0
 """Standard deviations of its noise from which a velocity has a direction."""
 
@@ -90,6 +97,11 @@ def band(series: Series) -> float:
     if series.mass is not None:
         noise = series.mass * resolution(series.q)
         allowed = SHARE * float(series.force.std())
+        if series.taken is not None:  # friction may be a small part of the force
+            sos = low_pass(h, min(10.0, top / 2.0))
+            a = derivative(derivative(passed(sos, series.q), h), h)
+            friction = passed(sos, series.force - series.taken) - series.mass * a
+            allowed = min(allowed, OF_FRICTION * float(friction.std()))
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)
@@ -104,6 +116,11 @@ def band(series: Series) -> float:
     if not noise > 0.0:
         return top
     return float(np.clip(_frequency(allowed / noise, h), LOWEST, top))
+
+
+def acceleration_of_noise(h: float, fc: float) -> float:
+    """Return the standard deviation of the acceleration of white noise 1 of the position."""
+    return math.sqrt(2.0 * h * (2.0 * math.pi) ** 4 * fc**5 / 5.0)
 
 
 def _frequency(ratio: float, h: float) -> float:
@@ -138,11 +155,16 @@ def open_rows(q: Array, direction: Array, reach: float, fc: float, h: float) -> 
     There the position stays within reach for 1/fc, or the direction changes, or the filter mixes
     the row with such.
     """
+    turns = np.concatenate([[False], np.diff(direction) != 0.0])
+    mixed = max(int(MIXED / fc / h), 1)
+    return near_rest(q, reach, fc, h, mixed) | spread_out(turns, mixed)
+
+
+def near_rest(q: Array, reach: float, fc: float, h: float, rows: int) -> Flags:
+    """Return rows (n,) at which the position stays within reach for 1/fc, or so near such ones."""
     half = max(int(0.5 / fc / h), 2)
     still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) <= reach
-    turns = np.concatenate([[False], np.diff(direction) != 0.0])
-    mixed = max(int(0.5 / fc / h), 1)
-    return spread_out(still, half + mixed) | spread_out(turns, mixed)
+    return spread_out(still, half + rows)
 
 
 def spread_out(flags: Flags, rows: int) -> Flags:

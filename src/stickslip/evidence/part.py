@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.bristles import SIGN, Shape, bristle_states, lugre_states, play
 from stickslip.evidence.motion import (
+    RINGING,
     derivative,
     directions,
     low_pass,
+    near_rest,
     open_rows,
     passed,
     resolution,
@@ -49,6 +51,8 @@ class Part:
     """Times (n,) [s] of the samples."""
     clock: Array
     """Times (n,) from -1/2 to 1/2 over all series of the channel."""
+    since: Array
+    """Times (n,) [s] since the start of these."""
     q: Array
     """Positions (n,) in twice the band."""
     centre: float
@@ -62,7 +66,9 @@ class Part:
     raw: Array
     """Measured forces (n,)."""
     force: Array
-    """Forces (n,) in the band, at the times at which they act."""
+    """Forces (n,) in the band, at the times at which they act, without those that are taken."""
+    taken: Array
+    """Forces (n,) in the band that known motion takes, which no channel shows late."""
     covariates: Mapping[str, Array]
     """Covariates (n,) in the band."""
     extra: Mapping[str, Array]
@@ -71,10 +77,12 @@ class Part:
     """Values of covariates from which terms count."""
     start: float
     """State of bristles at the first sample: force over level."""
-    resolved: float
-    """Displacement that the sensor resolves."""
+    noise: float
+    """Standard deviation of what the positions do not resolve."""
     open: Flags
     """Rows (m,) at which a law without memory leaves a force open."""
+    clear: Flags
+    """Rows (m,) in which the filter mixes nothing of a rest."""
     rows: slice
     """Its rows among those of all parts."""
     states: dict[Shape, Array] = field(default_factory=dict)
@@ -84,6 +92,11 @@ class Part:
     def driven(self) -> bool:
         """Return whether the force moves an inertia."""
         return self.inertia or self.mass is not None
+
+    @property
+    def resolved(self) -> float:
+        """Return the displacement that the sensor resolves."""
+        return RESOLVED * self.noise
 
     @property
     def count(self) -> int:
@@ -135,6 +148,10 @@ def part_of(
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
     a = derivative(speed, h)
+    taken = (s.mass or 0.0) * a
+    if s.taken is not None:
+        taken = taken + passed(own, s.taken)
+    beside = near_rest(q, RESOLVED * sigma, fc, h, math.ceil(RINGING / fc / h))[::every]
     return Part(
         channel=s.channel,
         inertia=s.inertia,
@@ -144,19 +161,22 @@ def part_of(
         filter=own,
         t=s.t,
         clock=(s.t - span[0]) / span[1] - 0.5,
+        since=s.t - span[0],
         q=q,
         centre=centre,
         path=play(slow, CHATTER * sigma * math.sqrt(min(2.0 * h * fc, 1.0))),
         v=v,
         a=a,
         raw=s.force,
-        force=passed(own, acting) - (s.mass or 0.0) * a,
+        force=passed(own, acting) - taken,
+        taken=taken,
         covariates={name: passed(own, x) for name, x in s.covariates.items()},
         extra={name: passed(own, x) for name, x in s.extra.items()},
         references=references,
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
-        resolved=RESOLVED * sigma,
+        noise=sigma,
         open=rest,
+        clear=~beside,
         rows=slice(first_row, first_row + len(rest)),
         states={SIGN: direction},
     )
@@ -164,7 +184,8 @@ def part_of(
 
 def _first_state(series: Series, half: int) -> float:
     """Return the state of a bristle that the first forces ask for, if they are friction alone."""
-    level = float(np.quantile(np.abs(series.force), 0.8))
+    force = series.force if series.taken is None else series.force - series.taken
+    level = float(np.quantile(np.abs(force), 0.8))
     if series.extra or level <= 0.0:
         return 0.0
-    return float(np.clip(np.median(series.force[: max(half // 2, 1)]) / level, -1.0, 1.0))
+    return float(np.clip(np.median(force[: max(half // 2, 1)]) / level, -1.0, 1.0))

@@ -9,13 +9,13 @@ import numpy as np
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import SIGN, Shape
-from stickslip.evidence.fits import Fit, fit, friction_scale, training_error
+from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
-from stickslip.evidence.rule import Rule, repeats
+from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
-from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, ripples, shapes
+from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, hums, ripples, shapes
 
 Progress = Callable[[float, str], None]
 Wrap = Callable[[Shape], Structure]
@@ -100,7 +100,10 @@ class Search:
 
     def better(self, new: Fit, old: Fit) -> bool:
         """Return whether the rule prefers a fit to another."""
-        return self.rule.better(new, old, self.scale)
+        noise = acceleration_noise(self.balance, old)
+        return self.rule.better(new, old, self.scale, noise) and (
+            seen_late(self.balance, new, old, self.scale) or not self.rule.fault
+        )
 
     def run(self, start: Structure) -> Searched:
         """Search from a structure and from the textbook law of both directions."""
@@ -223,7 +226,7 @@ class Search:
     def _proposed(self, old: Fit) -> list[Structure]:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
-        candidates = [*self.terms, *ripples(self.balance, old)]
+        candidates = [*self.terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
         self.evaluated += len(ranked)
         seen, fresh = set(), []
@@ -274,7 +277,11 @@ class Search:
     def _scanned(
         self, structure: Structure, channel: str, wrap: Wrap, *, lugre: bool
     ) -> list[Structure]:
-        """Return the best shapes: for each exponent by a grid and a parabola in its logarithm."""
+        """Return the best shapes: for each exponent by a grid and a parabola in its logarithm.
+
+        Of LuGre shapes, the grid has levels that fade exponentially; one that fades as a bell, as
+        the law is usually written, is found from the best of them.
+        """
         options: list[Structure] = []
         for n in SHAPE_EXPONENTS:
             row = [one for one in self.shapes[channel] if one[1] == n and len(one) == 2]
@@ -291,8 +298,10 @@ class Search:
             ]
         if lugre:
             all_lugre = [wrap(one) for one in self.shapes[channel] if len(one) == 5]
-            self.evaluated += len(all_lugre)
-            options += self._best(all_lugre, 1)
+            self.evaluated += len(all_lugre) + 1
+            for one in self._best(all_lugre, 1):
+                bell = one.shaped(channel, (*one.shape(channel)[:4], 2.0))
+                options += [one, polished(self.balance, bell)]
         return self._best(options, BEST_SHAPES)
 
     def _best(self, options: Sequence[Structure], count: int) -> list[Structure]:
@@ -325,7 +334,13 @@ class Search:
             for one in sorted(family.values(), key=lambda one: one.rms)
             if one.structure.family != best.structure.family and not self.better(best, one)
         ]
-        simpler = [one for one in ties if one.structure.cost < best.structure.cost]
+        known = {term.kind for term in best.structure.faults}
+        simpler = [  # nor does a rig have to be accused to name what is more usual
+            one
+            for one in ties
+            if one.structure.cost < best.structure.cost
+            if {term.kind for term in one.structure.faults} <= known
+        ]
         if self.rule.ties and simpler:
             usual = min(simpler, key=lambda one: (one.structure.cost, one.rms))
             ties = [best, *(one for one in ties if one is not usual)]

@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from stickslip.errors import InputError
 
@@ -15,6 +16,15 @@ Array = NDArray[np.float64]
 GAP = 5.5
 """Steps between two samples, over the usual one, from which a series is cut: what is interpolated
 over fewer is below the band of the balance at nearly all rates."""
+FAR = 10.0
+"""Least distance of an outlier from the median of its neighbours, over that which a tenth exceeds.
+"""
+APART = 3.0
+"""The same over the usual change from a sample to the next ..."""
+SHARES = {"position": 0.005, "force": 0.5}
+"""... and over the range. A position is smooth; a force that is commanded may have peaks."""
+SELDOM = 0.01
+"""Most outliers over the samples: what is more frequent belongs to the signal."""
 FEWEST = 64
 """Samples of the shortest piece: filters of fourth order forward and backward need half of them."""
 
@@ -37,6 +47,9 @@ class Series:
     or if `extra` has the inertia."""
     mass: float | None = None
     """Inertia [kg] or [kg m^2] that is known, whose share of the force is taken off."""
+    taken: Array | None = None
+    """Further forces (n,) [N] or torques [N m] that the motion of a known mechanism takes, such as
+    those by the motion of other joints, which are taken off too."""
     covariates: Mapping[str, Array] = field(default_factory=dict)
     """What friction may depend on (n,), by name: `load` [N], `temperature` [°C], others."""
     extra: Mapping[str, Array] = field(default_factory=dict)
@@ -69,12 +82,41 @@ def pieces(series: Series) -> Iterator[Series]:
     checked(series)
     grows = np.concatenate([[True], np.diff(series.t) > 0.0])
     whole = _picked(series, np.flatnonzero(grows))
+    far = np.any([*outliers(whole).values()], axis=0)
+    whole = _picked(whole, np.flatnonzero(~far)) if far.any() else whole
     steps = np.diff(whole.t)
     step = float(np.median(steps))
     cuts = np.concatenate([[0], np.flatnonzero(steps > GAP * step) + 1, [len(whole.t)]])
     for first, end in pairwise(cuts.tolist()):
         if end - first >= FEWEST:
             yield _picked(whole, np.arange(first, end))
+
+
+def outliers(series: Series) -> dict[str, NDArray[np.bool_]]:
+    """Return which samples (n,) of the position and of the force lie far off those beside them."""
+    columns = {"position": series.q, "force": series.force}
+    return {name: _far_off(np.asarray(x, float), SHARES[name]) for name, x in columns.items()}
+
+
+def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
+    """Return which single values (n,), or pairs, lie off those beside them by a share of the range.
+
+    A step is none: the median of five follows it.
+
+    Examples
+    --------
+    >>> x = np.sin(0.01 * np.arange(500.0))
+    >>> x[[100, 300, 301]] += 3.0
+    >>> np.flatnonzero(_far_off(x, 0.05)).tolist()
+    [100, 300, 301]
+    """
+    apart = np.abs(x - median_filter(x, 5, mode="nearest"))
+    low, high = np.quantile(x, [0.01, 0.99])
+    steps = np.abs(np.diff(x))
+    usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
+    least = max(FAR * float(np.quantile(apart, 0.9)), APART * usual, share * float(high - low))
+    far: NDArray[np.bool_] = apart > least
+    return far if far.mean() <= SELDOM else np.zeros(len(x), dtype=bool)
 
 
 def checked(series: Series) -> None:
@@ -85,6 +127,7 @@ def checked(series: Series) -> None:
         **series.covariates,
         **series.extra,
         **({} if series.velocity is None else {"velocity": series.velocity}),
+        **({} if series.taken is None else {"taken": series.taken}),
     }
     where = f" of {series.channel}" if series.channel else ""
     if np.ndim(series.t) != 1 or not np.isfinite(series.t).all():
@@ -123,6 +166,7 @@ def _mapped(series: Series, t: Array, moved: Any) -> Series:
         t=t,
         q=moved(series.q),
         force=moved(series.force),
+        taken=None if series.taken is None else moved(series.taken),
         velocity=None if series.velocity is None else moved(series.velocity),
         covariates={name: moved(x) for name, x in series.covariates.items()},
         extra={name: moved(x) for name, x in series.extra.items()},

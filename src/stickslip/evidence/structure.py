@@ -27,8 +27,8 @@ DRIVEN = ("backlash", "flexible", "loose")
 """Kinds that share an inertia out, and need one."""
 LATE_OR_ELASTIC = ("delay", "lag", "backlash", "loose", "flexible")
 """Kinds that all shift force against motion near reversals."""
-SHOWN_LATE = ("delay", "lag")
-"""Kinds of which the force channel shows a force late."""
+SHOWN_LATE = ("delay", "lag", "skew")
+"""Kinds of which the force channel shows a force late, or ever later."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
 PARAMETER = 0.1
@@ -89,11 +89,12 @@ class Structure:
     def forgetting(self, channel: str) -> "Structure":
         """Return the structure without the memories of a channel.
 
-        A level that differs between directions is an offset then.
+        A level that differs between directions is an offset then, unless it grows with a load.
         """
         kept = []
+        loaded = self.has("load", channel)
         for one in self.terms:
-            if one.channel == channel and one.kind == "level_dir":
+            if one.channel == channel and one.kind == "level_dir" and not loaded:
                 kept.append(replace(one, kind="offset"))
             elif one.channel != channel or one.kind != "second":
                 kept.append(one)
@@ -110,14 +111,15 @@ class Structure:
         return shapes + terms
 
     @property
-    def delay(self) -> float:
-        """Return how much later [s] the force channel shows a force."""
-        return sum(one.par[0] for one in self.terms if one.kind == "delay")
+    def late(self) -> tuple[float, float, float]:
+        """Return how late the force channel shows a force.
 
-    @property
-    def lag(self) -> float:
-        """Return the time constant [s] of the filter through which the force channel shows it."""
-        return sum(one.par[0] for one in self.terms if one.kind == "lag")
+        By a delay [s], through a filter of a time constant [s], and later by so much per second.
+        """
+        delay, lag, skew = (
+            sum(one.par[0] for one in self.terms if one.kind == kind) for kind in SHOWN_LATE
+        )
+        return delay, lag, skew
 
     @property
     def family(self) -> Family:
@@ -130,7 +132,13 @@ class Structure:
         """Return whether every term has the one that it modifies, or that it stands beside."""
         return not any(
             (one.kind in DRIVEN and not self.has("inertia", one.channel))
-            or (one.kind in ("second", "level_dir") and self.shape(one.channel) == SIGN)
+            or (
+                self.shape(one.channel) == SIGN
+                and (
+                    one.kind == "second"
+                    or (one.kind == "level_dir" and not self.has("load", one.channel))
+                )
+            )
             # after a reversal a level is missing in a gap and in presliding alike
             or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (

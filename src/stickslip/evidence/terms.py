@@ -23,6 +23,9 @@ Contact = Literal["none", "odd", "even", "own"]
 """How a column acts: beside the contact, times the state of the bristle, times its size, or times
 the state of a bristle of its own, whose shape the term's parameters are."""
 
+LEVELS = ("level", "load")
+"""A constant level and one in proportion to the load: of all else that acts through the contact,
+laws say that it grows with a load that is measured."""
 DAMPING = 0.05
 """Damping of the resonance of a flexible coupling."""
 
@@ -86,6 +89,8 @@ def column_of(part: Part, term: Term, shape: Shape) -> tuple[Array, Array | None
     made = kind.column(part, term)
     made = made if made.ndim == 2 else made[:, None]
     column, multiplier = made, None
+    if "load" in part.covariates and kind.contact != "none" and term.kind not in LEVELS:
+        made = made * (part.covariates["load"] / part.references["load"])[:, None]
     if kind.contact != "none":
         state = part.state(term.par if kind.contact == "own" else shape)
         state = np.abs(state) if kind.contact == "even" else state
@@ -164,6 +169,11 @@ def _clock(part: Part, term: Term) -> Array:
 
 def _viscous_clock(part: Part, term: Term) -> Array:
     return part.clock * part.v
+
+
+def _hum(part: Part, term: Term) -> Array:
+    phase = 2.0 * math.pi * term.par[0] * part.t
+    return np.column_stack([np.sin(phase), np.cos(phase)])
 
 
 def _excess(part: Part, term: Term) -> Array:
@@ -277,6 +287,14 @@ TERMS: dict[str, Kind] = {
     "drift": Kind(name="level drifts", column=_clock, contact="odd", rank=3, fault=True),
     "offset_drift": Kind(name="offset drifts", column=_clock, rank=3, fault=True),
     "viscous_drift": Kind(name="viscosity drifts", column=_viscous_clock, rank=3, fault=True),
+    "hum": Kind(
+        name="ripple in time",
+        column=_hum,
+        rank=4,
+        fault=True,
+        columns=("sin", "cos"),
+        par=("frequency",),
+    ),
     "saturation": Kind(
         name="saturation",
         column=_excess,
@@ -327,6 +345,14 @@ TERMS: dict[str, Kind] = {
         rank=4,
         fault=True,
         par=("delay",),
+    ),
+    "skew": Kind(
+        name="clock drift of the force",
+        column=_no_column,
+        filtered=True,
+        rank=4,
+        fault=True,
+        par=("rate",),
     ),
 }
 """Kinds by key: laws, nuisances and faults alike."""

@@ -23,14 +23,14 @@ SHORTENED = (1.0, 0.4, 0.15)
 """Shares of a step that are tried."""
 LONGEST = 0.5
 """Largest step of a logarithm."""
-EXPONENTS = (0.1, 2.5)
-"""Limits of the exponent of a viscous power."""
+EXPONENTS = (0.2, 2.5)
+"""Limits of the exponent of a viscous power: one of less is nearly a level."""
 SLOW = 0.5
 """Largest Stribeck velocity over the largest speed, at which the step has gone."""
 LEAST_PERIODS = 1.8
 """Least periods of a ripple in the range of the position."""
 LATEST = 0.06
-"""Largest delay [s]."""
+"""Largest delay [s], at the end of the record where it grows."""
 
 
 @final
@@ -124,20 +124,25 @@ def sane(balance: Balance, structure: Structure) -> bool:
             return False
         if len(shape) == 5 and not (_seen(balance, channel, shape[2]) and shape[3] < 4.0):
             return False
-    for term in structure.terms:
-        if term.kind.startswith("power") and not EXPONENTS[0] < term.par[0] < EXPONENTS[1]:
-            return False
-        if term.kind.startswith("stribeck") and not _seen(balance, term.channel, term.par[0]):
-            return False
-        if term.kind in ("ripple", "level_ripple"):
-            periods = term.par[0] * balance.span[term.channel] / (2.0 * math.pi)
-            if not periods > LEAST_PERIODS:
-                return False
-        if term.kind in SHOWN_LATE and abs(term.par[0]) > LATEST:
-            return False
-        if term.kind == "saturation" and term.par[0] < balance.usual_force[term.channel]:
-            return False
-    return True
+    return all(_within(balance, term) for term in structure.terms)
+
+
+def _within(balance: Balance, term: Term) -> bool:
+    """Return whether the nonlinear parameters of a term lie there."""
+    if not term.par:
+        return True
+    kind, first = term.kind, term.par[0]
+    if kind.startswith("power"):
+        return EXPONENTS[0] <= first < EXPONENTS[1]
+    if kind.startswith("stribeck"):
+        return _seen(balance, term.channel, first)
+    if kind in ("ripple", "level_ripple"):
+        return first * balance.span[term.channel] / (2.0 * math.pi) > LEAST_PERIODS
+    if kind in SHOWN_LATE:
+        return abs(first) * (balance.length if kind == "skew" else 1.0) <= LATEST
+    if kind == "hum":
+        return first < balance.fc
+    return kind != "saturation" or first >= balance.usual_force[term.channel]
 
 
 def _seen(balance: Balance, channel: str, v_s: float) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import Shape
@@ -29,6 +30,8 @@ LAGS = (0.004, 0.006, 0.008, 0.012, 0.016, 0.025)
 """Time constants [s] of a filter through which a sensor shows friction."""
 DELAYS = (0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.016, 0.025, 0.04)
 """Delays [s] of the force channel; negative ones are those of the position."""
+LAST_DELAYS = (0.003, 0.006, 0.012, 0.02, 0.035)
+"""Delays [s] at the end of the record of a force channel whose clock drifts."""
 SHAPE_EXPONENTS = (0.0, 0.5, 1.0, 2.0)
 """Exponents of Dahl; 0 is the elasto-plastic stop."""
 LUGRE_STEPS = (0.25, 0.7, 1.6)
@@ -41,6 +44,12 @@ CELLS = 2048
 """Cells of the range of the position over which residuals are summed for their harmonics."""
 FINE = 0.4
 """Step of the wave number times the range of the position."""
+LEAST_HUM = 1.0
+"""Least frequency [Hz] of a ripple in time."""
+LINE = 30.0
+"""Power of a line in a spectrum over the median of what is beside it."""
+BESIDE = 40
+"""Frequencies on either side with which a line is compared."""
 
 
 def grid(low: float, high: float, count: int) -> list[float]:
@@ -65,6 +74,8 @@ def vocabulary(balance: Balance, *, faults: bool = True) -> list[Term]:
     ]
     if faults and balance.dynamic:
         found += [Term("delay", (sign * x,), "*") for x in DELAYS for sign in (1.0, -1.0)]
+        rates = [float(f"{x / balance.length:.4g}") for x in LAST_DELAYS]
+        found += [Term("skew", (sign * x,), "*") for x in rates for sign in (1.0, -1.0)]
         if not any(one.driven for one in balance.parts):
             found += [Term("lag", (x,), "*") for x in LAGS]
     return found
@@ -102,7 +113,7 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     own = balance.of(channel)
     if not own[0].driven:
         return
-    if own[0].mass is not None:
+    if own[0].mass is not None and not own[0].extra:  # columns of the mechanism hold it
         yield Term("mass", (), channel)
     force = np.concatenate([np.abs(one.raw) for one in own])
     for limit in np.quantile(force, LIMITS):
@@ -167,4 +178,42 @@ def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
             largest = peaks[np.argsort(-power[peaks])[:top]]
             waves = (least + largest) * FINE / span
             terms += [Term(kind, (float(f"{wave:.4g}"),), channel) for wave in waves]
+    return terms
+
+
+def hums(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
+    """Return ripples in time at the frequencies of the largest lines of a fit's residual.
+
+    A line that direction or speed has as well is of the motion.
+    """
+    if not balance.dynamic:
+        return []
+    terms = []
+    for channel in balance.channels:
+        part = max(balance.of(channel), key=lambda one: one.count)
+        used = (balance.use & ~balance.at_rest)[part.rows]
+        step = part.h * part.every
+        window = used * np.hanning(part.count)
+        signals = (
+            found.residual[part.rows],
+            np.sign(part.v)[:: part.every],
+            np.abs(part.v)[:: part.every],
+        )
+        f = np.fft.rfftfreq(4 * part.count, step)
+        lines = []
+        for x in signals:
+            centred = window * (x - np.average(x, weights=window + 1e-300))
+            power = np.abs(np.fft.rfft(centred, len(f) * 2 - 2)) ** 2
+            usual = median_filter(power, 8 * BESIDE + 1, mode="nearest")
+            lines.append(power / np.maximum(usual, 1e-12 * max(power.max(), 1e-300)))
+        left, *motion = lines
+        wide = maximum_filter1d(np.maximum(*motion), 17)
+        peaks = np.flatnonzero((left[1:-1] > left[:-2]) & (left[1:-1] > left[2:])) + 1
+        peaks = peaks[
+            (left[peaks] > np.maximum(LINE, wide[peaks]))
+            & (f[peaks] > LEAST_HUM)
+            & (f[peaks] < balance.fc)
+        ]
+        largest = peaks[np.argsort(-left[peaks])[:top]]
+        terms += [Term("hum", (float(f"{x:.6g}"),), channel) for x in f[largest]]
     return terms

@@ -68,6 +68,7 @@ INSIDE = {
     "refuse_unused": "preconditions",
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",
+    "without_row": "slicing",
     "scale_of": "travels",
     "sentences_of": "checking.finding",
     "spread_of": "estimates",

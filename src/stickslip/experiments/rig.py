@@ -486,7 +486,7 @@ def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
         vary(mechanism, PREFIX, record.overrides)
     except ParameterError as error:
         raise ParameterError(f"{label}: {error}") from None
-    known = state_units(mechanism)
+    known = state_units(mechanism) if record.initial else {}
     for name in record.initial:
         if name not in known:
             raise UnknownNameError(f"state in initial of {label}:", name, known)

@@ -33,6 +33,7 @@ from stickslip.identification.estimation.root_search import positive_root as pos
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
+from stickslip.identification.force_map.joint_balance import joint_record as joint_record
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
 from stickslip.identification.records.fit import Prediction as Prediction
@@ -48,12 +49,12 @@ from stickslip.identification.records.fitting import record_route_name as record
 from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identification.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
-from stickslip.identification.records.joint_views import joint_record as joint_record
 from stickslip.identification.records.joint_views import joint_view as joint_view
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
 from stickslip.identification.records.problems import RecordRouteName as RecordRouteName
+from stickslip.identification.records.problems import memory_is_seen as memory_is_seen
 from stickslip.identification.records.refits import interleaved as interleaved
 from stickslip.identification.records.refits import positions_of as positions_of
 from stickslip.identification.records.refits import refitted as refitted
@@ -64,6 +65,7 @@ from stickslip.identification.records.route_choice import better_route as better
 from stickslip.identification.records.route_choice import choose_route as choose_route
 from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import to_compare as to_compare
+from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
@@ -87,6 +89,7 @@ from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
 from stickslip.identification.terms.findings import asked_of as asked_of
+from stickslip.identification.terms.findings import asked_of_joints as asked_of_joints
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import model_errors as model_errors
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR

@@ -113,6 +113,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             heads=heads,
             rows=rows,
             lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks, *fit.assumptions],
+            findings=[f"Model error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
             open=("Limitations", fit.sentences),
             second=None if second is None else _by_joint(second.joints),

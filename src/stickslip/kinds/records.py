@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import fields, replace
-from typing import Any, final
+from typing import Any
 
 from typing_extensions import override
 
@@ -54,7 +54,6 @@ OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
 """Settings that are of measured friction alone."""
 
 
-@final
 class RecordKind(Kind[RecordFit, RecordVerdict]):
     """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
 

@@ -11,6 +11,7 @@ from stickslip.formatting import joined
 from stickslip.friction import law_type
 from stickslip.identification import RouteChoice, called, check_inputs
 from stickslip.kinds.features.kind import FeatureKind
+from stickslip.kinds.friction_tables.kind import FrictionTableKind
 from stickslip.kinds.joints import JointKind
 from stickslip.kinds.kind import Kind, Request
 from stickslip.kinds.records import RecordKind
@@ -22,6 +23,7 @@ from stickslip.quantities import name_taken, plugins
 AnyKind: TypeAlias = Kind[Any, Any]
 
 OWN: tuple[AnyKind, ...] = (
+    FrictionTableKind(),
     FeatureKind(),
     TravelKind(),
     JointKind(),
@@ -82,6 +84,8 @@ def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) ->
     if asked is None:
         return usual
     name = asked.route if isinstance(asked, RouteChoice) else asked
+    if name in usual.routes:
+        return usual
     found = kind_of_route(name)
     if "route" in usual.uses and "route" not in found.uses:
         raise InputError(
@@ -118,7 +122,7 @@ def unused_text(kind: AnyKind, users: Iterable[AnyKind]) -> str:
     >>> unused_text(kind_of_route("travel"), [kind_of_route("features")])
     'applies to the force of a spring; it has no effect on travels: leave it out.'
     """
-    others = joined([one.measured for one in users])
+    others = joined([*dict.fromkeys(one.measured for one in users)])
     return f"applies to {others}; it has no effect on {kind.measured}: leave it out."
 
 
@@ -135,7 +139,8 @@ def refuse_foreign(kind: AnyKind, laws: Iterable[object]) -> None:
     for law in laws:
         given = law if isinstance(law, type) else type(law)
         if not issubclass(given, (str, kind.fits)):
-            others = joined([one.measured for one in kinds() if issubclass(given, one.fits)])
+            fitting = (one.measured for one in kinds() if issubclass(given, one.fits))
+            others = joined([*dict.fromkeys(fitting)])
             use = f", which is for {others}" if others else ""
             raise InputError(
                 f"A fit to {kind.measured} takes a {kind.fits.__name__}, its type or its name,"

@@ -1,8 +1,9 @@
 """Candidates that the force balance of a record asks for, and what it says of them."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import final
 
 from stickslip.evidence import TERMS, Fit, Structure
@@ -14,6 +15,7 @@ from stickslip.identification import (
     ComposedLaw,
     FittedLaw,
     ModelError,
+    RecordFit,
     RecordSettings,
     asked_of,
     errors_of,
@@ -30,6 +32,15 @@ MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
 """Laws that are fitted, if there are so many."""
+CLEARER = 0.5
+"""Error of a fitted force over that of the balance below which the fit has seen what it has not."""
+TEXTBOOK = "lugre"
+"""Law with a bristle that stands beside all others that have one."""
+ONE_MEMORY = "dahl-exponent"
+"""Law whose exponent two memories may stand for."""
+CLOSER = 0.98
+"""Error over that of the best structure from which one with a part more is fitted in any case: the
+balance asks for more than that, but all rows together may tell what it leaves open."""
 
 
 @final
@@ -48,15 +59,48 @@ class Explained:
     """What is wrong with the rig or the record."""
     unit: str
     """Of held-out errors of the balance."""
+    decides: bool = False
+    """Whether its law is named whatever the candidates predict: where that is the same force along
+    the same motion, of which the balance alone knows rests and reversals."""
+
+    @classmethod
+    def of(
+        cls,
+        asked: Asked,
+        measurement: Measurement,
+        settings: RecordSettings,
+        unknown: Sequence[str] = (),
+        *,
+        decides: bool = False,
+    ) -> "Explained":
+        """Return what the laws of an explanation are for a selection."""
+        return cls(
+            asked=asked,
+            specs=_compared(asked),
+            starts={name: _start(law, unknown) for name, law in asked.laws.items()},
+            errors=model_errors(
+                asked.explanation, measurement, settings.holding, settings.response
+            ),
+            unit=measurement.unit("force"),
+            decides=decides,
+        )
 
     def rejects(self, name: str, law: FrictionLaw | None) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
         own = None if law is None else self.asked.fit_of(name, law)
         return name != self.asked.best.name and self.asked.rejects(own)
 
-    def errors_of(self, name: str, law: FrictionLaw) -> tuple[ModelError, ...]:
-        """Return what is wrong with a law, the rig or the record."""
-        return errors_of(self.asked, law, name, self.errors, self.unit)
+    def errors_of(self, name: str, fit: RecordFit) -> tuple[ModelError, ...]:
+        """Return what is wrong with a fitted law, the rig or the record.
+
+        Of a fit that leaves far less of the force than the balance's own best structure, the
+        balance has nothing to say about laws.
+        """
+        found = errors_of(self.asked, fit.law, name, self.errors, self.unit)
+        best = self.asked.explanation.best
+        if fit.problem.simulates or not fit.rms < CLEARER * best.rms:
+            return found
+        return tuple(one for one in found if one.kind not in ("law", "unexplained"))
 
 
 def explained(
@@ -73,18 +117,12 @@ def explained(
     """
     if not all(path.endswith(FOUND) for path in unknown):
         return None
-    told = None if watch is None else _told(watch)
+    told = None if watch is None else partial(told_to, watch)
     channel = settings.holding, unknown, settings.response
     asked = asked_of(mechanism, measurement, *channel, progress=told)
     if asked is None:
         return None
-    return Explained(
-        asked=asked,
-        specs=_compared(asked),
-        starts={name: _start(law, unknown) for name, law in asked.laws.items()},
-        errors=model_errors(asked.explanation, measurement, settings.holding, settings.response),
-        unit=measurement.unit("force"),
-    )
+    return Explained.of(asked, measurement, settings, unknown)
 
 
 def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
@@ -101,7 +139,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     """Return the laws to fit: that of the best structure, its rivals and the usual choice.
 
     A structure with a part more than the best is no rival, as with a part that nothing asks for any
-    law predicts alike; such ones, without memory, stand beside laws that have too few rivals.
+    law predicts alike; such ones, without memory, stand beside laws that have too few rivals, and
+    the first that comes closer stands beside all.
     """
     best, fits = asked.explanation.best, asked.fits
     alike = [
@@ -113,9 +152,15 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         alike = [name for name in alike if not fits[name].structure.memories]
     richer = [name for name in alike if _contains(fits[name].structure, best.structure)]
     rivals = [name for name in alike if name not in richer][:MOST]
+    if best.structure.memories and TEXTBOOK in fits and asked.best.name != TEXTBOOK:
+        # its fit has more to say of a bristle, its damping too, than the balance
+        rivals = [*dict.fromkeys([TEXTBOOK, *rivals])][:MOST]
+    if any(term.kind == "second" for term in best.structure.free):
+        rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     plain = [name for name in richer if not fits[name].structure.memories]
-    names |= dict.fromkeys(plain[: max(FEWEST - len(names), 0)])
+    closer = [name for name in plain if fits[name].rms < CLOSER * best.rms][:1]
+    names |= dict.fromkeys([*closer, *plain[: max(FEWEST - len(names), 0)]])
     known = {name: law.specification for name, law in asked.laws.items()}
     return tuple(known.get(name) or specification(name) for name in names)
 
@@ -133,8 +178,6 @@ def _contains(rich: Structure, simple: Structure) -> bool:
     return kinds[1] <= kinds[0] and shapes[1] <= shapes[0]
 
 
-def _told(watch: Watch) -> Callable[[float, str], None]:
-    def told(share: float, structure: str) -> None:
-        watch(f"force balance, {100.0 * share:.0f} %: {structure}", math.nan)
-
-    return told
+def told_to(watch: Watch, share: float, structure: str, where: str = "") -> None:
+    """Tell how far the search over structures is, and the best so far."""
+    watch(f"{where}force balance, {100.0 * share:.0f} %: {structure}", math.nan)

@@ -70,7 +70,7 @@ def refuted_by_record(fit: RecordFit) -> str:
     free = {estimate.path for estimate in fit.estimates}
     paths = [path for path, _, _ in parameters(law, "friction") if path not in free]
     name = given_level(law, [path.rpartition(".")[2] for path in paths])
-    if not name or law.states or fit.friction_was_measured or stops_of(mechanism):
+    if not name or law.states or stops_of(mechanism):
         return ""
     try:
         segments = balanced(mechanism, fit.measurement, hold="first")

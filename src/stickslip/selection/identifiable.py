@@ -1,8 +1,14 @@
-"""Which estimates of a fit may be quoted one by one."""
+"""Which estimates of a fit may be quoted one by one, and what limits their intervals."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from stickslip.identification import TOGETHER, Estimate, RecordFit
+from stickslip.formatting import capital, percent, quantity
+from stickslip.identification import READINGS, TOGETHER, Estimate, Fit, RecordFit
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
 
 
 def half_of(estimate: Estimate) -> float:
@@ -35,8 +41,8 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
 def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """Return the estimates that stand each for itself, the surest first.
 
-    Their intervals are bounded, they are no offset, none trades off with another, and no
-    error of the model moves them.
+    Their intervals are bounded and do not hold 0, they are no offset, none trades off with another,
+    and no error of the model moves them.
 
     Examples
     --------
@@ -49,6 +55,66 @@ def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """
     apart = traded(fit) | moved_by_errors(fit)
     known = [
-        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in apart
+        e
+        for e in fit.estimates
+        if e.bounded and not e.low <= 0.0 <= e.high
+        if "offset" not in e.path and e.path not in apart
     ]
     return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))
+
+
+def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
+    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+
+    It is the record or the readings, or the uncertainty of the mechanism.
+    """
+    if not estimate.sources:
+        return ""
+    return limit_text(estimate, fit.rig_uncertainties, fit.readings)
+
+
+def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
+    """Return what limits each interval of a fit, with the path of the parameter."""
+    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
+    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
+
+
+def limit_text(
+    estimate: Estimate, stated: Sequence[tuple[Mechanism, Mapping[str, float]]], readings: str
+) -> str:
+    """Return which source makes most of an interval, as a sentence; empty if there is only one.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(
+    ...     travel=0.2, uncertainty=0.001, parameter_uncertainties={"stiffness": 3.0}
+    ... )
+    >>> (level,) = fit(rig, Coulomb, reading).estimates
+    >>> limit_text(level, [(rig, {"mechanism.stiffness": 3.0})], "the reading")
+    ' The stiffness (3 %) contributes more to its uncertainty than the reading.'
+    """
+    rig = {path: error for path, error in estimate.sources.items() if path != READINGS}
+    if not rig:
+        return ""
+    path = max(rig, key=lambda one: rig[one])
+    known = f"the {path.rpartition('.')[2].replace('_', ' ')}{_known_to(path, stated)}"
+    if rig[path] > estimate.sources[READINGS]:
+        return f" {capital(known)} contributes more to its uncertainty than {readings}."
+    verb = "contribute" if readings.endswith("s") else "contributes"
+    return f" {capital(readings)} {verb} more to its uncertainty than {known}."
+
+
+def _known_to(path: str, stated: Sequence[tuple[Mechanism, Mapping[str, float]]]) -> str:
+    """Return the uncertainty of a parameter in brackets: its share, or itself if that differs."""
+    pairs = set()
+    for mechanism, doubts in stated:
+        known = {p: (value, q.unit) for p, q, value in parameters(mechanism, "mechanism")}
+        if path in doubts:
+            pairs.add((doubts[path], *known[path]))
+    shares = {percent(doubt / abs(value)) for doubt, value, _ in pairs if value}
+    if len(shares) == 1:
+        return f" ({shares.pop()})"
+    sizes = {quantity(doubt, unit, 2) for doubt, _, unit in pairs}
+    return f" ({sizes.pop()})" if len(sizes) == 1 else ""

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -26,6 +26,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.selection.applicability import checked
 from stickslip.selection.candidates import LEFT_OUT, Watch, control, specifications
 from stickslip.selection.cross_validation import Plan, plan_of
+from stickslip.selection.explained import Explained, told_to
 from stickslip.selection.joint_verdict import JointVerdict, combination_of, joint_wording
 from stickslip.selection.ladder import climbed
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
@@ -35,6 +36,7 @@ from stickslip.selection.records import (
     unfitted,
     verdict_on,
     with_contained,
+    with_errors,
     with_objections,
     with_scores,
     without_spare,
@@ -89,17 +91,21 @@ def select_joints(
 ) -> JointVerdict:
     """Select a law for each joint from records of positions and forces; arguments as in `select`.
 
-    All joints begin with the simplest law. Then joint by joint every candidate is fitted with the
-    laws of the others as they are, in one problem with all parameters, and one is chosen as for
-    other records, by held-out errors of the force of that joint. This is repeated until no choice
-    changes.
+    The force balance of each joint is explained first, by the search over structures that serves
+    one coordinate: the law of its structure, its rivals and Coulomb + viscous friction are the
+    candidates, and faults are named with the joint. Then joint by joint every candidate is fitted
+    with the laws of the others as they are, in one problem with all parameters. Named is the law
+    that the balance asks for; where it cannot be judged, or where laws are given without it, one is
+    chosen as for other records, by held-out errors of the force of that joint, beginning with the
+    simplest. This is repeated until no choice changes.
 
     Parameters
     ----------
     mechanism : Mechanism
         What was measured; records may override its parameters.
     laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
-        The candidates for each joint; the usual ones without bristles if None.
+        The candidates for each joint; if None, those that its force balance asks for, or the usual
+        ones without bristles where that cannot be judged.
     measurement : Measurement
         Records in time of positions and forces by joint.
     vary : str or sequence of str, optional
@@ -124,20 +130,49 @@ def select_joints(
     specs = joint_specifications(laws)
     names = [LAW, *(name for name in names_of(vary or LAW) if name != LAW)]
     checks = checked(mechanism, measurement, validate)
-    fitter = JointFitter.of(
+    prepared = partial(
+        JointFitter.of,
         mechanism,
         _laws_of(mechanism, specs[0]),
         measurement,
         vary=names,
         fixed=fixed,
         settings=settings,
-        bristles=any(map(_has_bristles, specs)),
     )
+    bristles = any(map(_has_bristles, specs))
+    fitter = prepared(bristles=bristles)
     if fitter.wrong_columns:
         found = Finding(kind="joint columns", sentence=fitter.wrong_columns, severity="warning")
         checks = replace(checks, findings=(found, *checks.findings))
-    descent = _Descent.of(fitter, specs, validate, checks, progress, executor, usual=laws is None)
+    asked = _explained(fitter, progress)
+    own = {
+        contact: asked[contact].specs if laws is None and contact in asked else specs
+        for contact in fitter.contacts.values()
+    }
+    if not bristles and any(_has_bristles(one) for every in own.values() for one in every):
+        fitter = prepared(bristles=True)
+    descent = _Descent.of(
+        fitter, own, asked, validate, checks, progress, executor, usual=laws is None
+    )
     return descent.verdict()
+
+
+def _explained(fitter: JointFitter, watch: Watch | None) -> dict[str, Explained]:
+    """Return what the force balance of each joint asks for, by contact."""
+
+    def told(joint: str, share: float, structure: str) -> None:
+        if watch is not None:
+            told_to(watch, share, structure, f"{fitter.contacts[joint]}: ")
+
+    return {
+        fitter.contacts[joint]: Explained.of(
+            one,
+            joint_record(fitter.mechanism, fitter.measurement, joint),
+            fitter.settings,
+            decides=True,
+        )
+        for joint, one in fitter.asked(told).items()
+    }
 
 
 def _laws_of(mechanism: Mechanism, one: CandidateSpec) -> dict[str, CandidateSpec]:
@@ -150,7 +185,10 @@ class _Descent:
     """A coordinate descent: the choice so far, and what was compared on its way."""
 
     fitter: JointFitter
-    specs: tuple[CandidateSpec, ...]
+    specs: Mapping[str, tuple[CandidateSpec, ...]]
+    """Candidates of each contact."""
+    asked: Mapping[str, Explained]
+    """What the force balance of each contact asks for, where it could be judged."""
     validate: Measurement | None
     checks: Checks
     watch: Watch | None
@@ -174,7 +212,8 @@ class _Descent:
     def of(
         cls,
         fitter: JointFitter,
-        specs: tuple[CandidateSpec, ...],
+        specs: Mapping[str, tuple[CandidateSpec, ...]],
+        asked: Mapping[str, Explained],
         validate: Measurement | None,
         checks: Checks,
         watch: Watch | None,
@@ -182,27 +221,31 @@ class _Descent:
         *,
         usual: bool,
     ) -> "_Descent":
-        """Begin with the simplest law at all joints, of several that with the least residual."""
-        least = min(map(_size, specs))
-        simplest = [one for one in specs if _size(one) == least]
-        tried = {one.name: _common(fitter, one) for one in simplest}
-        known = [one for one in tried.values() if one.fit is not None]
+        """Begin with the laws that the force balances ask for, and else with the simplest ones.
+
+        Of several simplest ones, that with the least residual.
+        """
+        begun = [_begun(specs, asked, at, usual=usual) for at in _simplest(specs)]
+        begun = list({combination_of(one): one for one in begun}.values())
+        tried = [_begin(fitter, one, asked) for one in begun]
+        known = [at for at, one in enumerate(tried) if one.fit is not None]
         if not known:
-            reasons = "; ".join(f"{one.title}: {one.dropped}" for one in tried.values())
+            reasons = "; ".join(f"{one.title}: {one.dropped}" for one in tried)
             raise ConvergenceError(f"no candidate can predict this record: {reasons}")
-        first = min(known, key=lambda one: one.residual)
+        at = min(known, key=lambda i: tried[i].residual)
+        first = tried[at]
         assert first.fit is not None
-        start = next(one for one in simplest if first.name == _named(fitter, one))
         whole = [fitter.measurement, *([] if validate is None else [validate])]
         return cls(
             fitter=fitter,
             specs=specs,
+            asked=asked,
             validate=validate,
             checks=checks,
             watch=watch,
             executor=executor,
-            chosen=dict.fromkeys(fitter.contacts.values(), start),
-            fits={first.name: first},
+            chosen=begun[at],
+            fits={first.name: _told(first, begun[at], asked)},
             plan=plan_of(first.fit, horizon=PURPOSES[AIM]),
             records={
                 contact: tuple((joint_record(fitter.mechanism, one, joint), one) for one in whole)
@@ -225,7 +268,7 @@ class _Descent:
                     continue
                 verdicts[contact], based[contact] = self._compared(joint, contact), others
                 taken = verdicts[contact].closest.name
-                self.chosen[contact] = next(one for one in self.specs if one.name == taken)
+                self.chosen[contact] = next(one for one in self.specs[contact] if one.name == taken)
             settled = self._name() == before
             if settled or self._name() in seen or sweep == SWEEPS or self.stopped:
                 break
@@ -243,10 +286,11 @@ class _Descent:
             chosen=dict(self.chosen),
             contact=contact,
             now=self.fits[self._name()],
+            starts=_starts(self.asked, [contact]),
         )
         watch = self.watch and partial(_by_joint, self.watch, joint, self)
         found = climbed(
-            self.specs,
+            self.specs[contact],
             work,
             watch,
             self.executor,
@@ -254,7 +298,7 @@ class _Descent:
                 [self._alone(one, joint, contact) for one in tried], specs
             ),
             at_noise=lambda _: False,  # of one among several joints there is no estimate
-            usual=self.usual,
+            usual=self.usual and contact not in self.asked,
         )
         tried, specs = found.tried, found.specs
         judge = partial(with_scores, plan=self.plan, validate=self.validate)
@@ -266,12 +310,16 @@ class _Descent:
         scored = list(run(judge, every))
         views = [with_objections(self._alone(one, joint, contact)) for one in scored]
         for one, spec in zip(scored, specs, strict=False):
-            name = self._name({contact: spec})
+            laws = {**self.chosen, contact: spec}
             if one.fit is not None:
-                self.fits[name] = replace(
-                    one, name=name, title=_title({**self.chosen, contact: spec})
-                )
-        judged = with_contained(views[: len(tried)], specs)
+                named = replace(one, name=combination_of(laws), title=_title(laws))
+                self.fits[named.name] = _told(named, laws, self.asked)
+        asked = self.asked.get(contact)
+        judged = [
+            one if asked is None else with_errors(one, asked, usual=self.usual)
+            for one in views[: len(tried)]
+        ]
+        judged = with_contained(judged, specs)
         own = self.records[contact]
         verdict = verdict_on(
             self.fitter.mechanism,
@@ -285,6 +333,7 @@ class _Descent:
             fault=self._fault(),
             material=APART,
             shown=self.scales[own[0][0].unit("force")],
+            asked=asked,
         )
         return replace(verdict, usual=self.usual, untried=found.untried, why_untried=found.why)
 
@@ -360,25 +409,74 @@ def _size(one: CandidateSpec) -> int:
     return len(kind.fit_order if one.free is None else one.free)
 
 
-def _named(fitter: JointFitter, one: CandidateSpec) -> str:
-    return combination_of(dict.fromkeys(fitter.contacts.values(), one))
-
-
 def _title(chosen: Chosen) -> str:
     return ", ".join(f"{one.title} ({contact})" for contact, one in chosen.items())
 
 
-def _common(fitter: JointFitter, one: CandidateSpec) -> RecordCandidate:
-    """Return one law fitted at all joints; one that cannot be fitted is kept with the reason."""
-    chosen = dict.fromkeys(fitter.contacts.values(), one)
-    named = replace(one, name=_named(fitter, one), title=_title(chosen))
+def _simplest(specs: Mapping[str, tuple[CandidateSpec, ...]]) -> list[str]:
+    """Return the names of the laws with the fewest parameters, of all joints."""
+    every = {one.name: one for own in specs.values() for one in own}
+    least = min(map(_size, every.values()))
+    return [name for name, one in every.items() if _size(one) == least]
+
+
+def _begun(
+    specs: Mapping[str, tuple[CandidateSpec, ...]],
+    asked: Mapping[str, Explained],
+    simplest: str,
+    *,
+    usual: bool,
+) -> dict[str, CandidateSpec]:
+    """Return the laws that a search begins with."""
+    return {
+        contact: (
+            own[0]
+            if usual and contact in asked
+            else next((one for one in own if one.name == simplest), min(own, key=_size))
+        )
+        for contact, own in specs.items()
+    }
+
+
+def _starts(asked: Mapping[str, Explained], contacts: Iterable[str]) -> dict[str, FittedLaw]:
+    """Return where searches of the laws of contacts begin, by contact and law."""
+    found = {}
+    for contact in contacts:
+        for name, one in asked[contact].starts.items() if contact in asked else ():
+            values = {
+                path.replace("friction.", f"friction.{contact}.", 1): value
+                for path, value in one.values.items()
+            }
+            laws = Laws(members=((contact, one.law),))
+            found[f"{contact}={name}"] = replace(one, law=cast("Any", laws), values=values)
+    return found
+
+
+def _begin(fitter: JointFitter, chosen: Chosen, asked: Mapping[str, Explained]) -> RecordCandidate:
+    """Return the first combination, fitted; one that cannot be fitted is kept with the reason."""
+    name, title = combination_of(chosen), _title(chosen)
+    starts = _starts(asked, chosen)
+    keys = [f"{contact}={one.name}" for contact, one in chosen.items()]
+    near = [starts[key] for key in keys if key in starts]
     try:
-        fit = fitter.fitted(chosen)
+        fit = fitter.fitted(chosen, contained=near)
     except (ConvergenceError, SimulationError) as error:
-        return unfitted(named, str(error))
-    return RecordCandidate(
-        name=named.name, title=named.title, fit=cast("Any", fit), validation=None
-    )
+        return RecordCandidate(
+            name=name, title=title, fit=None, validation=None, dropped=str(error)
+        )
+    return RecordCandidate(name=name, title=title, fit=cast("Any", fit), validation=None)
+
+
+def _told(one: RecordCandidate, laws: Chosen, asked: Mapping[str, Explained]) -> RecordCandidate:
+    """Return a combination with what the force balances say is wrong with it."""
+    assert one.fit is not None
+    fitted = cast("RecordFit[Laws]", one.fit).law
+    known = [
+        error.at(contact)
+        for contact, own in asked.items()
+        for error in own.errors_of(laws[contact].name, fitted[contact])
+    ]
+    return replace(one, fit=replace(one.fit, known_errors=tuple(known)))
 
 
 def _without(work: Callable[[CandidateSpec], RecordCandidate]) -> RecordCandidate | None:
@@ -406,6 +504,7 @@ def _fitted(
     chosen: Chosen,
     contact: str,
     now: RecordCandidate,
+    starts: Mapping[str, FittedLaw],
 ) -> RecordCandidate:
     """Fit one candidate at a joint, the others' laws as chosen; keep one that fails with why."""
     if one.name == chosen[contact].name:
@@ -417,6 +516,8 @@ def _fitted(
         return unfitted(one, LEFT_OUT)
     report = None if watch is None else partial(watch, one.name)
     work = partial(fitter.fitted, near=near, changed=contact, progress=report)
+    begin = starts.get(f"{contact}={one.name}")
+    contained = (*contained, *([] if begin is None else [begin]))
     try:
         fit = work({**chosen, contact: one}, contained=contained)
         rest = without_spare(joint_view(fit, contact))

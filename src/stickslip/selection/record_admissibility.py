@@ -1,8 +1,6 @@
 """Which fits to records may be taken, and which records no law explains."""
 
-import itertools
 import math
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,12 +12,9 @@ from stickslip.identification import (
     SEPARABLE,
     Estimate,
     RecordFit,
-    interleaved,
     step_intervals,
 )
 from stickslip.selection.applicability import one_way
-from stickslip.selection.choice import NEAR, errs_more
-from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate
 
 Array = NDArray[np.float64]
@@ -30,14 +25,6 @@ NOTHING: Final = 0.5
 """Held-out error over the variation of what is predicted from which a law explains nothing."""
 MANY: Final = 10.0
 """Held-out error over its stated uncertainty from which readings contradict the law ..."""
-LENGTHS: Final = (0.1, 0.2, 0.3, 0.5, 0.85)
-"""Lengths over which curves bend, over the range of the logarithm of the speed ..."""
-NOISES: Final = (0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
-"""... and variances of the noise, over that by which they bend."""
-STIFF: Final = 100.0
-"""Variance of the level of a curve, over that by which it bends."""
-ENOUGH: Final = 5
-"""Speeds of a direction from which a curve is drawn through them."""
 VISIBLE: Final = 0.1
 """... if it is also this share of the variation: a law that leaves 1 % of the variance predicts."""
 
@@ -141,47 +128,3 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
         line = np.column_stack([np.ones_like(t), t])
         total += float(np.sum((x - line @ np.linalg.lstsq(line, x, rcond=None)[0]) ** 2))
     return math.sqrt(total / len(seen.measured))
-
-
-def with_curve(candidate: RecordCandidate, *, uncertainty: float) -> RecordCandidate:
-    """Return a candidate with the errors of a smooth curve if it predicts a table better.
-
-    The curve is no law: a Gaussian process over the logarithm of the speed, one for each direction.
-    It shows whether a table has a shape that no candidate has.
-    """
-    fit = candidate.fit
-    if fit is None or candidate.validation is None or not interleaved(fit.problem.spans):
-        return candidate
-    samples = fit.problem.samples
-    velocity, friction, load = (
-        np.concatenate([getattr(one, name) for one in samples])
-        for name in ("velocity", "friction", "load")
-    )
-    segment = fit.optimum.best.segment
-    if len(segment) != len(velocity) or np.ptp(load) > 0.0 or not friction.any():
-        return candidate
-    counts = [len(np.unique(velocity[side])) for side in (velocity > 0.0, velocity < 0.0)]
-    if not velocity.all() or any(0 < count < ENOUGH for count in counts):
-        return candidate
-    losses = _curve_losses(np.log(np.abs(velocity)), np.sign(velocity), friction, segment)
-    found = CrossValidation(losses=losses, extrapolation=math.nan)
-    smooth = replace(candidate, validation=found)
-    worse = errs_more(candidate, smooth, errors=NEAR, uncertainty=uncertainty)
-    return replace(candidate, curve=found) if worse else candidate
-
-
-def _curve_losses(
-    x: Array, side: Array, friction: Array, segment: NDArray[np.intp]
-) -> tuple[float, ...]:
-    """Return the mean squares of held-out segments by the curve that predicts them best."""
-    alike = side[:, None] == side[None, :]
-    apart = np.subtract.outer(x, x) / max(float(np.ptp(x)), 1e-9)
-    tried = []
-    for length, noise in itertools.product(LENGTHS, NOISES):
-        covariance = alike * (np.exp(-0.5 * (apart / length) ** 2) + STIFF)
-        inverse = np.linalg.inv(covariance + noise * np.eye(len(x)))
-        weights = inverse @ friction
-        rows = [np.flatnonzero(segment == k) for k in np.unique(segment)]
-        left = [np.linalg.solve(inverse[np.ix_(r, r)], weights[r]) for r in rows]
-        tried.append(tuple(float(np.mean(one**2)) for one in left))
-    return min(tried, key=sum)

@@ -83,8 +83,15 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Which value that was given the record contradicts, as a clause; empty if it does not."""
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
+    from_balance: tuple[str, ...] = ()
+    """Paths of values that the force balance found, and the fit held."""
+    whole: float = math.nan
+    """Root mean square error of the motion simulated over whole records, with a constant force
+    fitted beside the law; infinite where that fails, not a number where it was not asked for."""
     curve: CrossValidation | None = None
     """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
+    otherwise: Mapping[str, str] = field(default_factory=dict)
+    """Titles of laws that explain a table as well if one of its rows is in error, by name."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -147,6 +154,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
             "curve_score": self.curve.score if self.curve else None,
+            "whole_record_error": self.whole,
+            "otherwise": dict(self.otherwise),
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,

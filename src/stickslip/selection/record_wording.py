@@ -16,14 +16,14 @@ from stickslip.formatting import (
     number,
     percent,
     ratio,
+    scale_of,
 )
 from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import settled_estimates
-from stickslip.selection.limits import limit_of
+from stickslip.selection.identifiable import limit_of, settled_estimates
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (
@@ -149,7 +149,7 @@ def record_wording(
     scale = shown or _scale(candidates, best.fit)
     curve = _closer_curve(best, scale)
     alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
-    alike += [c.title for c in equal]
+    alike += [*(c.title for c in equal), *best.otherwise.values()]
     least = all(best.score <= c.score for c in candidates if c.validation and not c.dropped)
     verdict = _verdict(best, alike, candidates, fault, on_second, trials, scale, least=least)
     lede = _lede(candidates, best, alike, without, scored, on_second, scale, said=verdict)
@@ -196,9 +196,10 @@ def _verdict(
         first = best.fit.model_errors[0]
         fails = "the model does not hold: " if first.share > 0.0 else ""
         return f"{found}, but {fails}{lower_first(first.finding)}"
-    apart = _halves_apart(best.fit) if best.fit else ""
-    if apart:
-        return f"{found}, but the two halves of the record disagree: {apart}."
+    if best.fit is not None and best.fit.halves is not None:
+        apart = difference([one.quantity for one in best.fit.estimates], best.fit.halves)
+        if apart:
+            return f"{found}, but the two halves of the record disagree: {apart}."
     curve = _closer_curve(best, scale)
     if curve:
         return f"{found}, but {curve}."
@@ -207,11 +208,6 @@ def _verdict(
     if alike:
         return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
-
-
-def _halves_apart(fit: RecordFit) -> str:
-    """Return what halves of the record contradict each other in; empty if in nothing."""
-    return difference([estimate.quantity for estimate in fit.estimates], fit.halves)
 
 
 def _closer_curve(best: RecordCandidate, scale: Scale) -> str:
@@ -285,6 +281,7 @@ def _lede(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
     text = held_out_text(scale, best.score, best.score_error, scored)
+    text += _whole_text(best, candidates)
     if on_second is not None:
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
@@ -302,7 +299,8 @@ def _lede(
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
     for error in fit.model_errors:
-        text += f" {error.consequence if error.finding in said else error}"
+        known = lower_first(error.finding) in said
+        text += f" {error.consequence if known else error}"
     route = route_text(fit)
     text += f" {route}" if route else ""
     closer = [
@@ -314,6 +312,24 @@ def _lede(
         first = closer[0]
         text += f" {first.title}: {told(first.score)}, but {first_of(first.dropped)}."
     return text
+
+
+def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate]) -> str:
+    """Return the error over whole records, and that of the usual choice; empty without one."""
+    assert best.fit is not None
+    if math.isnan(best.whole):
+        return ""
+    if math.isinf(best.whole):
+        return " A simulation of the whole record fails."
+    record = best.fit.measurement
+    what = "position" if "position" in record.quantities() else "velocity"
+    usual = [c for c in candidates if c.name == REFERENCE != best.name and math.isfinite(c.whole)]
+    scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
+    beside = "".join(f"; Coulomb + viscous friction: {scale.error(c.whole)}" for c in usual)
+    return (
+        " Simulated over the whole record, with a constant force fitted beside the law:"
+        f" {scale.error(best.whole)}{beside}."
+    )
 
 
 def _second_text(

@@ -13,7 +13,7 @@ from stickslip.experiments import (
     Measurement,
     with_doubts,
 )
-from stickslip.formatting import Scale, quantity
+from stickslip.formatting import Scale, lower_first, quantity
 from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
@@ -31,7 +31,9 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    memory_is_seen,
     to_compare,
+    whole_record_error,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -48,6 +50,7 @@ from stickslip.selection.choice import (
     ALIKE,
     APART,
     apart,
+    as_good,
     choose,
     effective_aic,
     errs_more,
@@ -64,7 +67,6 @@ from stickslip.selection.record_admissibility import (
     standard_uncertainty,
     unexplained,
     variation_of,
-    with_curve,
 )
 from stickslip.selection.record_verdict import (
     Purpose,
@@ -77,6 +79,8 @@ from stickslip.selection.record_wording import equals_of, outcomes, record_wordi
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
+NEARER = 1.5
+"""Factor between errors over whole records from which one stays clearly nearer than another."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 HOPELESS = (
@@ -135,7 +139,7 @@ def select_records(
     RecordVerdict
         Candidates, the law to use and sentences.
     """
-    aim = _aim(purpose, horizon)
+    aim = aim_of(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
@@ -145,15 +149,17 @@ def select_records(
         if route is None
         else choice_of(route, measurement, settings)
     ).with_hold(mechanism, measurement)
-    progress = progress and _until_stopped(progress)
+    progress = progress and until_stopped(progress)
     asked = explained(mechanism, measurement, choice.settings, parameters.unknown, progress)
     usual = laws is None and asked is None
-    chosen = asked.specs if asked and laws is None else _laws(laws, measurement)
+    chosen = asked.specs if asked and laws is None else laws_for(laws, measurement)
     if asked and laws is None:
         law, start = asked.specs[0].law, asked.starts[asked.specs[0].name].values
         choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
         if "starts" not in choice.settings.changed:
             choice = replace(choice, settings=replace(choice.settings, starts=1))
+    seen = [one for one in chosen if memory_is_seen(one.law, measurement)] if asked else []
+    choice = replace(choice, resolved=bool(seen) and choice.route == "inverse-dynamics")
     fitted, found = _tried(
         parameters,
         measurement,
@@ -164,16 +170,18 @@ def select_records(
         usual=usual,
         starts=asked.starts if asked else {},
     )
-    chosen, tried = found.specs, found.tried
     with with_doubts(measurement, mechanism, of=ConvergenceError):
-        fits = _fits(tried)
-    plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
-    work = partial(_judged, plan=plan, validate=validate)
-    controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
-    judged, without = _all_judged(work, tried, controlled, progress, executor)
+        plan, judged, without = judged_of(
+            fitted,
+            found,
+            aim,
+            validate=validate,
+            whole=purpose == "simulate",
+            progress=progress,
+            executor=executor,
+        )
     if asked:
-        judged = [_told(c, asked) for c in judged]
-    judged = with_contained(judged, chosen)
+        judged = [with_errors(c, asked, usual=laws is None) for c in judged]
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
@@ -184,6 +192,25 @@ def select_records(
         untried=found.untried,
         why_untried=found.why,
     )
+
+
+def judged_of(
+    fitted: Callable[..., RecordCandidate],
+    found: Climbed,
+    horizon: float,
+    *,
+    validate: Measurement | None,
+    progress: Watch | None,
+    executor: Executor | None,
+    whole: bool = False,
+) -> tuple[Plan, list[RecordCandidate], RecordCandidate | None]:
+    """Return how laws are judged, those that were fitted with their errors, and the control."""
+    fits = _fits(found.tried)
+    plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=horizon)
+    work = partial(_judged, plan=plan, validate=validate, whole=whole)
+    controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
+    judged, without = _all_judged(work, found.tried, controlled, progress, executor)
+    return plan, with_contained(judged, found.specs), without
 
 
 def _tried(
@@ -201,9 +228,9 @@ def _tried(
 
     def by(name: RecordRouteName, reason: str) -> Callable[..., RecordCandidate]:
         return partial(
-            _candidate,
+            candidate_of,
             parameters=parameters,
-            measurement=_without_stated(measurement, name),
+            measurement=without_stated(measurement, name),
             route=replace(choice, route=name, reason=reason, alternative=None),
             starts=starts,
         )
@@ -254,7 +281,7 @@ def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | 
     return "inverse-dynamics"
 
 
-def _aim(purpose: PurposeName, horizon: float | None) -> float:
+def aim_of(purpose: PurposeName, horizon: float | None) -> float:
     """Return how far predictions go [s]."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
@@ -264,7 +291,7 @@ def _aim(purpose: PurposeName, horizon: float | None) -> float:
     return horizon
 
 
-def _laws(
+def laws_for(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
     measurement: Measurement,
 ) -> tuple[CandidateSpec, ...]:
@@ -280,7 +307,7 @@ def _laws(
     )
 
 
-def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
+def without_stated(measurement: Measurement, route: str | None) -> Measurement:
     """Return a measurement without the stated uncertainty of what is compared.
 
     Fits refuse it, as their intervals come from what they leave; the verdict alone uses it.
@@ -320,7 +347,7 @@ def unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
     )
 
 
-def _candidate(
+def candidate_of(
     one: CandidateSpec,
     contained: Sequence[FittedLaw] = (),
     rival: float = 0.0,
@@ -403,10 +430,13 @@ def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
 
 
 def _judged(
-    candidate: RecordCandidate, plan: Plan, validate: Measurement | None
+    candidate: RecordCandidate, plan: Plan, validate: Measurement | None, *, whole: bool
 ) -> RecordCandidate:
-    """Add held-out errors and objections."""
-    return with_objections(with_scores(candidate, plan, validate))
+    """Add held-out errors and objections, and the error over whole records."""
+    found = with_objections(with_scores(candidate, plan, validate))
+    if not whole or found.fit is None or found.validation is None:
+        return found
+    return replace(found, whole=whole_record_error(found.fit))
 
 
 def with_scores(
@@ -435,7 +465,9 @@ def with_objections(candidate: RecordCandidate) -> RecordCandidate:
     """Add what speaks against the fit of a candidate that has held-out errors."""
     if candidate.fit is None or candidate.validation is None:
         return candidate
-    refuted = refuted_by_record(candidate.fit)
+    # no force that acts beside friction is known where friction was measured
+    measured = candidate.fit.friction_was_measured
+    refuted = "" if measured else refuted_by_record(candidate.fit)
     return replace(
         candidate,
         dropped="; ".join(filter(None, [refuted, objection(candidate.fit)])),
@@ -521,8 +553,13 @@ def verdict_on(
     material: float = 0.0,
     shown: Scale | None = None,
     asked: Explained | None = None,
+    beside: Callable[[RecordCandidate, float], RecordCandidate] | None = None,
 ) -> RecordVerdict:
-    """Return the verdict on candidates that were judged."""
+    """Return the verdict on candidates that were judged.
+
+    What else explains a table as well is put `beside` the closest law, given that and the error up
+    to which predictions count as exact.
+    """
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)
@@ -536,14 +573,19 @@ def verdict_on(
     closest = choose(among, uncertainty=least)
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=least)
-    closest = with_curve(_doubted(closest), uncertainty=least)
+    closest = _doubted(_as_simulated(closest, among, asked, uncertainty=least))
+    if beside is not None:
+        closest = beside(closest, least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = fault or unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
+        wrong = [one.finding for one in asked.errors if one.share > 0.0] if asked else []
         fault = fault or (
-            "no candidate predicts it significantly better than a model without friction"
+            lower_first(wrong[0]).removesuffix(".")
+            if wrong
+            else "no candidate predicts it significantly better than a model without friction"
         )
     on_second = _on_second(closest, scored)
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
@@ -551,8 +593,9 @@ def verdict_on(
     closest = next(c for c in ordered if c.name == closest.name)
     assert closest.fit is not None
     # What no law explains, laws cannot be told apart by.
-    experiments = () if fault else experiments_after(closest, ordered, plan)
-    trials = compared(closest.fit)
+    timed = plan.length > 0.0
+    experiments = experiments_after(closest, ordered, plan) if timed and not fault else ()
+    trials = compared(closest.fit) if measurement.trials else None
     if material and trials and not trials.shared and _alike(trials, closest.residual, material):
         trials = None
     return RecordVerdict(
@@ -584,14 +627,16 @@ def verdict_on(
         second=validate,
         on_second=on_second,
         trials=trials,
-        equals=tuple(one.name for one in equals_of(closest, ordered)),
+        equals=tuple(
+            dict.fromkeys((*(c.name for c in equals_of(closest, ordered)), *closest.otherwise))
+        ),
         experiments=experiments,
         half_estimates=halves(closest.fit),
         shown=shown,
     )
 
 
-def _until_stopped(watch: Watch) -> Watch:
+def until_stopped(watch: Watch) -> Watch:
     """Return a watcher that goes on saying so once it has asked to stop."""
     stopped: list[bool] = []
 
@@ -603,11 +648,16 @@ def _until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def _told(c: RecordCandidate, asked: Explained) -> RecordCandidate:
-    """Return a candidate with what the force balance says is wrong."""
+def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordCandidate:
+    """Return a candidate with what the force balance says is wrong, and which values it gave."""
     if c.fit is None:
         return c
-    return replace(c, fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law)))
+    own = asked.asked.laws.get(c.name) if usual else None
+    return replace(
+        c,
+        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit)),
+        from_balance=own.held if own else (),
+    )
 
 
 def _agreed(
@@ -626,10 +676,33 @@ def _agreed(
     allowed = [c for c in among if not asked.rejects(c.name, c.law)]
     if not allowed:
         return closest
+    if asked.decides and (own := [c for c in allowed if c.name == asked.asked.best.name]):
+        return own[0]
     best = choose(allowed, uncertainty=uncertainty)
     holds = not any(one.share > 0.0 for one in asked.errors)
     foretold = holds and errs_more(best, closest, uncertainty=uncertainty)
     return closest if foretold else best
+
+
+def _as_simulated(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return the law to simulate: of those that predict as well, one that stays clearly nearer.
+
+    Over whole records, where errors add up that short predictions do not show.
+    """
+    nearer = [
+        c
+        for c in among
+        if c.whole * NEARER < closest.whole and not c.dropped
+        if as_good(c, closest, uncertainty=uncertainty)
+        if asked is None or not asked.rejects(c.name, c.law)
+    ]
+    return min(nearer, key=lambda c: c.whole, default=closest)
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:

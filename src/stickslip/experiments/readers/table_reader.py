@@ -36,6 +36,13 @@ SECOND: Final = "position, second coordinate"
 """What the second column of a position in a plane is known by."""
 TIMES: Final = ("t", "time")
 """Names of a column of times, in either case, where a position has none other."""
+TURNING: Final[Mapping[str, str]] = {
+    "angle": "position",
+    "angular velocity": "velocity",
+    "angular_velocity": "velocity",
+    "torque": "force",
+}
+"""What quantities of a body that turns are called in records in time."""
 
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
@@ -286,6 +293,9 @@ def _named(
             known = [one for one in names if one != SECOND]
             raise UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
+    for word, quantity in TURNING.items():
+        if "time" in names and word in names and quantity not in names:
+            names[quantity], found_units[quantity] = names.pop(word), found_units.pop(word)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)

@@ -44,6 +44,10 @@ MARGIN = 1e-6
 """Share of the way at the first rate by which rounding may exceed it."""
 STILL = 1e-10
 """Rate over the first one that is none."""
+PLAIN = 1e-9
+"""Exponent of yielding, less 1, that is none."""
+LEAST = 1e-15
+"""Share of the way to the limit that is none."""
 SERIES = 0.05
 """Argument below which the functions of the exponential are summed as series."""
 
@@ -256,8 +260,38 @@ def _moved(
     with latches:
         found = law.moved(v, n, tuple(z), h)
     if found is None:
-        return None
+        return _yielded(law, v, n, z, h)
     return np.stack([np.broadcast_to(one, z.shape[1:]) for one in found])
+
+
+def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
+    """Return the state (1, ...) of Dahl's bristle after a step of h by a formula; None of others.
+
+    With the exponent 1 its rates are linear in the deflection, and a step is exact without.
+    """
+    made = getattr(law, "made_of", None)
+    leaf = None if made is None else made.memory
+    if leaf is None or leaf.part.name != "dahl":
+        return None
+    rates, names = _rates(law, v, n), leaf.names
+    power = getattr(law, names.get("yield_exponent", "yield_exponent"))
+    if np.all(power == 1.0):
+        return None
+    probe = law.break_away(1.0) / getattr(law, names.get("bristle_stiffness", "bristle_stiffness"))
+    probe = np.broadcast_to(probe, z.shape)
+    moves = v != 0.0
+    way, along = np.where(moves, v, 1.0), np.where(v < 0.0, -1.0, 1.0)
+    # at a deflection against the way, the spring stands further from its limit than unbent
+    curve = ((rates(-along * probe) / way) ** (1.0 / power) - 1.0) / probe
+    left = 1.0 - curve * along * z
+    size = np.abs(left)
+    bend = 1.0 - power
+    worn = curve * np.abs(v) * h * np.maximum(size, LEAST) ** -bend
+    plain = np.abs(bend) < PLAIN
+    spent = np.where(plain, 0.0, bend * worn)
+    kept = np.log1p(-np.minimum(spent, 1.0 - LEAST)) / np.where(plain, 1.0, bend)
+    size = np.where(spent >= 1.0, 0.0, size * np.exp(np.where(plain, -worn, kept)))
+    return np.where(moves, along * (1.0 - np.copysign(size, left)) / curve, z)
 
 
 def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:

@@ -46,8 +46,6 @@ class Halves:
     """Standard errors of their difference (p,)."""
     freedom: Array
     """Degrees of freedom of these (p,)."""
-    timed: bool = True
-    """Whether they follow each other; halves of a table are its rows dealt out."""
     several: bool = False
     """Whether they are the first and the last of several trials."""
 
@@ -57,7 +55,6 @@ class Halves:
         values: tuple[Array, Array],
         known: tuple[Inference, Inference],
         *,
-        timed: bool = True,
         several: bool = False,
     ) -> "Halves":
         """Return estimates of two halves, with Welch's degrees of freedom for their difference.
@@ -75,7 +72,6 @@ class Halves:
             values=values,
             errors=np.sqrt(whole),
             freedom=np.where(np.isfinite(welch), np.maximum(welch, 1.0), 1.0),
-            timed=timed,
             several=several,
         )
 
@@ -94,7 +90,7 @@ class Halves:
     @property
     def contradicting(self) -> Sequence[int]:
         """Which parameters contradict each other, the least likely first (Bonferroni)."""
-        chances = self.chances if self.timed else np.ones(len(self.errors))
+        chances = self.chances
         order = np.argsort(chances, kind="stable").tolist()
         return [i for i in order if chances[i] * len(chances) < CHANCE]
 

@@ -1,10 +1,12 @@
 """An error of the model that the residuals of a fit show."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 from typing_extensions import override
+
+from stickslip.formatting import lower_first
 
 UNSAID = "The 95 % intervals do not account for it."
 """What an error means where no more is known of it."""
@@ -48,6 +50,10 @@ class ModelError:
     def __str__(self) -> str:
         """Return what it is and what it does."""
         return f"{self.finding} {self.consequence}"
+
+    def at(self, joint: str) -> "ModelError":
+        """Return the same with the name of the joint that it is of."""
+        return replace(self, finding=f"At the {joint}: {lower_first(self.finding)}")
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the error as plain numbers and strings."""

@@ -57,6 +57,8 @@ SHARES = 20
 """Segments of a table at most; its speeds are dealt out to them in turn, so that each has slow and
 fast ones, and all readings at one speed are in one segment."""
 
+FEWEST = 5
+"""Rows that a table must have: three unknowns, and what tells whether they hold."""
 FEW_SPEEDS = 4
 """Speeds of a table below which its rows are dealt out instead."""
 
@@ -220,13 +222,18 @@ def _check(record: Measurement) -> None:
             f"{_other_way(record)}"
         )
     size = len(np.atleast_1d(record.values("friction")))
-    if size < LEAST:
+    if record.time is None and size < FEWEST:
+        raise InputError(
+            f"a table of friction needs at least {FEWEST} rows, and {label} has {size}: measure"
+            " friction at more speeds."
+        )
+    if record.time is not None and size < LEAST:
         raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
 
 
 def _check_response(record: Measurement, response: SensorResponse) -> None:
     """Refuse a delay of what has no time, or one that is as long as the record."""
-    if not response:
+    if response == PROMPT:
         return
     if record.time is None:
         raise InputError(

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.evidence import play
+from stickslip.evidence import Series, play
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
-from stickslip.identification.contact_inputs import joint_inputs
+from stickslip.identification.contact_inputs import joint_inputs, recorded_inputs
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
@@ -106,6 +106,30 @@ def joint_stretches(
     return tuple(_cut(pieces, joints, count, slipping=slipping) for count in samples)
 
 
+def joint_series(
+    torques: JointTorques, mechanism: Mechanism, measurement: Measurement, hold: Hold
+) -> tuple[tuple[tuple[Series, ...], ...], float]:
+    """Return the series of each joint, and what the common filter passes [Hz].
+
+    Forces that the known motion takes are known columns. What the force of a joint changes with by
+    a parameter that is looked for is a column with a free coefficient, and so is, in each record,
+    what it changes with by an unknown zero.
+    """
+    found: list[list[Series]] = [[] for _ in torques.coordinates]
+    passed = 0.0
+    for number, record in enumerate(measurement.records()):
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        for piece in between_gaps(record):
+            if np.asarray(piece.time).size < LEAST:
+                continue
+            own = _Piece.of(torques, set_up, piece, hold, 1.0)
+            passed = max(passed, 0.5 * own.passed / float(own.time[1] - own.time[0]))
+            inertias = torques.inertias(set_up, np.mean(own.raw, axis=0))
+            for i, series in enumerate(found):
+                series.append(own.series(i, number, torques, float(inertias[i])))
+    return tuple(tuple(one) for one in found), passed
+
+
 def _cut(
     pieces: Sequence[tuple[int, "_Piece", NDArray[np.intp]]],
     joints: Sequence[int],
@@ -160,6 +184,38 @@ def check_joints(record: Measurement, names: Sequence[str]) -> None:
             )
 
 
+def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str) -> Measurement:
+    """Return what was measured of one joint, as records of that joint alone.
+
+    Examples
+    --------
+    >>> from stickslip import TwoLinkArm
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
+    ... )  # fmt: skip
+    >>> q = {"shoulder": [0.0, 0.1], "elbow": [0.3, 0.2]}
+    >>> record = Measurement(time=[0.0, 0.1], position=q, force=q, name="swing")
+    >>> own = joint_record(arm, record, "elbow")
+    >>> own.position, own.unit("force"), own.name
+    (array([0.3, 0.2]), 'N m', 'swing')
+    """
+    turning = mechanism.units[mechanism.coordinates.index(coordinate)] == "rad"
+    records = [
+        replace(
+            record.joints[coordinate],
+            turning=turning,
+            name=record.name,
+            provenance=record.provenance,
+            conditions=record.conditions,
+        )
+        for record in measurement.records()
+    ]
+    if not measurement.trials:
+        return records[0]
+    return Measurement(trials=tuple(records), provenance=measurement.provenance)
+
+
 def with_own_segments(stretches: Stretches) -> Stretches:
     """Return the stretches of one joint with segments numbered without those that it rests in."""
     used = np.unique(np.concatenate([one.segment[one.segment >= 0] for one in stretches]))
@@ -178,6 +234,8 @@ class _Piece:
 
     time: Array
     """Even times (n,) [s]."""
+    raw: Array
+    """Positions (n, m) as they were measured."""
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
     passed: float
@@ -198,6 +256,8 @@ class _Piece:
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
     inputs: Sequence[Mapping[str, Array]]
     """Contact inputs of each joint (n,), by name."""
+    recorded: Mapping[str, Array]
+    """Those that the record has (n,), by name."""
 
     @property
     def span(self) -> float:
@@ -255,6 +315,7 @@ class _Piece:
             resting[:, i], resting_slopes[:, i] = force[:, i], slope[:, i, :count_of]
         return cls(
             time=time,
+            raw=np.column_stack(raw)[inside],
             motions=motions,
             passed=passed,
             applied=applied[inside],
@@ -264,6 +325,7 @@ class _Piece:
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
+            recorded=recorded_inputs(record, time),
             inputs=joint_inputs(
                 mechanism,
                 {along: one.name for along, one in contacts_along(mechanism).items()},
@@ -275,6 +337,23 @@ class _Piece:
                 fitted=torques.linear,
                 zeros=torques.by_position,
             ),
+        )
+
+    def series(self, i: int, number: int, torques: JointTorques, inertia: float) -> Series:
+        """Return the series of a joint, whose inertia (all others at rest) is known nearly."""
+        a = second_differences(self.motions[i].position, float(self.time[1] - self.time[0]))
+        columns = dict(zip(torques.linear, self.slopes[:, i].T, strict=True))
+        if self.by_position is not None:
+            names = (f"zero {name} {number}" for name in torques.coordinates)
+            columns |= dict(zip(names, self.by_position[:, i].T, strict=True))
+        return Series(
+            self.time,
+            self.raw[:, i],
+            self.applied[:, i],
+            mass=inertia,
+            taken=self.taken[:, i] - inertia * a,
+            covariates={"load": self.loads[:, i], **self.recorded},
+            extra=columns,
         )
 
     def stretch(

@@ -38,13 +38,23 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
+from stickslip.identification.force_map.joint_balance import (
+    JointBalanceBuilder,
+    contacts_along,
+    joint_record,
+)
 from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
-from stickslip.identification.terms.findings import asked_of, errors_of, model_errors
+from stickslip.identification.terms.findings import (
+    asked_of,
+    asked_of_joints,
+    errors_of,
+    model_errors,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.tables import Tabular
@@ -279,10 +289,11 @@ class RecordFit(Fit[AnyLaw_co]):
         """
         if self.known_errors is not None:
             return self.known_errors
-        if self.at_noise:
+        timed = any(record.time is not None for record in self.measurement.records())
+        if not timed or self.at_noise:
             return ()
         if isinstance(self.law, Laws):
-            return ()
+            return self._errors_of_joints(self.law)
         hold = self.hold.hold if self.hold else "zero"
         unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
         asked = asked_of(self.mechanism, self.measurement, hold, unknown, self.problem.response)
@@ -291,6 +302,25 @@ class RecordFit(Fit[AnyLaw_co]):
         found = model_errors(asked.explanation, self.measurement, hold, self.problem.response)
         unit = self.measurement.unit("force")
         return errors_of(asked, self.law, self.law.name, found, unit)
+
+    def _errors_of_joints(self, laws: Laws) -> tuple[ModelError, ...]:
+        """Return what the force balances of several joints show to be wrong."""
+        build = self.build
+        if not isinstance(build, JointBalanceBuilder):
+            return ()
+        known = {along: one.name for along, one in contacts_along(self.mechanism).items()}
+        own = {along: known[along] for along in build.problem.maps if along in known}
+        asked = asked_of_joints(
+            build.torques, self.mechanism, self.measurement, build.hold, own.keys()
+        )
+        found: list[ModelError] = []
+        for along, one in asked.items():
+            law = dict(laws.members)[own[along]]
+            record = joint_record(self.mechanism, self.measurement, along)
+            errors = model_errors(one.explanation, record, build.hold, self.problem.response)
+            errors = errors_of(one, law, law.name, errors, record.unit("force"))
+            found += [error.at(own[along]) for error in errors]
+        return tuple(sorted(found, key=lambda one: -one.share))
 
     @property
     def friction_was_measured(self) -> bool:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, cast, final
 
@@ -48,6 +48,8 @@ from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.terms.composed_laws import Asked
+from stickslip.identification.terms.findings import asked_of_joints
 from stickslip.identification.validation import (
     LAW,
     fixed_values,
@@ -166,6 +168,8 @@ class _Motion:
 
     torques: JointTorques
     """What a motion takes."""
+    mechanism: Mechanism
+    """The mechanism with the start values of what is looked for."""
     linear: tuple[FreeParameter, ...]
     """Parameters of the mechanism that are fitted, from linear regression."""
     left: Array
@@ -228,6 +232,7 @@ class _Motion:
         )
         own = cls(
             torques=torques,
+            mechanism=mechanism,
             linear=linear,
             left=left,
             share=within / _spread(derived[0]),
@@ -250,7 +255,9 @@ class _Motion:
             replace(item, start=value)
             for item, value in zip(self.linear, values.tolist(), strict=True)
         )
-        return replace(self, linear=linear, stretches=self.moved(change))
+        started = dict(zip(self.torques.linear, values.tolist(), strict=True))
+        mechanism = vary(self.mechanism, "mechanism", started)
+        return replace(self, mechanism=mechanism, linear=linear, stretches=self.moved(change))
 
 
 @final
@@ -328,6 +335,20 @@ class JointFitter:
             for name in self.motion.resting
         )
 
+    def asked(
+        self, progress: Callable[[str, float, str], None] | None = None
+    ) -> Mapping[str, Asked]:
+        """Return the laws that the force balances ask for, by coordinate; `progress` is told so."""
+        motion = self.motion
+        return asked_of_joints(
+            motion.torques,
+            motion.mechanism,
+            self.measurement,
+            self.settings.holding,
+            self.contacts.keys(),
+            progress,
+        )
+
     def fitted(
         self,
         laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
@@ -359,7 +380,7 @@ class JointFitter:
         fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
         failure = ""
         if changed:
-            own = [_of_contact(one, changed) for one in contained]
+            own = _of_contact(contained, changed)
             kind = type(fit.law[changed])
             failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
         said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
@@ -566,16 +587,18 @@ def _kept(
     return one.with_free_parameters(free)
 
 
-def _of_contact(one: FittedLaw, contact: str) -> FittedLaw:
-    """Return the law of one contact of a fit of several, its values called as if alone."""
-    prefix = f"friction.{contact}."
-    values = {
-        path.replace(prefix, "friction.", 1): value
-        for path, value in one.values.items()
-        if path.startswith(prefix)
-    }
-    laws = cast("Laws", one.law)
-    return replace(one, law=laws[contact], values=values)
+def _of_contact(fitted: Sequence[FittedLaw], contact: str) -> list[FittedLaw]:
+    """Return the laws of one contact of fits of several, their values called as if alone."""
+    prefix, found = f"friction.{contact}.", []
+    for one in fitted:
+        law = dict(cast("Laws", one.law).members).get(contact)
+        values = {
+            path.replace(prefix, "friction.", 1): value
+            for path, value in one.values.items()
+            if path.startswith(prefix)
+        }
+        found += [] if law is None else [replace(one, law=law, values=values)]
+    return found
 
 
 @final
@@ -832,8 +855,7 @@ def _map_of(
         mass=inertia,
     )
     near = problem.free_parameters.starting_at(starts[0])
-    own = [_of_contact(one, contact) for one in contained]
-    own = list(reachable(problem.law, near, own))
+    own = list(reachable(problem.law, near, _of_contact(contained, contact)))
     nested = starts_from(type(problem.law), near, own, 1.0)
     problem = replace(problem.with_free_parameters(near), of_applied=True)
     return problem, (*nested, *starts[1:])

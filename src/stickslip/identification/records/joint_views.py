@@ -23,47 +23,15 @@ from stickslip.identification.force_map.joint_balance import (
     JointBalance,
     JointBalanceBuilder,
     contacts_along,
+    joint_record,
     with_own_segments,
 )
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.joint_fitting import JOINTS
 from stickslip.identification.records.level_units import by_joint
-from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
-
-
-def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str) -> Measurement:
-    """Return what was measured of one joint, as records of that joint alone.
-
-    Examples
-    --------
-    >>> from stickslip import TwoLinkArm
-    >>> arm = TwoLinkArm(
-    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
-    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
-    ... )  # fmt: skip
-    >>> q = {"shoulder": [0.0, 0.1], "elbow": [0.3, 0.2]}
-    >>> record = Measurement(time=[0.0, 0.1], position=q, force=q, name="swing")
-    >>> own = joint_record(arm, record, "elbow")
-    >>> own.position, own.unit("force"), own.name
-    (array([0.3, 0.2]), 'N m', 'swing')
-    """
-    turning = mechanism.units[mechanism.coordinates.index(coordinate)] == "rad"
-    records = [
-        replace(
-            record.joints[coordinate],
-            turning=turning,
-            name=record.name,
-            provenance=record.provenance,
-            conditions=record.conditions,
-        )
-        for record in measurement.records()
-    ]
-    if not measurement.trials:
-        return records[0]
-    return Measurement(trials=tuple(records), provenance=measurement.provenance)
 
 
 Pairs = Sequence[tuple[Measurement, Measurement]]

@@ -79,6 +79,9 @@ class ProblemRequest:
     """Segments, starts and seed."""
     held: Sequence[str] = ()
     """Parameters of the mechanism that are not to be fitted, such as an offset."""
+    resolved: bool = False
+    """Whether friction by inverse dynamics is resolved as finely as noise allows: as bristles ask
+    for, or laws that are compared with such."""
 
 
 P_co = TypeVar("P_co", bound=RecordProblem, default=RecordProblem, covariant=True)
@@ -336,15 +339,17 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    slipping = not _memory_is_seen(wanted)
-    stretches = balanced(mechanism, measurement, hold=hold, slipping=slipping)
+    slipping = not memory_is_seen(wanted.law, measurement)
+    resolved = wanted.resolved or not slipping
+    own = partial(balanced, mechanism, measurement, hold=hold, slipping=slipping, resolved=resolved)
+    stretches = own()
     _check_inputs(wanted, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
     problem, starts = map_along(
         wanted.law,
         stretches,
-        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=slipping),
+        own(samples=SOME),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
@@ -356,22 +361,21 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     if mass is not None:
         _refuse_overrides(measurement, problem.free_parameters)
-    build = BalanceProblemBuilder(mechanism, problem, hold, slipping)
+    build = BalanceProblemBuilder(mechanism, problem, hold, slipping, resolved)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-def _memory_is_seen(wanted: ProblemRequest) -> bool:
+def memory_is_seen(law: FrictionLaw | type[FrictionLaw], measurement: Measurement) -> bool:
     """Whether the positions resolve the way along which bristles start: then rests count as well.
 
     Where they do not, the noise of positions times the stiffness is an error of the prediction.
     """
-    law = wanted.law
     stiffness = getattr(law, "bristle_stiffness", None)
     if isinstance(law, type) or not law.states or not isinstance(stiffness, float):
         return False
     levels = [getattr(law, name) for name in law.fit_order if "kinetic" in name]
     level = max((abs(float(one)) for one in levels if one is not None), default=0.0)
-    records = wanted.measurement.records()
+    records = measurement.records()
     noise = max(positive_noise(positions_of(record)) for record in records)
     return level > SEEN * stiffness * noise
 

@@ -12,7 +12,7 @@ from stickslip.experiments import Measurement, rows_of
 from stickslip.identification.estimation.estimates import bounds_met
 from stickslip.identification.estimation.halves import Halves, blocks_of_half
 from stickslip.identification.estimation.jackknife import Displaced, infer
-from stickslip.identification.estimation.levenberg_marquardt import improve
+from stickslip.identification.estimation.levenberg_marquardt import FIRST_DAMPING, improve, step_of
 from stickslip.identification.estimation.problem import Problem, ResidualJacobian, SubsetProblem
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.series.applied_force import driven
@@ -25,6 +25,9 @@ ROUNDS = 8
 """Steps at most from the estimates of the whole record to those without a block."""
 FLAT = 1e-3
 """They end when a step, but the first, promises to lower the cost by less than this share."""
+LINEAR = 0.01
+"""Share of the squares of all residuals, those left out included, up to which what a step does to
+them is taken as linear: what that leaves out is of second order."""
 
 
 def refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:
@@ -63,7 +66,6 @@ def halves_of(fit: RecordFit) -> Halves | None:
     return Halves.of(
         (first.values, second.values),
         (known[0], known[1]),
-        timed=not interleaved(fit.problem.spans),
         several=len(np.unique(fit.problem.spans[:, 0])) > 1,
     )
 
@@ -118,9 +120,42 @@ def _refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | N
     seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
     if not seen.any():
         return None
-    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.optimum.best)
-    end, _ = improve(part, fit.values, rounds=ROUNDS, flat=FLAT)
-    return end
+    whole, chosen = fit.optimum.best, np.flatnonzero(seen)
+    rows = np.isin(whole.segment, chosen)
+    here = ResidualJacobian(
+        values=fit.values,
+        residual=whole.residual[rows],
+        slopes=whole.slopes[rows],
+        segment=whole.segment[rows],
+        memory=whole.memory,
+    )
+    found = _stepped(fit, here, rows)
+    if found is None:
+        part = SubsetProblem(fit.problem, chosen.tolist(), whole)
+        found, _ = improve(part, fit.values, near=here, rounds=ROUNDS, flat=FLAT)
+    return found
+
+
+def _stepped(
+    fit: RecordFit, here: ResidualJacobian, rows: NDArray[np.bool_]
+) -> ResidualJacobian | None:
+    """Return the fit to some rows by one step from that to all; None if that is a long way.
+
+    The prediction is taken as linear along the step, and not made again.
+    """
+    free, whole = fit.free_parameters, fit.optimum.best
+    at, (low, high) = free.coordinates(here.values), free.limits()
+    table = whole.slopes @ free.slopes(at)
+    step, _ = step_of(table[rows], here.residual, at, low, high, FIRST_DAMPING)
+    change = table @ step
+    if not change @ change <= LINEAR * whole.cost:
+        return None
+    return ResidualJacobian(
+        values=free.values(at + step),
+        residual=here.residual - change[rows],
+        slopes=here.slopes,
+        segment=here.segment,
+    )
 
 
 def _refitted_decay(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:

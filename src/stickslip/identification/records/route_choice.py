@@ -51,6 +51,8 @@ COMPARED = ("inertia", "mass", "kinetic_coefficient")
 """Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
 STARTS = 2
 """Starts of a search where the regression leaves much: of a short record it may be far off."""
+WHOLE = 5
+"""Steps at most to the constant force with which whole records are simulated."""
 SHORTER = (0.5, 0.25, 0.125)
 """Shares of the usual length that are tried where inverse dynamics does not serve."""
 
@@ -70,6 +72,8 @@ class RouteChoice:
     """Route that may serve better, to be compared once laws are fitted; None if none may."""
     hold: HoldFinding | None = None
     """How the recorded force runs between samples, as given or estimated; None if none drives."""
+    resolved: bool = False
+    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles."""
 
     def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
         """Return the same with what the record says of the hold, which its settings then have."""
@@ -342,6 +346,31 @@ def decided(
         else _no_motion(choice.settings)
     )
     return replace(choice, route=choice.alternative, reason=why, alternative=None)
+
+
+def whole_record_error(fit: RecordFit) -> float:
+    """Return the root mean square error of the motion simulated over whole records, not in parts.
+
+    Besides the first states, a constant force beside friction is fitted: what a law lacks of it
+    grows with the square of time. Not a number where nothing drives, or more than one body moves.
+    """
+    mechanism, measurement = fit.mechanism, fit.measurement
+    alone = len(mechanism.coordinates) == 1 and not drives_itself(mechanism, measurement)
+    if fit.friction_was_measured or not alone or not driven(measurement):
+        return math.nan
+    usual = RecordSettings() if fit.hold is None else fit.hold.applied(RecordSettings())
+    offset = ("mechanism.offset",) if "offset" in mechanism.__dataclass_fields__ else ()
+    asked = replace(
+        _plain_fit(mechanism, measurement, offset, _whole(measurement, usual)),
+        law=fit.law,
+        free=(),
+    )
+    try:
+        problem = simulated(asked).problem
+        start = np.full(len(problem.free_parameters), fit.offset)
+        return improve(problem, start, rounds=WHOLE, flat=SUSPECT)[0].rms
+    except StickslipError:
+        return math.inf
 
 
 def _motion_left(problem: Shooting) -> _Simulated:

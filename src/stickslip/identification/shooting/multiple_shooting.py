@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
 """Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
 thousands, parameters have gone where nothing moves as measured."""
+STEPS_PER_ROW = 20
+"""Steps of a long segment at most, over its rows."""
 
 
 SHIFT = 1e-5
@@ -415,8 +417,9 @@ def _bare(
     """Return a segment simulated from a state; None if the run fails."""
     if not np.all(np.isfinite(state)):
         return None
-    end = float(segment.times[-1])
-    run = SOLVER.bare(mechanism, law, y0=_start(mechanism, begun, state), t_end=end)
+    end, steps = float(segment.times[-1]), STEPS_PER_ROW * len(segment.times)
+    solver = SOLVER if steps <= SOLVER.max_steps else replace(SOLVER, max_steps=steps)
+    run = solver.bare(mechanism, law, y0=_start(mechanism, begun, state), t_end=end)
     return run if run.status.complete else None
 
 

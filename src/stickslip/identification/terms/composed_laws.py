@@ -45,6 +45,8 @@ class ComposedLaw:
     """Constant force [N] beside friction, as mechanisms count it."""
     inertia: float | None
     """Inertia of the structure; None where none was looked for."""
+    held: tuple[str, ...] = ()
+    """Paths of values that the balance found and a fit holds, such as those of exponents."""
 
     @property
     def name(self) -> str:
@@ -97,8 +99,10 @@ class Asked:
         """Return the closest structure of a law, at its values if the search has not met it."""
         if name in self.fits:
             return self.fits[name]
-        structure = structure_of(law, self.explanation.best.structure)
-        return None if structure is None else fit(self.explanation.balance, structure)
+        balance = self.explanation.balance
+        loaded = "load" in balance.references
+        structure = structure_of(law, self.explanation.best.structure, loaded=loaded)
+        return None if structure is None else fit(balance, structure)
 
 
 PARTS = {
@@ -113,10 +117,12 @@ TWO_SIDED = ("stribeck", "viscous", "power")
 """Kinds with a difference between the directions of their own; that of levels is an offset."""
 
 
-def structure_of(law: FrictionLaw, best: Structure, channel: str = "") -> Structure | None:
+def structure_of(
+    law: FrictionLaw, best: Structure, channel: str = "", *, loaded: bool = False
+) -> Structure | None:
     """Return the structure of a law beside what else the best structure has.
 
-    None for laws with other parts than terms have.
+    None for laws with other parts than terms have. Where the load varies, levels grow with it.
     """
     made: Composition | None = law.made_of
     if made is None or (made.memory and made.memory.part.name not in ("dahl", "lugre")):
@@ -127,13 +133,14 @@ def structure_of(law: FrictionLaw, best: Structure, channel: str = "") -> Struct
         return None
     if any(leaf.sign is not None for leaf in leaves):
         return None
-    rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL}
+    rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL, "load"}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
     for leaf in leaves:
         if leaf.part.name == "stribeck" and made.memory and made.memory.part.name == "lugre":
             continue
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
-        terms += [Term(kind, par, channel)]
+        grows = loaded and kind == "level"
+        terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
         both = any(isinstance(one, tuple) for one in leaf.names.values())
         terms += [Term(f"{kind}_dir", par, channel)] if both and kind in TWO_SIDED else []
     if made.directional and not any(one.kind == "offset" for one in terms):
@@ -169,7 +176,8 @@ def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
     if "stribeck" not in inside:
         return (length, 1.0)
     step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
-    return (length, 1.0, *_parameters_of(law, inside["stribeck"])[:1], step, 1.0)
+    velocity, fading = _parameters_of(law, inside["stribeck"])
+    return (length, 1.0, velocity, step, fading)
 
 
 def composed_law(
@@ -188,7 +196,8 @@ def composed_law(
         try:
             spec = _specification(structure, text, channel, directional=directional)
             kind = spec.law if isinstance(spec.law, type) else type(spec.law)
-            start = _started(kind, coefficients)
+            values = _values(kind, coefficients)
+            start = kind(**values)
         except (InputError, ParameterError):
             continue
         free = kind.fit_order if spec.free is None else spec.free
@@ -197,6 +206,7 @@ def composed_law(
             specification=replace(spec, law=start, free=free),
             constant=0.0 if kind.directional else next(iter(found.of("offset", channel)), 0.0),
             inertia=next(iter(found.of("inertia", channel)), None),
+            held=tuple(f"friction.{name}" for name in values if name not in free),
         )
     return None
 
@@ -220,7 +230,7 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     terms, shape = _of(structure, channel), structure.shape(channel)
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
     levels, flow = _levels(structure, channel, terms), _flow(terms)
-    used = {"level", "second", *both}
+    used = {"level", "load", "second", *both}
     used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
@@ -246,7 +256,7 @@ def _sides(both: set[str]) -> tuple[bool, bool]:
 
 
 def _levels(structure: Structure, channel: str, terms: Mapping[str, Term]) -> str:
-    if "level" not in terms:
+    if not {"level", "load"} & set(terms):
         return ""
     level = "level"
     level += "".join(
@@ -324,7 +334,7 @@ class _Coefficients:
             return own[index] if own else 0.0
 
         both = any(kind in terms for kind in DIRECTIONAL)
-        level = max(of("level") + of("second"), LEAST)
+        level = max(of("level") + load * of("load") + of("second"), LEAST)
         constant = of("level_dir") + (of("offset") if both else 0.0)
         sides = [max(level + s * constant, LEAST) / load for s in (1.0, -1.0)]
         steps = [max(of("stribeck") + s * of("stribeck_dir"), 0.0) / load for s in (1.0, -1.0)]
@@ -391,8 +401,8 @@ def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str
     return found
 
 
-def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLaw:
-    """Return a law with the values that its structure has."""
+def _values(kind: type[FrictionLaw], coefficients: _Coefficients) -> dict[str, float]:
+    """Return the values of a law that its structure has."""
     made: Composition = kind.made_of
     values: dict[str, float] = {}
     for text, leaf in _leaves(made):
@@ -406,7 +416,7 @@ def _started(kind: type[FrictionLaw], coefficients: _Coefficients) -> FrictionLa
                 values |= dict(zip(field, pair, strict=True))
             else:
                 values[field] = 0.5 * sum(value) if isinstance(value, tuple) else value
-    return kind(**{name: value for name, value in values.items() if name in made.fields})
+    return {name: value for name, value in values.items() if name in made.fields}
 
 
 def _leaves(made: Composition) -> Iterator[tuple[str, Leaf]]:

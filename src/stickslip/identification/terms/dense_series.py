@@ -1,14 +1,17 @@
 """Records as dense series, whose force balance the evidence engine explains by terms."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.evidence import Series
 from stickslip.experiments import Measurement
+from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
 from stickslip.identification.force_map.data import load_along
+from stickslip.identification.force_map.joint_balance import joint_series
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.series.applied_force import applied_force, driven, drives_itself
 from stickslip.identification.series.inverse_dynamics import (
@@ -55,27 +58,46 @@ def dense_series(
     """
     records = measurement.records()
     loads = loads_of(mechanism, measurement)
-    low, middle, high = np.percentile(np.concatenate(loads), [0.0, 50.0, 100.0])
-    varies = high - low > VARIES * middle
-    inputs = [recorded_inputs(one, np.asarray(one.time, dtype=float)) for one in records]
-    # of several trials, each may have a temperature of its own
-    shared = [
-        name
-        for name in inputs[0]
-        if all(name in one for one in inputs)
-        if np.ptp(np.concatenate([one[name] for one in inputs])) > 0.0
+    inputs = [
+        {"load": load, **recorded_inputs(one, np.asarray(one.time, dtype=float))}
+        for one, load in zip(records, loads, strict=True)
     ]
     return tuple(
-        _series(
-            mechanism,
-            record,
-            hold,
-            unknown,
-            {**({"load": load} if varies else {}), **{name: own[name] for name in shared}},
-            response,
-        )
-        for record, load, own in zip(records, loads, inputs, strict=True)
+        _series(mechanism, record, hold, unknown, own, response)
+        for record, own in zip(records, _that_vary(inputs), strict=True)
     )
+
+
+def joints_series(
+    torques: JointTorques, mechanism: Mechanism, measurement: Measurement, hold: Hold
+) -> tuple[tuple[tuple[Series, ...], ...], tuple[float, ...], float]:
+    """Return the series of each joint (m,), its usual load [N], and their least band [Hz].
+
+    The mechanism has the values of its parameters nearly: a regression of each joint corrects them.
+    """
+    found, loads = [], []
+    every, passed = joint_series(torques, mechanism, measurement, hold)
+    for own in every:
+        inputs = [one.covariates for one in own]
+        varying = zip(own, _that_vary(inputs), strict=True)
+        found.append(tuple(replace(one, covariates=columns) for one, columns in varying))
+        loads.append(float(np.median(np.concatenate([one["load"] for one in inputs]))))
+    return tuple(found), tuple(loads), passed
+
+
+def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
+    """Return what friction may depend on in each record: what all have and what changes."""
+    names = []
+    for name in inputs[0]:
+        if not all(name in one for one in inputs):
+            continue
+        low, middle, high = np.percentile(
+            np.concatenate([one[name] for one in inputs]), [0.0, 50.0, 100.0]
+        )
+        # of several trials, each may have a temperature of its own
+        if high - low > (VARIES * middle if name == "load" else 0.0):
+            names.append(name)
+    return [{name: one[name] for name in names} for one in inputs]
 
 
 def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:

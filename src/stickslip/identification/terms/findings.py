@@ -1,8 +1,9 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, final
 
 import numpy as np
@@ -15,19 +16,32 @@ from stickslip.evidence import (
     Explanation,
     Fault,
     Fit,
+    Rule,
+    Series,
     Term,
+    acceleration_noise,
     explain,
+    fit,
+    outliers,
+    pieces,
     resolution,
+    usual_band,
 )
 from stickslip.experiments import Measurement
-from stickslip.formatting import percent, quantity, scale_of, with_unit, within
+from stickslip.formatting import number, percent, quantity, scale_of, with_unit, within
+from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.settings import Hold
 from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.dense_series import dense_series, is_dense, loads_of
+from stickslip.identification.terms.dense_series import (
+    dense_series,
+    is_dense,
+    joints_series,
+    loads_of,
+)
 from stickslip.mechanisms import Mechanism
 
 NAMES: Final[Mapping[str, str]] = {
@@ -39,6 +53,8 @@ NAMES: Final[Mapping[str, str]] = {
     "saturation": "force limit",
     "mass": "inertia",
     "ripple": "position force",
+    "hum": "ripple in time",
+    "skew": "clock",
 }
 """Names of findings, where these are not those of the terms."""
 HALF: Final = (0.35, 0.65)
@@ -48,7 +64,13 @@ NEARLY: Final = 1.5
 HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
-"""... or so many times the noise of the force sensor in the band."""
+"""... or so many times the noise of the sensors in the band."""
+CORRECTED: Final = ("delay", "lag")
+"""Kinds that settings correct for where friction is measured."""
+PARTLY: Final = 0.025
+"""Share of the friction from which what is left is said beside the law of the rest ..."""
+FAR: Final = 4.0
+"""... and so many times that noise."""
 CALLED: Final[Mapping[str, str]] = {
     "delay": "a delay",
     "lag": "a filter of the force channel",
@@ -61,6 +83,8 @@ CALLED: Final[Mapping[str, str]] = {
     "viscous_drift": "a drift of the viscous friction",
     "saturation": "saturation of the force",
     "mass": "another mass",
+    "hum": "a ripple in time",
+    "skew": "a drift between the clocks of force and position",
 }
 """Kinds as nouns."""
 
@@ -90,21 +114,57 @@ def asked_of(
     response: SensorResponse,
     progress: Callable[[float, str], None] | None = None,
 ) -> Asked | None:
-    """Return the laws that the force balance of a record asks for; None where it cannot be judged.
-
-    Nor where the load varies, with which only a level grows in a structure.
-    """
+    """Return the laws that the force balance of a record asks for; None if it cannot be judged."""
     if not is_dense(mechanism, measurement):
         return None
     series = dense_series(mechanism, measurement, hold, unknown, response)
-    if any("load" in one.covariates for one in series):
-        return None
+    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
+    return _asked(series, load, mass_of(mechanism), None, progress)
+
+
+def asked_of_joints(
+    torques: JointTorques,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    hold: Hold,
+    joints: Collection[str],
+    progress: Callable[[str, float, str], None] | None = None,
+) -> Mapping[str, Asked]:
+    """Return the laws that the force balance of each joint asks for, of those that can be judged.
+
+    Each joint is explained alone, beside columns by which the parameters of the mechanism that are
+    looked for may differ for it: of several joints in one problem, the terms of one whose forces
+    are small would not earn their place. The band is the least of all, as each balance has the
+    accelerations of all joints, but not below that of the filter of their fits.
+    """
+    every, loads, passed = joints_series(torques, mechanism, measurement, hold)
+    own = {
+        name: (series, load)
+        for name, series, load in zip(torques.coordinates, every, loads, strict=True)
+        if name in joints and series
+    }
+    bands = [usual_band([p for one in series for p in pieces(one)]) for series, _ in own.values()]
+    fc, found = max([passed, min(bands, default=0.0)]), {}
+    for name, (series, load) in own.items():
+        told = None if progress is None else partial(progress, name)
+        asked = _asked(series, load, series[0].mass, fc, told)
+        if asked is not None:
+            found[name] = asked
+    return found
+
+
+def _asked(
+    series: Sequence[Series],
+    load: float,
+    mass: float | None,
+    fc: float | None,
+    progress: Callable[[float, str], None] | None,
+) -> Asked | None:
     try:
-        found = explain(series, progress=progress)
+        found = explain(series, fc=fc, progress=progress)
     except InputError:
         return None
-    load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    asked = Asked.of(found, load, mass_of(mechanism))
+    asked = Asked.of(found, found.balance.references.get("load", load), mass)
     return asked if asked.laws else None
 
 
@@ -143,17 +203,84 @@ def model_errors(
     Where much is left unexplained no cause is named: that of the nearest structure would be a
     guess.
     """
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found.balance):
-        return (_unexplained(found, measurement),)
+    far = _outliers(found.balance, measurement)
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
+        return (_unexplained(found, measurement), *far)
     errors = [_error(one, measurement, hold, response) for one in found.faults]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
-        if term.kind in {"ripple", "imbalance"}
+        if term.kind in {"ripple", "imbalance"} and _earned(found, term)
     ]
-    presliding = _late_instead(found, measurement, response)
-    errors += [] if presliding is None else [presliding]
-    return tuple(sorted(errors, key=lambda one: -one.share))
+    errors += [
+        one
+        for one in (
+            _late_instead(found, measurement, response),
+            _constant_level(found, measurement),
+            _partly(found, measurement),
+        )
+        if one is not None
+    ]
+    return (*sorted(errors, key=lambda one: -one.share), *far)
+
+
+def _outliers(balance: Balance, measurement: Measurement) -> Iterator[ModelError]:
+    """Yield which columns have samples that the force balance leaves out."""
+    flags = [outliers(one) for one in balance.series]
+    for name in flags[0]:
+        count = sum(int(one[name].sum()) for one in flags)
+        column = "friction" if name == "force" and "friction" in measurement.quantities() else name
+        samples, lie = ("sample", "lies") if count == 1 else ("samples", "lie")
+        if count:
+            yield ModelError(
+                kind="outliers",
+                finding=(
+                    f"{count} {samples} of the {column} {lie} far off those beside: the force"
+                    " balance leaves them out."
+                ),
+                consequence="Fits to the whole record do not: correct or remove such samples.",
+                effect=float(count),
+                interval=(math.nan, math.nan),
+                share=0.0,
+            )
+
+
+def _constant_level(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a level, or a part of it, does not grow with a load that varies, if so."""
+    best = found.best
+    level = sum(best.of("level"))
+    if "load" not in found.balance.references or not level:
+        return None
+    by_load = sum(best.of("load"))
+    size = quantity(level, measurement.unit("force"))
+    if by_load:
+        finding = (
+            f"{size} of the friction level does not grow with the load; {number(by_load)} of the"
+            " load adds to it."
+        )
+    else:
+        finding = f"The friction level, {size}, does not grow with the load that was recorded."
+    return ModelError(
+        kind="load",
+        finding=finding,
+        consequence=f"Every law takes its level as a share of the load. {UNSAID}",
+        effect=level,
+        interval=found.intervals["-/level"][1:],
+        share=(level / found.scale) ** 2 if level < found.scale else 1.0,
+    )
+
+
+def _earned(found: Explanation, term: Term) -> bool:
+    """Whether a force along the way earns the margins of a fault; not beside presliding.
+
+    An axis that sticks and slips does so at even distances: what its law leaves looks like a force
+    that depends on position.
+    """
+    best, usual = found.best, Rule()
+    if best.structure.memories or usual.fault is None:
+        return False
+    without = fit(found.balance, best.structure.without(term))
+    return Rule(*usual.fault).better(best, without, found.scale)
 
 
 def _late_instead(
@@ -167,12 +294,12 @@ def _late_instead(
         one
         for one in found.family.values()
         if one.ok and not one.structure.memories and one.rms < NEARLY * best.rms
-        if one.structure.delay + one.structure.lag > 0.0
+        if sum(one.structure.late[:2]) > 0.0
     ]
     if not late or any(term.kind in SHOWN_LATE for term in best.structure.terms):
         return None
     other = min(late, key=lambda one: one.rms)
-    term = next(term for term in other.structure.terms if term.kind in SHOWN_LATE)
+    term = next(term for term in other.structure.terms if term.kind in CORRECTED)
     scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
     how = "better" if other.rms < best.rms else "nearly as well"
     return ModelError(
@@ -193,12 +320,13 @@ def _late_instead(
     )
 
 
-def _noise(balance: Balance) -> float:
-    """Return the noise of the force sensor in the band [N]."""
-    found = [
+def _noise(found: Explanation) -> float:
+    """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
+    balance = found.balance
+    force = max(
         resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
-    ]
-    return max(found)
+    )
+    return math.hypot(force, acceleration_noise(balance, found.best))
 
 
 def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
@@ -215,7 +343,7 @@ def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
 
 def _cure(kind: str, value: float, measurement: Measurement, response: SensorResponse) -> str:
     """Return how to fit friction that a sensor shows late, beyond what is corrected already."""
-    if kind not in SHOWN_LATE or "friction" not in measurement.quantities():
+    if kind not in CORRECTED or "friction" not in measurement.quantities():
         return ""
     whole = getattr(response, kind) + value
     return (
@@ -236,6 +364,26 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
         effect=found.best.rms,
         interval=(math.nan, math.nan),
         share=1.0,
+    )
+
+
+def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a part of the friction is left that is no noise and no law explains, if so."""
+    noise = _noise(found)
+    if found.left <= PARTLY or found.best.rms <= FAR * noise:
+        return None
+    force = quantity(found.best.rms, measurement.unit("force"))
+    return ModelError(
+        kind="unexplained",
+        finding=(
+            f"The force balance leaves {force} of the force, {percent(found.left)} of the friction,"
+            " which is more than the noise of its sensor: a law that was not tried may come closer."
+        ),
+        consequence="Intervals do not allow for it.",
+        effect=found.best.rms,
+        interval=(math.nan, math.nan),
+        share=0.0,
+        moved=(),
     )
 
 
@@ -344,6 +492,8 @@ def _unit(kind: str, measurement: Measurement) -> str:
         "backlash": position,
         "loose": position,
         "flexible": "Hz",
+        "hum": "Hz",
+        "skew": "s/s",
         "mass": "kg m^2" if measurement.turning else "kg",
     }[kind]
 
@@ -361,6 +511,14 @@ def _late(sized: _Sized) -> str:
     return (
         f"The motion lags the recorded force by {sized.text}{sized.half} a delay of the amplifier"
         " or of the position sensor, or two unsynchronised clocks"
+    )
+
+
+def _drifting(sized: _Sized) -> str:
+    sign = "later" if sized.value > 0.0 else "earlier"
+    return (
+        f"The recorded force comes {sign} by {sized.text}: the clocks of force and position drift"
+        " apart"
     )
 
 
@@ -392,6 +550,11 @@ SAID: Final[Mapping[str, Callable[[_Sized], str]]] = {
     ),
     "flexible": lambda s: (
         f"Part of the inertia is coupled elastically, with a resonance at {s.text}"
+    ),
+    "skew": _drifting,
+    "hum": lambda s: (
+        f"A ripple of the recorded force has a frequency of {s.text} whatever the motion: one of"
+        " the amplifier, the sensor or the mains, perhaps at a lower frequency by sampling"
     ),
     "spring": lambda s: (
         f"A force {_rises(s)} with position by {s.text}"

@@ -1,5 +1,6 @@
 """Fits a law to travels: distances to rest, or per cycle of a drive."""
 
+import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
@@ -150,8 +151,10 @@ def fit_trials(
 
 def check_rest(fit: TravelFit, t_end: float) -> None:
     """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
-    errors, _ = standard_errors(fit.trials)
-    TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), errors)
+    errors, stated = standard_errors(fit.trials)
+    # the last digit that is written down is no bound on the error of a reading
+    scale = 1.0 if stated or not fit.freedom > 0 else max(math.sqrt(fit.variance[0]), 1.0)
+    TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), scale * errors)
 
 
 def payable(

@@ -24,6 +24,8 @@ FEW: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
+SINGLE: Final = 100
+"""Points up to which each is drawn to be seen by itself."""
 TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
 WIDTH: Final = 22
@@ -133,11 +135,14 @@ def _span(velocity: Array) -> tuple[float, float]:
 
 
 def _points(axes: Axes, velocity: Array, friction: Array, turn: Array) -> None:
+    # the readings of a table are seen one by one, above the lines; samples of a record as a cloud
+    few = len(velocity) <= SINGLE
+    size, alpha, order = (6.0, 0.9, 5) if few else (2.5, 0.6, 1)
     for sign, (colour, marker) in TURNS.items():
         own = turn == sign
         axes.plot(
-            velocity[own], friction[own], marker, color=colour, markersize=2.5, alpha=0.6,
-            markeredgewidth=0, linestyle="none", zorder=1,
+            velocity[own], friction[own], marker, color=colour, markersize=size, alpha=alpha,
+            markeredgewidth=0, linestyle="none", zorder=order,
         )  # fmt: skip
 
 

@@ -83,7 +83,7 @@ def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Sec
     laws, facts = [], []
     for name, own in verdict.joints.items():
         fit, label = own.closest.fit, joint_label(name)
-        for line in law_lines(fit, own.closest.left_out) if fit and verdict.best else ():
+        for line in law_lines(fit, own.closest) if fit and verdict.best else ():
             laws.append(LawLine(label=f"{label}: {line.label}", formula=line.formula))
         fact = error_fact(own)
         facts += [replace(fact, what=f"{label}: {fact.what}")] if fact else []

@@ -64,8 +64,12 @@ def _table(verdict: RecordVerdict, fit: RecordFit) -> Table:
     columns = (
         Column(head="parameter"),
         Column(head="estimate, 95 % interval", numeric=True),
-        Column(head="dot: this fit; triangles: the two halves"),
-        Column(head="first → second half", numeric=True, phone="label", label="halves"),
+        Column(head=f"dot: this fit{'; triangles: the two halves' if halves else ''}"),
+        *(
+            [Column(head="first → second half", numeric=True, phone="label", label="halves")]
+            if halves
+            else []
+        ),
         Column(
             head="naive interval\ntoo narrow by",
             numeric=True,
@@ -73,11 +77,13 @@ def _table(verdict: RecordVerdict, fit: RecordFit) -> Table:
             label="naive interval too narrow by",
         ),
     )
-    rows = [_row(fit, i, halves.get(e.path)) for i, e in enumerate(fit.estimates)]
+    rows = [
+        _row(fit, i, halves.get(e.path), split=bool(halves)) for i, e in enumerate(fit.estimates)
+    ]
     return Table(columns=columns, rows=tuple(rows), caption=_caption(fit))
 
 
-def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
+def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None, *, split: bool) -> Row:
     estimate = fit.estimates[index]
     value, doubt = estimate.parts
     known = halves is not None and bool(np.all(np.isfinite(halves)))
@@ -92,7 +98,7 @@ def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
         if estimate.bounded
         else f"{with_unit(value, unit)}, {doubt}",
         _plot(estimate, halves if known else None),
-        pair,
+        *([pair] if split else []),
         _narrow(fit, index),
     )
     return Row(cells=cells)

@@ -1,7 +1,7 @@
 """The opening: the verdict, the law with its numbers, and what one would quote."""
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -31,6 +31,7 @@ from stickslip.report.core.markup import label_of
 from stickslip.report.core.shared_sections import opening
 from stickslip.report.records.texts import paired, rival_of, symbols_of, to_digits
 from stickslip.selection import (
+    RecordCandidate,
     RecordVerdict,
     Steady,
     in_sentence,
@@ -60,7 +61,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
         kicker,
         remark,
         symbols=symbols_of(verdict.candidates),
-        law=law_lines(fit, verdict.closest.left_out) if fit else (),
+        law=law_lines(fit, verdict.closest) if fit else (),
         facts=_facts(verdict),
         settles=_settles(fit) if fit else verdict.words.settles,
     )
@@ -135,10 +136,10 @@ def _known(fit: RecordFit) -> list[Estimate]:
     return sorted(known, key=lambda e: e.half_width / max(abs(e.value), 1e-300))
 
 
-def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, ...]:
+def law_lines(fit: RecordFit, of: RecordCandidate | None = None) -> tuple[LawLine, ...]:
     """Return the fitted law with its numbers, and what else was fitted beside it.
 
-    `left_out` are the paths of what went to 0 and was left out of the fit.
+    The candidate that it is `of`, if any, knows where values come from that were not fitted.
     """
     law, points = fit.law, map_points(fit)
     load = points.load if points and not points.load_varies else None
@@ -151,9 +152,7 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
         lines = [LawLine(label="against the motion", formula=f"|$F$| = {_sum(fit, '', load)}")]
     else:
         lines = [
-            LawLine(
-                label=q.symbol and parameter_words(name), formula=_assigned(fit, name, left_out)
-            )
+            LawLine(label=q.symbol and parameter_words(name), formula=_assigned(fit, name, of))
             for name, q in fields_of(type(law)).items()
             if getattr(law, name) is not None
         ]
@@ -169,15 +168,20 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
     return tuple(lines)
 
 
-def _assigned(fit: RecordFit, name: str, left_out: Collection[str]) -> str:
-    quantity = fields_of(type(fit.law))[name]
-    found = [e for e in fit.estimates if e.path == f"friction.{name}"]
+def _assigned(fit: RecordFit, name: str, of: RecordCandidate | None) -> str:
+    quantity, path = fields_of(type(fit.law))[name], f"friction.{name}"
+    found = [e for e in fit.estimates if e.path == path]
     if found:
         return f"${quantity.symbol}$ = {found[0].plus_minus}"
-    if f"friction.{name}" in left_out:
+    if of and path in of.left_out:
         return f"${quantity.symbol}$ = 0, estimated as 0 and left out"
     value = getattr(fit.law, name)
-    return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, taken as given"
+    said = "taken as given"
+    if of and path in of.from_balance:
+        said = "found by the force balance and held in the fit"
+    elif value == type(fit.law).__dataclass_fields__[name].default:
+        said = "as usual"
+    return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, {said}"
 
 
 def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:

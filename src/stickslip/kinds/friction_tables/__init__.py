@@ -1,0 +1,1 @@
+"""Friction at steady speeds: its laws, and a curve that is none."""
