@@ -68,7 +68,6 @@ INSIDE = {
     "refuse_unused": "preconditions",
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",
-    "without_row": "slicing",
     "scale_of": "travels",
     "sentences_of": "checking.finding",
     "spread_of": "estimates",
@@ -81,6 +80,7 @@ INSIDE = {
     "whole_cycles": "travels",
     "with_doubts": "preconditions",
     "with_files": "hashing",
+    "without_row": "slicing",
     "words_of": "checking.mains",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
