@@ -61,7 +61,6 @@ INSIDE = {
     "Watch": "estimation.levenberg_marquardt",
     "asked_for": "records.route_choice",
     "asked_of": "terms.findings",
-    "asked_of_joints": "terms.findings",
     "balanced": "force_map.force_balance",
     "better_route": "records.route_choice",
     "called": "validation",

@@ -89,7 +89,6 @@ from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
 from stickslip.identification.terms.findings import asked_of as asked_of
-from stickslip.identification.terms.findings import asked_of_joints as asked_of_joints
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import model_errors as model_errors
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
