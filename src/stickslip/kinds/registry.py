@@ -23,11 +23,11 @@ from stickslip.quantities import name_taken, plugins
 AnyKind: TypeAlias = Kind[Any, Any]
 
 OWN: tuple[AnyKind, ...] = (
-    FrictionTableKind(),
     FeatureKind(),
     TravelKind(),
     JointKind(),
     VelocityStepKind(),
+    FrictionTableKind(),
     RecordKind(),
 )
 """In the order in which they are asked."""
@@ -39,7 +39,7 @@ def kinds() -> tuple[AnyKind, ...]:
 
     Examples
     --------
-    >>> [kind.measured for kind in kinds()][-3:]
+    >>> [kind.measured for kind in kinds()][-4:-1]
     ['records of several joints', 'velocity steps', 'records of motion or friction']
     """
     found: list[AnyKind] = []

@@ -15,7 +15,6 @@ from stickslip.identification import (
     ComposedLaw,
     FittedLaw,
     ModelError,
-    RecordFit,
     RecordSettings,
     asked_of,
     errors_of,
@@ -90,15 +89,16 @@ class Explained:
         own = None if law is None else self.asked.fit_of(name, law)
         return name != self.asked.best.name and self.asked.rejects(own)
 
-    def errors_of(self, name: str, fit: RecordFit) -> tuple[ModelError, ...]:
+    def errors_of(
+        self, name: str, law: FrictionLaw, left: float = math.nan
+    ) -> tuple[ModelError, ...]:
         """Return what is wrong with a fitted law, the rig or the record.
 
-        Of a fit that leaves far less of the force than the balance's own best structure, the
-        balance has nothing to say about laws.
+        Of a fit that leaves far less force [N] than the balance's own best structure, the balance
+        has nothing to say about laws.
         """
-        found = errors_of(self.asked, fit.law, name, self.errors, self.unit)
-        best = self.asked.explanation.best
-        if fit.problem.simulates or not fit.rms < CLEARER * best.rms:
+        found = errors_of(self.asked, law, name, self.errors, self.unit)
+        if not left < CLEARER * self.asked.explanation.best.rms:
             return found
         return tuple(one for one in found if one.kind not in ("law", "unexplained"))
 

@@ -154,7 +154,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
             "curve_score": self.curve.score if self.curve else None,
-            "whole_record_error": self.whole,
+            "whole_record_error": self.whole if math.isfinite(self.whole) else None,
             "otherwise": dict(self.otherwise),
             "left_out": list(self.left_out),
             "contains": list(self.simpler),

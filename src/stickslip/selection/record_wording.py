@@ -281,7 +281,7 @@ def _lede(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
     text = held_out_text(scale, best.score, best.score_error, scored)
-    text += _whole_text(best, candidates)
+    text += _whole_text(best, candidates, scale)
     if on_second is not None:
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
@@ -314,7 +314,7 @@ def _lede(
     return text
 
 
-def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate]) -> str:
+def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate], scale: Scale) -> str:
     """Return the error over whole records, and that of the usual choice; empty without one."""
     assert best.fit is not None
     if math.isnan(best.whole):
@@ -324,7 +324,8 @@ def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate]) ->
     record = best.fit.measurement
     what = "position" if "position" in record.quantities() else "velocity"
     usual = [c for c in candidates if c.name == REFERENCE != best.name and math.isfinite(c.whole)]
-    scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
+    if what != best.fit.problem.quantity:
+        scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
     beside = "".join(f"; Coulomb + viscous friction: {scale.error(c.whole)}" for c in usual)
     return (
         " Simulated over the whole record, with a constant force fitted beside the law:"

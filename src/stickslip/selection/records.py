@@ -653,9 +653,10 @@ def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordC
     if c.fit is None:
         return c
     own = asked.asked.laws.get(c.name) if usual else None
+    left = math.nan if c.fit.problem.simulates else c.fit.rms
     return replace(
         c,
-        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit)),
+        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law, left)),
         from_balance=own.held if own else (),
     )
 
