@@ -246,16 +246,27 @@ def test_a_fit_that_leaves_far_less_than_the_balance_is_not_said_to_lack_a_law()
     )
     explained = Explained(asked=asked, specs=(), starts={}, errors=tuple(said), unit="N")
 
-    def kinds(rms, *, simulates=False):
-        fit = SimpleNamespace(
-            law=own.specification.law, rms=rms, problem=SimpleNamespace(simulates=simulates)
-        )
-        return [one.kind for one in explained.errors_of(own.name, fit)]
+    def kinds(*left):
+        return [one.kind for one in explained.errors_of(own.name, own.specification.law, *left)]
 
     assert best.rms == 1.0
     assert kinds(0.9) == ["unexplained", "delay"]
     assert kinds(0.1) == ["delay"]
-    assert kinds(0.1, simulates=True) == ["unexplained", "delay"]  # of positions
+    assert kinds() == ["unexplained", "delay"]  # a fit to positions leaves no force
+
+
+def test_bristles_that_positions_do_not_resolve_are_no_reason_to_ask_for_another_law():
+    t = np.arange(0.0, 10.0, 0.002)
+    x, v = np.sin(t) - 0.4 * np.sin(2.3 * t), np.cos(t) - 0.92 * np.cos(2.3 * t)
+    random = np.random.default_rng(4)
+    friction = 2.0 * np.sign(v) + 0.5 * v + 0.02 * random.normal(size=len(t))
+    seen = x + 1e-4 * random.normal(size=len(t))
+    record = Measurement(time=t, position=seen, friction=friction)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
+    kind = law("dahl(level) + viscous")
+    for stiffness, unlike in ((2.0 / 3e-4, False), (2.0 / 3e-2, True)):
+        own = kind(kinetic_coefficient=2.0, viscous_coefficient=0.5, bristle_stiffness=stiffness)
+        assert asked.rejects(asked.fit_of(own.name, own)) is unlike
 
 
 def under_a_load(friction):

@@ -225,9 +225,13 @@ class Balance:
         """
         found = self.at_rest.copy()
         for channel, shape in structure.memories:
-            if shape[0] > RESOLVED * self.resolved[channel]:
+            if self.resolves(shape[0], channel):
                 found[self.channel == channel] = False
         return found
+
+    def resolves(self, length: float, channel: str = "") -> bool:
+        """Whether the path of a channel tells where a bristle of a length [m] is deflected to."""
+        return length > RESOLVED * self.resolved[channel]
 
     def columns(self, term: Term, shape: Shape) -> tuple[Array, Array]:
         """Return columns (n, d) of a term, and what multiplies the state in them (n, d).

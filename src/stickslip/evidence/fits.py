@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.evidence.balance import RESOLVED, Balance
+from stickslip.evidence.balance import Balance
 from stickslip.evidence.motion import acceleration_of_noise
 from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
 from stickslip.evidence.terms import TERMS, Term
@@ -254,16 +254,14 @@ def _memories_resolved(made: Design) -> bool:
     One that it does not resolve would only leave rows at rest open for the other; and it is as late
     at reversals as a delay, a gap or a coupling is.
     """
-    resolved = made.balance.resolved
-    unseen = any(
-        shape[0] < RESOLVED * resolved[channel] for channel, shape in made.structure.memories
-    )
+    resolves = made.balance.resolves
+    unseen = any(not resolves(shape[0], channel) for channel, shape in made.structure.memories)
     if unseen and any(term.kind in LATE_OR_ELASTIC for term in made.structure.terms):
         return False
     for term in made.structure.terms:
         if term.kind == "second":
             lengths = sorted([term.par[0], made.structure.shape(term.channel)[0]])
-            if lengths[0] < RESOLVED * resolved[term.channel]:
+            if not resolves(lengths[0], term.channel):
                 return False
             if lengths[1] < APART * lengths[0]:
                 return False

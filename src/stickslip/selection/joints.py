@@ -470,11 +470,13 @@ def _begin(fitter: JointFitter, chosen: Chosen, asked: Mapping[str, Explained]) 
 def _told(one: RecordCandidate, laws: Chosen, asked: Mapping[str, Explained]) -> RecordCandidate:
     """Return a combination with what the force balances say is wrong with it."""
     assert one.fit is not None
-    fitted = cast("RecordFit[Laws]", one.fit).law
+    fit = cast("RecordFit[Laws]", one.fit)
     known = [
         error.at(contact)
         for contact, own in asked.items()
-        for error in own.errors_of(laws[contact].name, fitted[contact])
+        for error in own.errors_of(
+            laws[contact].name, fit.law[contact], joint_view(fit, contact).rms
+        )
     ]
     return replace(one, fit=replace(one.fit, known_errors=tuple(known)))
 

@@ -230,9 +230,11 @@ def offset_left_out(
     if fitted or isinstance(law, Laws) or not law.directional:
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
+    unit = "N m" if getattr(mechanism, "rotary", False) else "N"
+    held = formatting.with_unit(number(own), unit) if own else "0"
     return (
         "A constant force (gravity, a cable, a sensor offset) and different levels in the two"
-        f" directions cannot be separated: the offset is fixed at {number(own)} N and absorbed"
+        f" directions cannot be separated: the offset is fixed at {held} and absorbed"
         " into the two levels.",
     )
 

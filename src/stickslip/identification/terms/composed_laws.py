@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -96,12 +97,21 @@ class Asked:
         return Rule().better(best, own, self.explanation.scale)
 
     def fit_of(self, name: str, law: FrictionLaw) -> Fit | None:
-        """Return the closest structure of a law, at its values if the search has not met it."""
-        if name in self.fits:
+        """Return the closest structure of a law, at its values if the search has not met it.
+
+        Of a law with bristles that the path does not resolve, it is that of the law without them:
+        along such a path the noise of positions deflects bristles, and accuses the law of it.
+        """
+        if name in self.fits and not law.states:
             return self.fits[name]
-        balance = self.explanation.balance
-        loaded = "load" in balance.references
-        structure = structure_of(law, self.explanation.best.structure, loaded=loaded)
+        balance, best = self.explanation.balance, self.explanation.best.structure
+        made = partial(structure_of, law, best, loaded="load" in balance.references)
+        structure = made()
+        shapes = () if structure is None else structure.memories
+        if not all(balance.resolves(shape[0], channel) for channel, shape in shapes):
+            structure = made(bristles=False)
+        elif name in self.fits:
+            return self.fits[name]
         return None if structure is None else fit(balance, structure)
 
 
@@ -118,11 +128,17 @@ TWO_SIDED = ("stribeck", "viscous", "power")
 
 
 def structure_of(
-    law: FrictionLaw, best: Structure, channel: str = "", *, loaded: bool = False
+    law: FrictionLaw,
+    best: Structure,
+    channel: str = "",
+    *,
+    loaded: bool = False,
+    bristles: bool = True,
 ) -> Structure | None:
     """Return the structure of a law beside what else the best structure has.
 
     None for laws with other parts than terms have. Where the load varies, levels grow with it.
+    Without bristles it is that of the law's steady curve.
     """
     made: Composition | None = law.made_of
     if made is None or (made.memory and made.memory.part.name not in ("dahl", "lugre")):
@@ -136,7 +152,8 @@ def structure_of(
     rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL, "load"}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
     for leaf in leaves:
-        if leaf.part.name == "stribeck" and made.memory and made.memory.part.name == "lugre":
+        faded = made.memory is not None and made.memory.part.name == "lugre" and bristles
+        if leaf.part.name == "stribeck" and faded:  # the shape has it
             continue
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
         grows = loaded and kind == "level"
@@ -146,7 +163,9 @@ def structure_of(
     if made.directional and not any(one.kind == "offset" for one in terms):
         terms += [Term("offset", (), channel)]
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
-    return found if made.memory is None else found.shaped(channel, _shape_of(law, made))
+    if made.memory is None or not bristles:
+        return found
+    return found.shaped(channel, _shape_of(law, made))
 
 
 def _value(law: FrictionLaw, leaf: Leaf, name: str) -> float:

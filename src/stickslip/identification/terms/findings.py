@@ -28,7 +28,7 @@ from stickslip.evidence import (
     usual_band,
 )
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, percent, quantity, scale_of, with_unit, within
+from stickslip.formatting import capital, number, percent, quantity, scale_of, with_unit, within
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
@@ -238,7 +238,7 @@ def _outliers(balance: Balance, measurement: Measurement) -> Iterator[ModelError
                     f"{count} {samples} of the {column} {lie} far off those beside: the force"
                     " balance leaves them out."
                 ),
-                consequence="Fits to the whole record do not: correct or remove such samples.",
+                consequence="Outliers stay in fits to the whole record: correct or remove them.",
                 effect=float(count),
                 interval=(math.nan, math.nan),
                 share=0.0,
@@ -405,11 +405,12 @@ def _error(
     )
     others = [one for one in dict.fromkeys(CALLED[k] for k in fault.kinds) if one != CALLED[kind]]
     finding = _undecided(fault, sized, others) if others else f"{SAID[kind](sized)}."
+    what = f"{CALLED[kind]} explains" if not others else "one of these explains"
     return ModelError(
         kind=_group(fault.kinds),
         finding=finding,
         consequence=(
-            f"It explains {sized.force} of the force, {percent(fault.share)} of the friction."
+            f"{capital(what)} {sized.force} of the force, {percent(fault.share)} of the friction."
             f" {UNSAID}{_cure(kind, value, measurement, response)}"
         ),
         effect=effect,
@@ -427,7 +428,8 @@ def _group(kinds: tuple[str, ...]) -> str:
 
 
 def _undecided(fault: Fault, sized: _Sized, others: list[str]) -> str:
-    own = f"{CALLED[fault.kinds[0]]} of {sized.text}"
+    each = " in each second" if fault.kinds[0] == "skew" else ""
+    own = f"{CALLED[fault.kinds[0]]} of {sized.text}{each}"
     choice = " or ".join([own, *others])
     if set(fault.kinds) <= set(LATE_OR_ELASTIC):
         return (
@@ -493,7 +495,7 @@ def _unit(kind: str, measurement: Measurement) -> str:
         "loose": position,
         "flexible": "Hz",
         "hum": "Hz",
-        "skew": "s/s",
+        "skew": "s",
         "mass": "kg m^2" if measurement.turning else "kg",
     }[kind]
 
@@ -517,8 +519,8 @@ def _late(sized: _Sized) -> str:
 def _drifting(sized: _Sized) -> str:
     sign = "later" if sized.value > 0.0 else "earlier"
     return (
-        f"The recorded force comes {sign} by {sized.text}: the clocks of force and position drift"
-        " apart"
+        f"The recorded force comes {sign} by {sized.text} in each second: the clocks of force and"
+        " position drift apart"
     )
 
 

@@ -33,6 +33,9 @@ SURELY: Final = 2.0
 """Standard errors by which the others have to be predicted better without it ..."""
 SHARE: Final = 0.10
 """... and the share of their error that this takes off: the margins of a fault."""
+SIZE: Final = 0.01
+"""Share of an error up to which two laws predict the others alike: what a row that decides alone
+leaves of them is the same to a few digits, and differs by rounding always one way."""
 
 
 @final
@@ -65,8 +68,9 @@ class WithoutRow:
         wider = math.sqrt(1.0 + _leverage(rest.fit, measurement, row))
         error *= wider
         friction = np.abs(np.asarray(measurement.friction, dtype=float))
-        shares = without / np.maximum(np.delete(friction, row), LEAST) ** 2
-        share = wider * math.sqrt(float(np.mean(shares)))
+        others = np.delete(friction, row)
+        shares = without[others > 0.0] / others[others > 0.0] ** 2
+        share = wider * math.sqrt(float(np.mean(shares))) if shares.size else 0.0
         times = min(
             abs(distance) / max(error, LEAST),
             abs(distance) / max(friction[row], LEAST) / max(share, LEAST),
@@ -81,7 +85,7 @@ class WithoutRow:
             and (_is_between(measurement, row) or rest.parameters <= whole.parameters)
             and _worse(with_it, without, SURELY, SHARE),
             otherwise=rest.parameters < whole.parameters
-            and not _worse(without, with_it, APART, 0.0),
+            and not _worse(without, with_it, APART, SIZE),
         )
 
     def finding(self, measurement: Measurement) -> ModelError:
@@ -89,17 +93,18 @@ class WithoutRow:
         speed = float(np.asarray(measurement.velocity)[self.row])
         where = quantity(speed, measurement.unit("velocity"))
         unit = measurement.unit("friction")
+        exact = self.error <= ROUNDING * float(np.max(np.abs(np.asarray(measurement.friction))))
+        times = "" if exact else f" {number(abs(self.distance) / self.error, 2)} times their error,"
         return ModelError(
             kind="outlier",
             finding=(
                 f"Row {self.row + 1} of the table, at {where},"
                 f" is {quantity(abs(self.distance), unit)} off the law of the others,"
-                f" {number(abs(self.distance) / self.error, 2)} times their error, and is left"
-                " out."
+                f"{times} and is left out."
             ),
             consequence=(
-                "Repeat this reading: if it is right, friction has a shape there that no candidate"
-                " has."
+                f"Repeat the reading of row {self.row + 1}: if it is right, friction has a shape"
+                " there that no candidate has."
             ),
             effect=self.distance,
             interval=(math.nan, math.nan),

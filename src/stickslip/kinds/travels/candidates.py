@@ -20,7 +20,7 @@ from stickslip.kinds.travels.start_values import (
     starting_points,
 )
 from stickslip.kinds.travels.verdict import TravelCandidate
-from stickslip.mechanisms import slip_of
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection import Criteria, Watch, criteria_of
 from stickslip.simulation import simulate
@@ -204,11 +204,15 @@ def _seen(
 def turning(fit: TravelFit, t_end: float) -> bool:
     """Whether the body turns back in a trial, with the law of a fit."""
     for trial in {trial.run: trial for trial in fit.trials}.values():
-        run, _ = _seen(trial, fit.law, t_end)
-        path = run.at(np.linspace(*run.span, SAMPLES))[slip_of(trial.mechanism)]
-        if np.abs(np.diff(path)).sum() > STRAIGHT * abs(path[-1] - path[0]):
+        if turns_back(_seen(trial, fit.law, t_end)[0], trial.mechanism):
             return True
     return False
+
+
+def turns_back(run: Trajectory, mechanism: Mechanism) -> bool:
+    """Whether a body turns back in a run."""
+    path = run.at(np.linspace(*run.span, SAMPLES))[slip_of(mechanism)]
+    return bool(np.abs(np.diff(path)).sum() > STRAIGHT * abs(path[-1] - path[0]))
 
 
 def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:

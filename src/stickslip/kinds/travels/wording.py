@@ -6,8 +6,6 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-import numpy as np
-
 from stickslip.formatting import (
     Scale,
     capital,
@@ -19,10 +17,10 @@ from stickslip.formatting import (
 )
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.kinds.travels.admissibility import doubts
+from stickslip.kinds.travels.candidates import turns_back
 from stickslip.kinds.travels.contradictions import Contradiction
 from stickslip.kinds.travels.separations import Proposal
 from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text, misfit
-from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection import UNMEASURED, Wording, held_out_text, limit_of, not_distinguished
 
@@ -52,8 +50,6 @@ CURE = (
 
 MANY = 6
 """Other values of a parameter that are told one by one, at most."""
-SAMPLES, STRAIGHT = 2001, 1.001
-"""Samples of a run, and its path over its travel up to which the body went straight on."""
 
 DOUBT_NAMES = {
     "rounding range": "rounding of the measurement",
@@ -280,8 +276,8 @@ def _mean_force(trial: Trial, candidate: TravelCandidate) -> float | None:
     seen, run = candidate.criteria, candidate.run
     if seen is None or run is None or not seen.travel:
         return None
-    path = np.abs(np.diff(run.at(np.linspace(*run.span, SAMPLES))[slip_of(trial.mechanism)])).sum()
-    return abs(seen.work_friction / seen.travel) if path < STRAIGHT * abs(seen.travel) else None
+    back = turns_back(run, trial.mechanism)
+    return None if back else abs(seen.work_friction / seen.travel)
 
 
 def _settles(
