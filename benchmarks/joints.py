@@ -337,13 +337,17 @@ def _as_good(
     return bool(own < 1.15 * least)
 
 
+WRONG = ("inertia or parameters", "spring or parameters", "unexplained")
+"""Kinds of findings that tell of a wrong mass."""
+
+
 def faults_of(row: Mapping[str, Any], joint: str) -> list[str]:
     """Return what is said of a joint that is not so."""
     said = row["joints"][joint]["said"]
     true = {
         ("late elbow", "elbow"): ("delay", "late or elastic"),
-        ("wrong mass", "elbow"): ("inertia", "unexplained"),
-        ("wrong mass", "shoulder"): ("inertia", "unexplained"),
+        ("wrong mass", "elbow"): WRONG,
+        ("wrong mass", "shoulder"): WRONG,
     }.get((row["kind"], joint), ())
     return [one for one in said if one not in true]
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, SpringBlock
-from stickslip.evidence import SIGN, Fit, Structure, Term
+from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
@@ -267,6 +267,21 @@ def test_bristles_that_positions_do_not_resolve_are_no_reason_to_ask_for_another
     for stiffness, unlike in ((2.0 / 3e-4, False), (2.0 / 3e-2, True)):
         own = kind(kinetic_coefficient=2.0, viscous_coefficient=0.5, bristle_stiffness=stiffness)
         assert asked.rejects(asked.fit_of(own.name, own)) is unlike
+
+
+@pytest.mark.parametrize("known", [None, 1.0])
+def test_beside_other_joints_a_spring_may_be_an_error_of_their_parameters(known):
+    t = np.arange(0.0, 10.0, 0.002)
+    x, v = np.sin(t) - 0.4 * np.sin(2.3 * t), np.cos(t) - 0.92 * np.cos(2.3 * t)
+    force = 0.8 * x + 2.0 * np.sign(v) + 0.02 * np.random.default_rng(4).normal(size=len(t))
+    taken = None if known is None else known * np.sin(0.7 * t)
+    whole = force if taken is None else force + taken
+    found = explain([Series(t, x, whole, mass=0.0, taken=taken)])
+    record = Measurement(time=t, position=x, force=whole)
+    (error,) = model_errors(found, record, "zero", PROMPT)
+    assert error.kind == ("spring" if known is None else "spring or parameters")
+    assert ("given parameters of the mechanism" in error.finding) is (known is not None)
+    assert " explains 0.598 N of the force" in error.consequence
 
 
 def under_a_load(friction):

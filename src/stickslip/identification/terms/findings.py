@@ -87,6 +87,9 @@ CALLED: Final[Mapping[str, str]] = {
     "skew": "a drift between the clocks of force and position",
 }
 """Kinds as nouns."""
+MECHANICAL: Final = ("spring", "mass")
+"""Kinds that look like given parameters of a mechanism of several joints if these are wrong."""
+PARAMETERS: Final = "an error of the given parameters of the mechanism"
 
 
 @final
@@ -206,7 +209,11 @@ def model_errors(
     far = _outliers(found.balance, measurement)
     if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
         return (_unexplained(found, measurement), *far)
-    errors = [_error(one, measurement, hold, response) for one in found.faults]
+    others = any(one.taken is not None for one in found.balance.series)
+    errors = [
+        _error(one, measurement, hold, response, of_mechanism=others and one.kinds[0] in MECHANICAL)
+        for one in found.faults
+    ]
     errors += [
         _ripple(found, term, measurement)
         for term in found.best.structure.free
@@ -388,7 +395,12 @@ def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
 
 
 def _error(
-    fault: Fault, measurement: Measurement, hold: Hold, response: SensorResponse
+    fault: Fault,
+    measurement: Measurement,
+    hold: Hold,
+    response: SensorResponse,
+    *,
+    of_mechanism: bool,
 ) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
@@ -404,10 +416,11 @@ def _error(
         measured="friction" in measurement.quantities(),
     )
     others = [one for one in dict.fromkeys(CALLED[k] for k in fault.kinds) if one != CALLED[kind]]
+    others += [PARAMETERS] if of_mechanism else []
     finding = _undecided(fault, sized, others) if others else f"{SAID[kind](sized)}."
     what = f"{CALLED[kind]} explains" if not others else "one of these explains"
     return ModelError(
-        kind=_group(fault.kinds),
+        kind=f"{_group(fault.kinds)} or parameters" if of_mechanism else _group(fault.kinds),
         finding=finding,
         consequence=(
             f"{capital(what)} {sized.force} of the force, {percent(fault.share)} of the friction."
