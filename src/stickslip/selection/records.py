@@ -671,8 +671,8 @@ def _agreed(
     """Return the law that both predictions and the force balance allow.
 
     The balance sees every row, a prediction what the errors of all rows add up to: a law that the
-    balance rejects is named only if those that it allows predict worse, and nothing is wrong beside
-    the law.
+    balance rejects is named only if those that it allows predict worse, clearly or by far, and
+    nothing is wrong beside the law. The finding that another law is asked for is then said of it.
     """
     allowed = [c for c in among if not asked.rejects(c.name, c.law)]
     if not allowed:
@@ -681,7 +681,8 @@ def _agreed(
         return own[0]
     best = choose(allowed, uncertainty=uncertainty)
     holds = not any(one.share > 0.0 for one in asked.errors)
-    foretold = holds and errs_more(best, closest, uncertainty=uncertainty)
+    far = best.score > NEARER * max(closest.score, uncertainty)
+    foretold = holds and (far or errs_more(best, closest, uncertainty=uncertainty))
     return closest if foretold else best
 
 
