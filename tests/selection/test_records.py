@@ -2,6 +2,7 @@ import dataclasses
 import itertools
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,6 +34,7 @@ from stickslip.report import render
 from stickslip.report.core.documents import Origin
 from stickslip.results import RecordVerdict
 from stickslip.selection.applicability import one_way
+from stickslip.selection.choice import errs_more
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded
 from stickslip.selection.record_admissibility import objection
@@ -44,7 +46,7 @@ from stickslip.selection.record_wording import (
     outcomes,
     record_wording,
 )
-from stickslip.selection.records import _as_simulated
+from stickslip.selection.records import _agreed, _as_simulated
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -279,6 +281,27 @@ def test_of_laws_that_predict_alike_the_one_that_stays_near_over_whole_records_i
     assert named(math.nan, dropped="") == best.name
     assert named(0.5, dropped="an objection") == best.name
     assert named(0.5, dropped="", validation=known.validation) == best.name  # it predicts worse
+
+
+@pytest.mark.parametrize(("worst", "named"), [(10.0, "rich"), (80.0, "plain")])
+def test_a_law_that_the_balance_allows_is_not_named_where_it_is_far_off(worst, named):
+    def law(name, parameters, losses):
+        return SimpleNamespace(
+            name=name,
+            law=None,
+            parameters=parameters,
+            effective=1000.0,
+            score=math.sqrt(sum(losses) / len(losses)),
+            validation=SimpleNamespace(losses=losses),
+        )
+
+    # one bad block: errors of 1.46 and 3.3 that no test of blocks tells from 1
+    plain, rich = law("plain", 2, [1.0] * 8), law("rich", 9, [worst, *[1.0] * 7])
+    asked = SimpleNamespace(
+        rejects=lambda name, _law: name == "plain", decides=False, errors=(), asked=None
+    )
+    assert not errs_more(rich, plain)
+    assert _agreed(plain, [plain, rich], asked, uncertainty=0.0).name == named
 
 
 def failing_without_a_block(*kinds):

@@ -102,7 +102,7 @@ class Search:
         """Return whether the rule prefers a fit to another."""
         noise = acceleration_noise(self.balance, old)
         return self.rule.better(new, old, self.scale, noise) and (
-            seen_late(self.balance, new, old, self.scale) or not self.rule.fault
+            not self.rule.fault or seen_late(self.balance, new, old, self.scale)
         )
 
     def run(self, start: Structure) -> Searched:

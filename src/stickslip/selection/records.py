@@ -80,7 +80,7 @@ PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 NEARER = 1.5
-"""Factor between errors over whole records from which one stays clearly nearer than another."""
+"""Factor between errors from which one law is far nearer than another, whatever they scatter by."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 HOPELESS = (

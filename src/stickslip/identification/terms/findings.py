@@ -384,7 +384,7 @@ def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
         kind="unexplained",
         finding=(
             f"The force balance leaves {force} of the force, {percent(found.left)} of the friction,"
-            " which is more than the noise of its sensor: a law that was not tried may come closer."
+            " more than single samples scatter by: a law that was not tried may come closer."
         ),
         consequence="Intervals do not allow for it.",
         effect=found.best.rms,

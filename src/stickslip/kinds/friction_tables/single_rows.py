@@ -145,7 +145,7 @@ def suspects(closest: RecordCandidate, stated: float) -> list[int]:
     least = max(stated, ROUNDING * float(np.max(np.abs(closest.fit.problem.measured)))) ** 2
     found = [row for row in order[:MOST] if losses[row] > max(SUSPECT * others[row], least)]
     left = closest.fit.optimum.best
-    slopes = left.slopes / np.maximum(np.linalg.norm(left.slopes, axis=0), 1e-300)
+    slopes = left.slopes / np.maximum(np.linalg.norm(left.slopes, axis=0), LEAST)
     u, s, _ = np.linalg.svd(slopes, full_matrices=False)
     leverage = np.sum(u[:, s > CUTOFF * s[0]] ** 2, axis=1)
     if left.cost > len(losses) * least:
