@@ -74,3 +74,18 @@ def test_both_directions_of_a_sum_are_the_sum_of_both_directions(one, other, sam
 def test_titles_of_candidates_differ():
     titles = [one.title for one in usual_specifications()]
     assert len({*titles}) == len(titles)
+
+
+@pytest.mark.parametrize(
+    ("composition", "title"),
+    [
+        ("both_ways[levels](level + stribeck) + power", "Stribeck by direction + power of speed"),
+        ("both_ways(level + stribeck + power)", "Stribeck + power of speed by direction"),
+        ("dahl(both_ways[levels](level)) + power", "Dahl by direction + power of speed"),
+        ("lugre(level) + viscous", "LuGre + Coulomb + viscous"),
+        ("gms[4](level + stribeck) + power", "GMS + power of speed"),
+        ("level + weight[gravity] + viscous", "Coulomb + gravity load + viscous"),
+    ],
+)
+def test_a_law_without_a_name_has_a_title_of_words(composition, title):
+    assert law(composition).title == title

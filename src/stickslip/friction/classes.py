@@ -194,7 +194,7 @@ def _by_text(text: str) -> type[FrictionLaw]:
         "__qualname__": text,
         "__doc__": f"The composition {text}.",
         "name": text,
-        "title": text,
+        "title": c.term.title,
         "sources": (),
     }
     return _made(c, text, said)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
-from stickslip.friction.registry import CandidateSpec, law, laws, specification
+from stickslip.friction.registry import CandidateSpec, law, specification
 
 BELOW = ("viscous", "coulomb")
 """Laws below the lowest rung."""
@@ -47,18 +47,6 @@ class Rung:
         return f"both_ways({whole})" if self.both_ways else whole
 
     @property
-    def title(self) -> str:
-        """Name in running text."""
-        name = {"": "Coulomb", "dahl": "Dahl", "lugre": "LuGre"}[self.memory]
-        if self.stribeck and self.memory != "lugre":
-            name = f"{name} + Stribeck" if self.memory else "Stribeck"
-        # what stands beside is named where the law with a power has this name
-        if " + " in name or name == "Coulomb":
-            name += " + viscous" * (self.flow != "power")
-        more = {"power": " + power of speed", "drag": " + drag"}.get(self.flow, "")
-        return f"{name}{more}{' by direction' * self.both_ways}"
-
-    @property
     def specification(self) -> CandidateSpec:
         """The candidate: that of a name, or else that of the composition."""
         if self.exponent:
@@ -66,8 +54,7 @@ class Rung:
         if self in SPECIAL:
             return specification(SPECIAL[self])
         own = law(self.composition)
-        title = own.title if own.name in laws() else self.title
-        return CandidateSpec(name=own.name, title=title, law=own)
+        return CandidateSpec(name=own.name, title=own.title, law=own)
 
     def above(self) -> Iterator["Rung"]:
         """Yield what has one part more."""

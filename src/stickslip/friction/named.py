@@ -612,7 +612,7 @@ class DirectionalLuGre:
     """LuGre bristles with levels and viscous parts of their own in each direction.
 
     >>> law.directional, law.towards(-1).title
-    (True, 'lugre(level + stribeck) + viscous')
+    (True, 'LuGre + viscous')
     """
 
     name = "directional-lugre"

@@ -13,8 +13,9 @@ from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.parts import PARTS
-from stickslip.friction.parts.base import Parameter, Part
+from stickslip.friction.parts.base import Memory, Parameter, Part
 from stickslip.friction.parts.curves import curve_text
+from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import Quantity
 
 OPTIONAL = ("step", "peak")
@@ -74,6 +75,12 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
             case Around(head=head, inner=inner):
                 yield head
                 yield from inner.parts()
+
+    @property
+    def title(self) -> str:
+        """What a law without a name is called in running text."""
+        title = _title(self)
+        return title[:1].upper() + title[1:]
 
     @override
     def __repr__(self) -> str:
@@ -250,6 +257,52 @@ def terms_of(term: Term) -> tuple[Term, ...]:
 def summed(items: tuple[Term, ...]) -> Term:
     """Return the sum of terms; a single one is itself."""
     return items[0] if len(items) == 1 else Sum(items)
+
+
+def _title(term: Term) -> str:
+    """Return the parts by their names; what differs by direction stands first if not all does.
+
+    Examples
+    --------
+    >>> _title(read("both_ways[levels](level + stribeck) + power"))
+    'Stribeck by direction + power of speed'
+    >>> _title(read("dahl(both_ways[levels](level + stribeck)) + both_ways[levels](power)"))
+    'Dahl + Stribeck + power of speed by direction'
+    >>> _title(read("lugre(level + stribeck) + viscous * exponential[temperature]"))
+    'LuGre + viscous by temperature'
+    """
+    parts = list(_titles(term))
+    both = " + ".join(title for title, directional in parts if directional)
+    return " + ".join(
+        ([f"{both} by direction"] if both else [])
+        + [title for title, directional in parts if not directional]
+    )
+
+
+def _titles(term: Term) -> Iterator[tuple[str, bool]]:
+    """Yield the names of parts, and whether they differ by direction."""
+    match term:
+        case Name():
+            title = term.part.title or term.name
+            yield (f"{term.input} {title}" if term.input else title), False
+        case Sum(items=items):
+            falls = any(isinstance(one, Name) and isinstance(one.part, Surplus) for one in items)
+            for one in items:
+                if not (falls and one == Name("level")):
+                    yield from _titles(one)
+        case Product(first=first, factors=factors):
+            inputs = dict.fromkeys(one.input for one in factors)
+            yield f"{_title(first)} by {' and '.join(inputs)}", False
+        case Around(head=head, inner=inner):
+            within = list(_titles(inner))
+            if head.name == BOTH_WAYS:
+                yield from ((title, True) for title, _ in within)
+            elif not isinstance(head.part, Memory):
+                yield f"{_title(inner)} by {head.part.title or head.name}", False
+            else:
+                yield head.part.title, all(both for _, both in within)
+                if [title for title, _ in within] != [t for t, _ in _titles(read(head.part.usual))]:
+                    yield from within
 
 
 def canonical(term: Term) -> str:

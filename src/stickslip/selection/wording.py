@@ -9,7 +9,10 @@ from stickslip.selection.verdict import score_text
 
 MOST = 3
 """Laws named in a sentence at most."""
-NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+NAMES = (
+    *("Ambrósio", "BAM", "Bengisu", "Bliman", "Bouc", "Brown", "Coulomb", "Dahl", "GMS", "Haessig"),
+    *("Hess", "LuGre", "Makkar", "Maxwell", "Popp", "Simscape", "Stribeck", "Threlfall", "Tustin"),
+)
 """How titles begin that are names."""
 NOT_DISTINGUISHED = "not distinguished"
 """Outcome of a candidate as good as the chosen one."""
@@ -90,12 +93,10 @@ def friction_of(title: str) -> str:
     ('direction-dependent friction', 'Dahl friction with exponent')
     >>> friction_of("Stribeck by direction")
     'Stribeck friction by direction'
-    >>> friction_of("level + stribeck + power")  # a composition keeps its letters
-    'the friction of level + stribeck + power'
+    >>> friction_of("Stribeck by direction + power of speed")
+    'Stribeck friction by direction + power of speed'
     """
-    if title.islower() and "+" in title:
-        return f"the friction of {title}"
-    joint = " with " if " with " in title else " by direction"
+    joint = " with " if " with " in title else " by "
     kind, joint, more = in_sentence(title).partition(joint)
     noun = "" if kind.endswith("friction") else " friction"
     return f"{kind}{noun}{joint}{more}"

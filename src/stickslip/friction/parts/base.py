@@ -71,6 +71,8 @@ class Part(ABC):
 
     name: ClassVar[str]
     """What the notation calls it."""
+    title: ClassVar[str] = ""
+    """Its name in running text; that of the notation if empty."""
     tex: ClassVar[str]
     """Its term of the formula."""
     tex_where: ClassVar[str] = ""
@@ -190,6 +192,8 @@ class Memory(Part, ABC):
     opposes: ClassVar[bool] = False
     drops: ClassVar[bool] = False
     """Whether its force falls at once where a state reaches its limit."""
+    usual: ClassVar[str] = "level"
+    """The level curve that its title does not mention."""
 
     def states(self, argument: str) -> tuple[str, ...]:
         """Return the names of its states."""

@@ -31,6 +31,7 @@ class Table(Extra):
     """A curve through measured levels: cubics between them without overshoot, constant beyond."""
 
     name = "table"
+    title = "measured levels"
     argument = "curve"
     tex = r"c\, \mu_{\text{table}}(|v|)"
     vanishes = {"curve_factor": 0.0}

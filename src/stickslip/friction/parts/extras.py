@@ -25,6 +25,7 @@ class Weight(Extra):
     """In proportion to the size of an input."""
 
     name = "weight"
+    title = "load"
     argument = "input"
     tex = r"\mu_{1} |{0}|"
     vanishes = {"coefficient": 0.0}
@@ -45,6 +46,7 @@ class WeightFading(Fading):
     """In proportion to the size of an input, fading as the static surplus does."""
 
     name = "weight_fading"
+    title = "load that fades"
     argument = "input"
     tex = r"\mu_{s{1}} |{0}| e^{-|v/v_s|^n}"
     vanishes = {"static_surplus": 0.0}
@@ -65,6 +67,7 @@ class Weight2(Extra):
     """In proportion to the square of an input."""
 
     name = "weight2"
+    title = "load squared"
     argument = "input"
     tex = r"c_{1} {0}^2"
     vanishes = {"quadratic_coefficient": 0.0}
@@ -93,6 +96,7 @@ class Gear(Extra):
     """
 
     name = "gear"
+    title = "load of a gear"
     inputs = ("motor", "external")
     tex = r"|k_m \tau_m - k_e \tau_e|"
     vanishes = {"motor_friction": 0.0, "external_friction": 0.0}
@@ -123,6 +127,7 @@ class GearStribeck(Fading):
     """A load of the gear, fading as the static surplus does."""
 
     name = "gear_stribeck"
+    title = "load of a gear that fades"
     inputs = ("motor", "external")
     tex = r"|k_{ms} \tau_m - k_{es} \tau_e| e^{-|v/v_s|^n}"
     vanishes = {"motor_static_friction": 0.0, "external_static_friction": 0.0}
@@ -165,6 +170,7 @@ class GearQuadratic(Fading):
     """
 
     name = "gear_quadratic"
+    title = "load of a gear squared"
     inputs = ("motor", "external")
     tex = r"Q e^{-|v/v_s|^n}"
     tex_where = (

@@ -39,6 +39,7 @@ class Power(Flow):
     """A power of the speed, as of lubricants that thin; linear below `PLATEAU`."""
 
     name = "power"
+    title = "power of speed"
     tex = r"\sigma_2 |v|^p \operatorname{sgn} v"
     vanishes = {"viscous_coefficient": 0.0}
     becomes = (Becomes(name="viscous", values={"viscous_exponent": 1.0}),)
@@ -78,6 +79,7 @@ class Saturating(Flow):
     """The traction of a lubricant that saturates with the speed."""
 
     name = "saturating"
+    title = "saturating viscous"
     tex = r"\sigma_2 v_m \arctan(v / v_m)"
     vanishes = {"viscous_coefficient": 0.0}
     becomes = (Becomes(name="viscous", values={}, limits=("saturation_velocity",)),)
@@ -99,6 +101,7 @@ class Polynomial(Flow):
     """A polynomial of the speed, up to the power in its brackets."""
 
     name = "polynomial"
+    title = "polynomial of speed"
     opposes = False
     argument = "number"
     tex = r"\textstyle\sum_{i=1}^{{0}} c_i |v|^i \operatorname{sgn} v"

@@ -35,6 +35,7 @@ class Kinetic(Level):
     """One level, whatever the speed."""
 
     name = "level"
+    title = "Coulomb"
     tex = r"\mu_k"
     rest = "kinetic_coefficient"
     vanishes = {"kinetic_coefficient": 0.0}
@@ -67,6 +68,7 @@ class Step(Level):
     """A static level that ends with rest."""
 
     name = "step"
+    title = "static"
     tex = ""
     rest = "static_coefficient"
     vanishes = {"static_coefficient": "kinetic_coefficient"}
@@ -82,6 +84,7 @@ class Peak(Level):
     """A break-away level above the one at which sliding begins."""
 
     name = "peak"
+    title = "break-away peak"
     tex = ""
     rest = "break_away_coefficient"
     vanishes = {"break_away_coefficient": "static_coefficient"}
@@ -111,6 +114,7 @@ class Stribeck(Surplus):
     """A static surplus that fades exponentially."""
 
     name = "stribeck"
+    title = "Stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
@@ -126,6 +130,7 @@ class Tustin(Surplus):
     """A static surplus that fades exponentially, with a corner at rest."""
 
     name = "tustin"
+    title = "Tustin"
     compared = False
     tex = r"(\mu_s - \mu_k) e^{-|v|/v_s}"
     static_coefficient: StaticCoefficient
@@ -141,6 +146,7 @@ class Lorentz(Surplus):
     """A static surplus that fades with the square of the speed."""
 
     name = "lorentz"
+    title = "Hess and Soom"
     compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + (v/v_s)^2}"
     static_coefficient: StaticCoefficient
@@ -157,6 +163,7 @@ class Hyperbolic(Surplus):
     """A static surplus that fades with the speed itself."""
 
     name = "hyperbolic"
+    title = "Popp and Stelter"
     compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + |v|/v_s}"
     static_coefficient: StaticCoefficient
@@ -172,6 +179,7 @@ class BrownMcPhee(SmoothLevel):
     """One smooth curve that peaks near mu_s at the transition velocity."""
 
     name = "brown_mcphee"
+    title = "Brown and McPhee"
     tex = r"\left[\mu_k \tanh(4u) + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
     tex_where = r"u = |v|/v_t"
     kinetic_coefficient: KineticCoefficient
@@ -195,6 +203,7 @@ class Simscape(SmoothLevel):
     """The curve of the Translational Friction block: a bump on a hyperbolic tangent."""
 
     name = "simscape"
+    title = "Simscape"
     tex = r"\left[\sqrt{2e} (\mu_s - \mu_k) u e^{-u^2} + \mu_k \tanh(10 |v|/v_b)\right]"
     tex_where = r"u = |v|/(\sqrt 2 v_b)"
     kinetic_coefficient: KineticCoefficient
@@ -218,6 +227,7 @@ class Logarithmic(Extra):
     """A level that grows with the logarithm of the speed, from 0 at rest."""
 
     name = "logarithmic"
+    title = "logarithmic level"
     holds = False
     tex = r"a \ln(1 + |v|/v_0)"
     vanishes = {"logarithmic_coefficient": 0.0}
@@ -253,6 +263,7 @@ class Makkar(SmoothLevel):
     """Differences of hyperbolic tangents: a bump on a rise to the kinetic level."""
 
     name = "makkar"
+    title = "Makkar"
     compared = False
     tex = (
         r"\left[\gamma_1 (\tanh \gamma_2 |v| - \tanh \gamma_3 |v|)"
@@ -286,6 +297,7 @@ class BengisuAkay(SmoothLevel):
     """A parabola up to the static level, and an exponential down to the kinetic one."""
 
     name = "bengisu_akay"
+    title = "Bengisu and Akay"
     compared = False
     tex = r"h"
     tex_where = (

@@ -27,6 +27,7 @@ class Dahl(Memory):
     """A spring that yields."""
 
     name = "dahl"
+    title = "Dahl"
     tex = r"\sigma_0 z"
     tex_where = (
         r"\dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
@@ -69,6 +70,7 @@ class Bristle(Memory):
 class LuGreBristle(Bristle):
     """A bristle whose share of yielding grows with its deflection."""
 
+    usual = "level + stribeck"
     tex_where = r"\dot z = v - \frac{\sigma_0 |v|}{g} z"
 
     @override
@@ -81,6 +83,7 @@ class LuGre(LuGreBristle):
     """A bristle with a constant damping."""
 
     name = "lugre"
+    title = "LuGre"
     becomes = (
         Becomes(name="dahl", values={"bristle_damping": 0.0}),
         Becomes(name="", values={"bristle_damping": 0.0}, limits=("bristle_stiffness",)),
@@ -94,6 +97,7 @@ class LuGreFading(LuGreBristle):
     """A bristle whose damping fades with the speed, which can make the law passive."""
 
     name = "lugre_fading"
+    title = "LuGre fading"
     compared = False
     tex = r"(\sigma_0 z + \sigma_1 e^{-(v/v_d)^2} \dot z)"
     becomes = (
@@ -119,6 +123,8 @@ class ElastoPlastic(Bristle):
     """A bristle that does not yield below a share of its largest deflection."""
 
     name = "elasto_plastic"
+    title = "elasto-plastic"
+    usual = "level + stribeck"
     tex_where = (
         r"\dot z = v (1 - \alpha u), \quad u = \frac{\sigma_0 z}{g} \operatorname{sgn} v, \quad"
         r" \alpha = \tfrac12 + \tfrac12 \sin \pi \frac{u - (1 + \rho)/2}{1 - \rho}"
@@ -149,6 +155,7 @@ class BoucWen(Memory):
     """A loop whose sides bend differently on loading and on unloading."""
 
     name = "bouc_wen"
+    title = "Bouc-Wen"
     compared = False
     tex = r"\sigma_0 z"
     tex_where = (
@@ -216,6 +223,7 @@ class Maxwell(Elements):
     """Elements that slide under constant forces; a level that falls with speed scales their sum."""
 
     name = "maxwell"
+    title = "Maxwell slip"
     tex = r"\textstyle\frac{g}{g(0)} \frac{\sigma_0}{{0}} \sum_i z_i"
     tex_where = (
         r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v <"
@@ -249,6 +257,8 @@ class GMS(Elements):
     """Elements that slip until the velocity turns, and lag behind the level while they do."""
 
     name = "gms"
+    title = "GMS"
+    usual = "level + stribeck"
     tex_where = (
         r"\dot z_i = v \text{ until } \sigma_0 z_i \operatorname{sgn} v = \tfrac{2 i}{{0} + 1} g,"
         r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v"
@@ -297,6 +307,7 @@ class Reset(Memory):
     """A spring that is stiffer while it sticks: its force falls to the level where it gives way."""
 
     name = "reset"
+    title = "reset integrator"
     compared = False
     drops = True
     tex = r"\left(\tfrac{g}{g(0)} (1 + a)\, \sigma_0 z + \sigma_1 \dot z\right)"
@@ -349,6 +360,7 @@ class BlimanSorine(Memory):
     """Two springs that yield against each other: break-away exceeds the level by a distance."""
 
     name = "bliman_sorine"
+    title = "Bliman-Sorine"
     compared = False
     tex = r"\sigma_0 \left(z_1 - \tfrac{\eta b}{1 + b} z_2\right)"
     tex_where = (

@@ -34,6 +34,7 @@ class Atan(SmoothSign):
     """An inverse tangent, which approaches the level slowly."""
 
     name = "atan"
+    title = "arctan"
     compared = False
     tex = r"\frac{2}{\pi} \arctan(v / v_t)"
     smoothing_velocity: SmoothingVelocity
@@ -48,6 +49,7 @@ class Root(SmoothSign):
     """The speed over the root of its square plus a constant."""
 
     name = "root"
+    title = "square root"
     compared = False
     tex = r"v / \sqrt{v^2 + v_t^2}"
     smoothing_velocity: SmoothingVelocity
@@ -78,6 +80,7 @@ class Threlfall(SmoothSign):
     """An exponential rise that reaches the level at the smoothing velocity."""
 
     name = "threlfall"
+    title = "Threlfall"
     compared = False
     tex = (
         r"\frac{1 - e^{-3|v|/v_t}}{1 - e^{-3}} \operatorname{sgn} v"
