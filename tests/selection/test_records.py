@@ -46,7 +46,7 @@ from stickslip.selection.record_wording import (
     outcomes,
     record_wording,
 )
-from stickslip.selection.records import _agreed, _as_simulated
+from stickslip.selection.records import _agreed, _as_simulated, with_errors
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -281,6 +281,40 @@ def test_of_laws_that_predict_alike_the_one_that_stays_near_over_whole_records_i
     assert named(math.nan, dropped="") == best.name
     assert named(0.5, dropped="an objection") == best.name
     assert named(0.5, dropped="", validation=known.validation) == best.name  # it predicts worse
+
+
+@pytest.mark.parametrize(("asked_for", "kinds"), [(4.0, ["delay"]), (0.25, ["delay", "law"])])
+def test_a_law_that_predicts_worse_is_not_asked_for(asked_for, kinds):
+    @dataclasses.dataclass(frozen=True)
+    class Fit:
+        law: None = None
+        rms: float = 1.0
+        known_errors: tuple = ()
+        problem = SimpleNamespace(simulates=True)
+
+    @dataclasses.dataclass(frozen=True)
+    class Candidate:
+        name: str
+        loss: float
+        fit: Fit = Fit()
+        from_balance: tuple = ()
+        effective = 1000.0
+
+        @property
+        def score(self):
+            return math.sqrt(self.loss)
+
+        @property
+        def validation(self):
+            return SimpleNamespace(losses=[self.loss * (1.0 + 0.1 * i) for i in range(8)])
+
+    asked = SimpleNamespace(
+        asked=SimpleNamespace(laws={}, best=SimpleNamespace(name="rich")),
+        errors_of=lambda *_: (SimpleNamespace(kind="delay"), SimpleNamespace(kind="law")),
+    )
+    plain, rich = Candidate("plain", 1.0), Candidate("rich", asked_for)
+    found = with_errors(plain, asked, [plain, rich], usual=True)
+    assert [one.kind for one in found.fit.known_errors] == kinds
 
 
 @pytest.mark.parametrize(("worst", "named"), [(10.0, "rich"), (80.0, "plain")])

@@ -78,12 +78,12 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             for one in own.candidates:
                 value = score_text(own.scale, one.score, one.score_error)
                 error = " ".join(value).strip()
-                cells = [name, one.name, str(one.parameters) if one.fit else NO_VALUE]
+                cells = [name, one.title, str(one.parameters) if one.fit else NO_VALUE]
                 cells.append(f"{error} {own.scale.unit}" if one.validation else NO_VALUE)
                 if second:
                     cells.append(own.scale.error(one.second.rms) if one.second else NO_VALUE)
                 rows.append(cells)
-                notes.append(f"{name}, {one.name}: {one.outcome}")
+                notes.append(f"{name}, {one.title}: {one.outcome}")
             notes += [f"{name}: {line}" for line in own.missing]
         closest = verdict.closest
         return Comparison(

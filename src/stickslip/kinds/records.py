@@ -137,7 +137,7 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         unit = verdict.scale.unit
         heads = ["law", "free", f"held-out error, {unit}", f"last third, {unit}"]
         heads += [f"second record, {unit}"] if second else []
-        notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
+        notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates]
         closest = verdict.closest
         title = title_of(verdict)
         return Comparison(
@@ -198,7 +198,7 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
     seen = candidate.validation
     score = " ".join(score_text(scale, candidate.score, candidate.score_error)).strip()
     cells = [
-        candidate.name,
+        candidate.title,
         str(candidate.parameters) if candidate.fit else NO_VALUE,
         score if candidate.fit else NO_VALUE,
         shown(seen.extrapolation if seen else None),

@@ -316,7 +316,7 @@ class _Descent:
                 self.fits[named.name] = _told(named, laws, self.asked)
         asked = self.asked.get(contact)
         judged = [
-            one if asked is None else with_errors(one, asked, usual=self.usual)
+            one if asked is None else with_errors(one, asked, views, usual=self.usual)
             for one in views[: len(tried)]
         ]
         judged = with_contained(judged, specs)

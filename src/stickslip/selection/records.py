@@ -181,7 +181,7 @@ def select_records(
             executor=executor,
         )
     if asked:
-        judged = [with_errors(c, asked, usual=laws is None) for c in judged]
+        judged = [with_errors(c, asked, judged, usual=laws is None) for c in judged]
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
@@ -648,15 +648,23 @@ def until_stopped(watch: Watch) -> Watch:
     return watched
 
 
-def with_errors(c: RecordCandidate, asked: Explained, *, usual: bool) -> RecordCandidate:
-    """Return a candidate with what the force balance says is wrong, and which values it gave."""
+def with_errors(
+    c: RecordCandidate, asked: Explained, judged: Sequence[RecordCandidate], *, usual: bool
+) -> RecordCandidate:
+    """Return a candidate with what the force balance says is wrong, and which values it gave.
+
+    That it asks for another law is not said of what predicts better than a fit of that law.
+    """
     if c.fit is None:
         return c
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
+    errors = asked.errors_of(c.name, c.fit.law, left)
+    if any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
+        errors = tuple(one for one in errors if one.kind != "law")
     return replace(
         c,
-        fit=replace(c.fit, known_errors=asked.errors_of(c.name, c.fit.law, left)),
+        fit=replace(c.fit, known_errors=errors),
         from_balance=own.held if own else (),
     )
 

@@ -185,10 +185,11 @@ def _law_asked_for(asked: Asked, own: Fit, unit: str) -> ModelError:
     """Return that the force balance asks for another law."""
     best = asked.fits[asked.best.name]
     scale = scale_of([own.rms, best.rms], unit)
+    title = asked.best.specification.title
     return ModelError(
         kind="law",
         finding=(
-            f"The force balance asks for another law, {asked.best.text}: held-out error"
+            f'The force balance asks for another law, {title} ("{asked.best.text}"): held-out error'
             f" {scale.error(best.rms)} instead of {scale.error(own.rms)}."
         ),
         consequence="Values of this law hold for motions like the recorded one only.",

@@ -68,7 +68,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         return Comparison(
             heads=heads,
             rows=rows,
-            notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+            notes=[f"{one.title}: {one.outcome}" for one in verdict.candidates],
             checks=verdict.checks,
             fitted=(title, (*fit.estimates, fit.rate)) if fit else None,
         )

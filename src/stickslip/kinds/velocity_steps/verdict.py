@@ -94,7 +94,7 @@ COEFFICIENT: Final = Scale(1.0, "")
 COLUMNS: Final[Columns[RateStateCandidate]] = (
     Column(
         key="law", title="law", page="model", numeric=False,
-        value=lambda one: one.name, text=lambda one: one.name,
+        value=lambda one: one.name, text=lambda one: one.title,
     ),
     Column(
         key="parameters", title="free", page="free\nparameters", phone="hide",
