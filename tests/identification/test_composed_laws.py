@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, SpringBlock
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, fit, select
 from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
@@ -329,3 +329,23 @@ def test_outliers_are_counted_and_blame_nothing_else():
     (found,) = model_errors(asked.explanation, broken, "zero", PROMPT)
     assert found.kind == "outliers"
     assert found.finding.startswith("3 samples of the friction lie far off those beside")
+
+
+def test_outliers_are_left_out_of_fits_and_leave_the_verdict_alone():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    friction, position = np.array(record.friction), np.array(record.position)
+    friction[[500, 1400, 1401, 2600]] += 200.0
+    position[[800, 2000]] -= 0.5 * np.ptp(position)
+    broken = replace(record, friction=friction, position=position)
+    whole, found = (fit(Axis(inertia=1.0), CoulombViscous, one) for one in (record, broken))
+    assert found.values[:2] == pytest.approx(whole.values[:2], rel=1e-3)
+    said = {one.finding: one.moved for one in found.model_errors}
+    assert said == {
+        "2 samples of the position lie far off those beside.": (),
+        "4 samples of the friction lie far off those beside.": (),
+    }
+    verdict = select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], broken)
+    assert verdict.words.verdict.startswith("Use Coulomb + viscous friction")
+    assert "4 samples of the friction" in verdict.words.lede
+    assert verdict.words.settles
+    assert verdict.measurement is broken

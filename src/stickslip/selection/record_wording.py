@@ -18,7 +18,14 @@ from stickslip.formatting import (
     ratio,
     scale_of,
 )
-from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
+from stickslip.identification import (
+    AGREE,
+    OUTLIERS,
+    RecordFit,
+    TrialComparison,
+    difference,
+    far_above_dry,
+)
 from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good, errs_more
@@ -192,8 +199,10 @@ def _verdict(
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
         return f"{found}, but {lower_first(outcome)}"
-    if best.fit is not None and best.fit.model_errors:
-        first = best.fit.model_errors[0]
+    errors = best.fit.model_errors if best.fit is not None else ()
+    errors = tuple(one for one in errors if one.moved != () or one.kind != OUTLIERS)
+    if errors:
+        first = errors[0]
         fails = "the model does not hold: " if first.share > 0.0 else ""
         return f"{found}, but {fails}{lower_first(first.finding)}"
     if best.fit is not None and best.fit.halves is not None:

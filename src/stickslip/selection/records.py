@@ -34,6 +34,7 @@ from stickslip.identification import (
     memory_is_seen,
     to_compare,
     whole_record_error,
+    without_outliers,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -143,6 +144,7 @@ def select_records(
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
+    whole, (measurement, left_out) = measurement, without_outliers(mechanism, measurement)
     route = route or way_for(purpose, measurement)
     choice = (
         choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
@@ -182,8 +184,9 @@ def select_records(
         )
     if asked:
         judged = [with_errors(c, asked, usual=laws is None) for c in judged]
+    judged = [replace(c, fit=c.fit and replace(c.fit, left_out=left_out)) for c in judged]
     verdict = verdict_on(
-        mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
+        mechanism, whole, judged, without, plan, purpose, checks, validate, asked=asked
     )
     return replace(
         verdict,

@@ -66,6 +66,7 @@ from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.terms.dense_series import without_outliers
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
@@ -176,6 +177,7 @@ def fit_record(
 ) -> RecordFit:
     """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
+    measurement, left_out = without_outliers(mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     if choice.route != "force-map":
         choice = choice.with_hold(mechanism, measurement)
@@ -197,6 +199,7 @@ def fit_record(
     except ConvergenceError:
         if choice.alternative is None:
             raise
+    fits = [replace(one, left_out=left_out) for one in fits]
     if choice.alternative is None or not to_compare(choice, fits):
         return fits[0]
     other = replace(choice, route=choice.alternative, reason="", alternative=None)
@@ -207,7 +210,7 @@ def fit_record(
             return fits[0]
         raise
     why = better_route(fits, [derived])
-    return replace(derived, route_reason=why) if why else fits[0]
+    return replace(derived, route_reason=why, left_out=left_out) if why else fits[0]
 
 
 def _fitted_by(
