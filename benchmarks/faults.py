@@ -28,6 +28,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,7 @@ import numpy as np
 
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
+from benchmarks.whole_verdicts import NEUTRAL, Known, in_line, parts_of, selected, totals, values_of
 from stickslip import Axis, FrictionLaw, Measurement, check, fit
 from stickslip.errors import StickslipError
 from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
@@ -42,11 +44,9 @@ from stickslip.identification.sensor_response import PROMPT
 from stickslip.identification.settings import RecordSettings
 
 RESULTS = "faults.jsonl"
-ROUTES = ("shooting", "inverse-dynamics", "explain")
+ROUTES = ("shooting", "inverse-dynamics", "explain", "select")
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
 LATE = ("delay", "lag", "late or elastic")
-NEUTRAL = ("law", "unexplained")
-"""Kinds of findings that name no cause."""
 USUAL = ("effective size",)
 """Kinds of findings of `check` that clean records have as well: they state no fault."""
 TRIED = 20
@@ -275,6 +275,15 @@ def machine_of(random: Random) -> Machine:
     return Machine(rig=rig, closed=bool(random.integers(2)))
 
 
+def moving(machine: Machine, random: Random) -> Measurement:
+    """Return a record of a machine that reverses often enough."""
+    for _ in range(TRIED):
+        found = machine.run(random)
+        if found is not None:
+            return found
+    raise StickslipError("no further record of the machine reverses.")
+
+
 def faulty(name: str, random: Random) -> tuple[Machine, Measurement]:
     """Return a machine with a fault and its record."""
     fault = FAULTS[name]
@@ -307,11 +316,6 @@ def outside(
         if one.bounded and one.path not in free and not low <= true <= high:
             wrong.append(f"{field} {one.value / true if true else one.value:.3g}")
     return wrong
-
-
-def parts_of(kind: str) -> set[str]:
-    """Return the kinds that a finding names: several, if they are not told apart."""
-    return {kind, *kind.split(" or ")}
 
 
 def outcome(
@@ -366,6 +370,23 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     if route == "explain":
         right = (*fault.named, *fault.terms)
         return row | explained(Axis(inertia=given), measurement, unknown, right)
+    if route == "select":
+        return (
+            row
+            | {"truth": name}
+            | selected(
+                Known(
+                    given=Axis(inertia=given),
+                    law=None if set(fault.terms) - {"offset"} else law,
+                    values={k: v for k, v in values_of(law, axis).items() if k not in fault.free},
+                    measurement=measurement,
+                    fresh=moving(machine, random),
+                    unknown=unknown,
+                    fault=True,
+                    right=(*fault.named, *fault.terms),
+                )
+            )
+        )
     began = time.perf_counter()
     try:
         found = fit(
@@ -405,12 +426,25 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
             machine = machine_of(random)
             found_machine = machine.run(random)
         law, axis, measurement = machine.rig.law, machine.rig.axis, found_machine
+        again = partial(moving, machine, random)
     else:
         assert truth in TRUTHS
         rig = draw(random, truth)
         law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
+        again = lambda: record(rig, random)[0]  # noqa: E731
     if route == "explain":
         return row | explained(Axis(inertia=1.0), measurement, ("mechanism.inertia",), ())
+    if route == "select":
+        return row | selected(
+            Known(
+                given=Axis(inertia=1.0),
+                law=law,
+                values=values_of(law, axis),
+                measurement=measurement,
+                fresh=again(),
+                unknown=("mechanism.inertia",),
+            )
+        )
     plain = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
     free = plain if truth == "dahl" else ("friction.*",)
     try:
@@ -457,6 +491,9 @@ def run(
             row = task.result()
             file.write(json.dumps(row) + "\n")
             file.flush()
+            if row["route"] == "select":
+                yield in_line(f"{row['fault']}, seed {row['seed']}", row)
+                continue
             said = row.get("refused") or f"said {row['said']}, outside {row.get('wrong', [])}"
             verdict = "WRONG" if row.get("false") else "named" if row.get("named") else "-"
             yield (
@@ -537,7 +574,7 @@ def main() -> None:
         row for row in stored(given.results)
         if row["seed"] in given.seeds and row["route"] == given.route
     ]  # fmt: skip
-    print("\n".join(summary(rows)))
+    print("\n".join(totals(rows) if given.route == "select" else summary(rows)))
 
 
 if __name__ == "__main__":
