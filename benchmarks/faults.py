@@ -37,7 +37,15 @@ import numpy as np
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
 from benchmarks.whole_verdicts import NEUTRAL, Known, in_line, parts_of, selected, totals, values_of
-from stickslip import Axis, FrictionLaw, Measurement, check, fit
+from stickslip import (
+    Axis,
+    DirectionDependent,
+    FrictionLaw,
+    Measurement,
+    Stribeck,
+    check,
+    fit,
+)
 from stickslip.errors import StickslipError
 from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
 from stickslip.identification.sensor_response import PROMPT
@@ -63,6 +71,8 @@ class Fault:
     """Kinds of `ModelError` and of findings of `check` that name it."""
     terms: tuple[str, ...] = ()
     """Kinds of terms of the force balance that are it, where it is an effect of friction."""
+    law: Callable[[Machine], FrictionLaw | None] = lambda machine: machine.rig.law
+    """The law that a machine then has; None where there is none."""
     mass: float = math.nan
     """The mass that is given, over the true one; not a number where it is unknown."""
     free: tuple[str, ...] = ()
@@ -137,6 +147,29 @@ def _asymmetric(machine: Machine, random: Random) -> Machine:
 def _peak(machine: Machine, random: Random) -> Machine:
     share, speed = random.uniform(0.4, 0.8), random.uniform(0.05, 0.2) * machine.rig.speed
     return replace(machine, level=lambda _x, _t, v: 1.0 + share * math.exp(-((v / speed) ** 2)))
+
+
+def _by_direction(machine: Machine) -> FrictionLaw:
+    law = machine.rig.law
+    sides = [machine.level(0.0, 0.0, s) for s in (1.0, -1.0)]
+    level, viscous = law.kinetic_coefficient, law.viscous_coefficient  # type: ignore[attr-defined]
+    return DirectionDependent(
+        forward_kinetic_coefficient=sides[0] * level,
+        backward_kinetic_coefficient=sides[1] * level,
+        forward_viscous_coefficient=sides[0] * viscous,
+        backward_viscous_coefficient=sides[1] * viscous,
+    )
+
+
+def _peaked(machine: Machine) -> FrictionLaw:
+    law, share = machine.rig.law, machine.level(0.0, 0.0, 0.0) - 1.0
+    v = 0.1 * machine.rig.speed
+    return Stribeck(
+        kinetic_coefficient=law.kinetic_coefficient,  # type: ignore[attr-defined]
+        static_coefficient=law.kinetic_coefficient * (1.0 + share),  # type: ignore[attr-defined]
+        stribeck_velocity=v / math.sqrt(-math.log((machine.level(0.0, 0.0, v) - 1.0) / share)),
+        viscous_coefficient=law.viscous_coefficient,  # type: ignore[attr-defined]
+    )
 
 
 def _late_clock(found: Measurement, random: Random) -> Measurement:
@@ -246,16 +279,21 @@ FAULTS: Mapping[str, Fault] = {
     "level-drift": Fault(machine=_drift, named=DRIFTS),
     "warm-up": Fault(machine=_warm, named=DRIFTS),
     "place-dependence": Fault(
-        machine=_placed, named=("law",), terms=("level_ripple", "level_slope")
+        machine=_placed, law=lambda _m: None, named=("law",), terms=("level_ripple", "level_slope")
     ),
     "asymmetry": Fault(
         machine=_asymmetric,
+        law=_by_direction,
         named=("law",),
         terms=("viscous_dir", "power_dir"),
         free=("mechanism.offset",),
     ),
     "stribeck-peak": Fault(
-        machine=_peak, named=("law",), terms=("stribeck",), free=("friction.kinetic_coefficient",)
+        machine=_peak,
+        law=_peaked,
+        named=("law",),
+        terms=("stribeck",),
+        free=("friction.kinetic_coefficient",),
     ),
 }  # fmt: skip
 """What is built in, by name."""

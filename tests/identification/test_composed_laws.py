@@ -14,7 +14,10 @@ from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.selection.explained import Explained, _compared, explained
+from stickslip.selection.wording import friction_of
 
+FADES = (0.1, 2.0)
+BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
 
@@ -349,3 +352,31 @@ def test_outliers_are_left_out_of_fits_and_leave_the_verdict_alone():
     assert "4 samples of the friction" in verdict.words.lede
     assert verdict.words.settles
     assert verdict.measurement is broken
+
+
+@pytest.mark.parametrize(
+    ("fit", "said"),
+    [
+        (
+            fitted(level=2.0, viscous=3.0, viscous_dir=1.0, stribeck=1.0, par={"stribeck": FADES}),
+            "Stribeck by direction",
+        ),
+        (
+            fitted(level=2.0, stribeck=1.0, stribeck_dir=0.5, power=3.0, offset=0.1, par=BOTH),
+            "Stribeck + power of speed with levels by direction",
+        ),
+        (
+            fitted(level=2.0, stribeck=1.0, par={"stribeck": FADES}),
+            "Stribeck without viscous friction",
+        ),
+        (fitted(STOP, level=2.0, viscous=3.0), "Maxwell slip + viscous"),
+        (
+            fitted(level=2.0, level_ripple=[0.4, 0.2], viscous=1.0, par={"level_ripple": (8.0,)}),
+            "Coulomb + viscous with a level periodic in position",
+        ),
+    ],
+)  # fmt: skip
+def test_a_composition_without_a_name_is_called_in_words(fit, said):
+    title = composed_law(fit, 1.0).specification.title
+    assert title == said
+    assert not {"(", "[", "*", "_"} & set(friction_of(title))

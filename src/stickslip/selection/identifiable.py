@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.formatting import capital, percent, quantity
-from stickslip.identification import READINGS, TOGETHER, Estimate, Fit, RecordFit
+from stickslip.identification import READINGS, TOGETHER, Estimate, Fit, ModelError, RecordFit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -25,6 +25,11 @@ def traded(fit: RecordFit) -> frozenset[str]:
             if table[i, j] > TOGETHER:
                 found |= {one, other}
     return frozenset(found)
+
+
+def disturbing(fit: RecordFit) -> tuple[ModelError, ...]:
+    """Return what was found beside the law that leaves no estimate, and no prediction, sure."""
+    return tuple(one for one in fit.model_errors if one.moved is None and one.kind != "law")
 
 
 def moved_by_errors(fit: RecordFit) -> frozenset[str]:

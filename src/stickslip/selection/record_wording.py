@@ -21,6 +21,7 @@ from stickslip.formatting import (
 from stickslip.identification import (
     AGREE,
     OUTLIERS,
+    ModelError,
     RecordFit,
     TrialComparison,
     difference,
@@ -30,7 +31,7 @@ from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import limit_of, settled_estimates
+from stickslip.selection.identifiable import disturbing, limit_of, settled_estimates
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (
@@ -165,7 +166,9 @@ def record_wording(
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
         settles=() if fault or curve else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
+        measure_next=_measure_next(
+            experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)
+        ),
         no_score="",
     )
 
@@ -405,6 +408,8 @@ def _measure_next(
     checks: Checks,
     fault: str,
     on_second: SecondRecord | None,
+    *,
+    found: Sequence[ModelError] = (),
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
     lines = list(corrections(checks, but=("drift",)))
@@ -412,6 +417,11 @@ def _measure_next(
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
             " mass, and whether all trials are of one machine in one condition."
+        )
+    elif found:
+        lines.append(
+            "Before any further measurement, find the cause of what is said beside the law, correct"
+            " it, and record again."
         )
     for one in experiments[:2]:
         observed, readings = one.readings()

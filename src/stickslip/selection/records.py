@@ -60,6 +60,7 @@ from stickslip.selection.choice import (
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.explained import Explained, explained
 from stickslip.selection.given_levels import refuted_by_record
+from stickslip.selection.identifiable import disturbing
 from stickslip.selection.ladder import Climbed, climbed
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import takes_long
@@ -595,9 +596,9 @@ def verdict_on(
     ordered = outcomes(ordered, closest, recommended=recommended)
     closest = next(c for c in ordered if c.name == closest.name)
     assert closest.fit is not None
-    # What no law explains, laws cannot be told apart by.
-    timed = plan.length > 0.0
-    experiments = experiments_after(closest, ordered, plan) if timed and not fault else ()
+    # What no law explains, or the model lacks, laws cannot be told apart by.
+    timed, holds = plan.length > 0.0, not fault and not disturbing(closest.fit)
+    experiments = experiments_after(closest, ordered, plan) if timed and holds else ()
     trials = compared(closest.fit) if measurement.trials else None
     if material and trials and not trials.shared and _alike(trials, closest.residual, material):
         trials = None

@@ -9,7 +9,7 @@ from stickslip.selection.verdict import score_text
 
 MOST = 3
 """Laws named in a sentence at most."""
-NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+NAMES = ("Coulomb", "Dahl", "LuGre", "Maxwell", "Stribeck")
 """How titles begin that are names."""
 NOT_DISTINGUISHED = "not distinguished"
 """Outcome of a candidate as good as the chosen one."""
@@ -90,12 +90,15 @@ def friction_of(title: str) -> str:
     ('direction-dependent friction', 'Dahl friction with exponent')
     >>> friction_of("Stribeck by direction")
     'Stribeck friction by direction'
+    >>> friction_of("Coulomb + viscous by direction with a level linear in temperature")
+    'Coulomb + viscous friction by direction with a level linear in temperature'
     >>> friction_of("level + stribeck + power")  # a composition keeps its letters
     'the friction of level + stribeck + power'
     """
     if title.islower() and "+" in title:
         return f"the friction of {title}"
-    joint = " with " if " with " in title else " by direction"
+    joints = [one for one in (" by direction", " with ") if one in title]
+    joint = min(joints, key=title.index, default=" with ")
     kind, joint, more = in_sentence(title).partition(joint)
     noun = "" if kind.endswith("friction") else " friction"
     return f"{kind}{noun}{joint}{more}"

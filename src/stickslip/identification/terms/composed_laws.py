@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.evidence import SIGN, Explanation, Fit, Rule, Shape, Structure, Term, fit
+from stickslip.formatting import capital, joined
 from stickslip.friction import (
     OPTIONAL,
     CandidateSpec,
@@ -237,7 +238,52 @@ def _specification(
     rung = _rung(structure, channel) if directional else None
     if rung is not None:
         return rung.specification
-    return CandidateSpec.of(law(text).name, law(text))
+    made = law(text)
+    spec = CandidateSpec.of(made.name, made)
+    known = made.title != made.name and "ripple" not in text
+    return spec if known else replace(spec, title=_title(structure, text, channel))
+
+
+def _title(structure: Structure, text: str, channel: str) -> str:
+    """Return what a law is called in running text, of a composition that has no name.
+
+    Examples
+    --------
+    >>> warm = Structure((Term("level"), Term("temperature", (), "", "temperature")))
+    >>> _title(warm, "level * linear[temperature]", "")
+    'Coulomb with a level linear in temperature'
+    """
+    terms, shape = _of(structure, channel), structure.shape(channel)
+    memory, fades = _memory(terms, shape), "stribeck" in text
+    name = {"dahl": "Dahl", "lugre": "LuGre", "": ""}.get(memory, "Maxwell slip")
+    if fades and memory != "lugre":
+        name = f"{name} + Stribeck" if name else "Stribeck"
+    name = name or ("Coulomb" if _levels(structure, channel, terms) else "")
+    flow = {"viscous": "viscous", "power": "power of speed", "drag": "drag"}
+    parts = [name] if name else []
+    parts += [said for part, said in flow.items() if part in _flow(terms)]
+    more = [
+        f"a {what} linear in {one.what or 'position'}"
+        for kind, what in FACTORS.items()
+        for one in structure.terms
+        if one.kind == kind and one.channel == channel
+    ]
+    more += ["a level periodic in position"] if "level_ripple" in terms else []
+    ways = "both_ways[levels](" in text
+    whole = ways and text.endswith(")") and text.startswith("both_ways")
+    more += ["levels by direction"] if ways and not whole else []
+    if parts == ["Stribeck"]:  # the law of this name has a viscous part
+        parts = ["Stribeck without viscous friction"]
+    title = capital(" + ".join(parts)) + (" by direction" if whole else "")
+    return f"{title} with {joined(more)}" if more else title
+
+
+FACTORS = {
+    "temperature": "level",
+    "level_slope": "level",
+    "viscous_cov": "viscous part",
+}
+"""Kinds of terms that are factors of a part, by what that is called."""
 
 
 def _of(structure: Structure, channel: str) -> dict[str, Term]:

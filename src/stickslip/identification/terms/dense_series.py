@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def without_outliers(
         records, before = [], sum(counts.values())
         every = dense_series(mechanism, measurement, "zero", ())
         for record, series in zip(measurement.records(), every, strict=True):
-            columns = {}
+            columns: dict[str, Any] = {}
             for name, far in outliers(series).items():
                 column = force if name == "force" else name
                 if far.any() and column in record.quantities():

@@ -192,8 +192,9 @@ def _law_asked_for(asked: Asked, own: Fit, unit: str) -> ModelError:
     return ModelError(
         kind="law",
         finding=(
-            f"The force balance asks for another law, {asked.best.text}: held-out error"
-            f" {scale.error(best.rms)} instead of {scale.error(own.rms)}."
+            f"The force balance asks for another law, {asked.best.specification.title}"
+            f" ({asked.best.text}): held-out error {scale.error(best.rms)} instead of"
+            f" {scale.error(own.rms)}."
         ),
         consequence="Values of this law hold for motions like the recorded one only.",
         effect=own.rms - best.rms,
