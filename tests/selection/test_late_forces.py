@@ -165,3 +165,10 @@ def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_si
     asked = asked_of(force_maps.AXIS, measured, "zero", (), PROMPT)
     found = model_errors(asked.explanation, measured, "zero", PROMPT)
     assert [one.kind for one in found] == ["delay or presliding"]
+
+
+def test_a_model_that_does_not_hold_proposes_no_measurement_by_its_predictions():
+    found = select(AXIS, LAWS, record(drift=0.8), settings=QUICK)
+    assert found.model_errors[0].kind == "drift of the offset"
+    assert found.experiments == ()
+    assert found.words.measure_next[0].startswith("Before any further measurement, find the cause")

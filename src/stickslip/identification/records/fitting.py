@@ -527,7 +527,8 @@ def finished(
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
     moved = displacements(again, best, mechanism, measurement) if doubted else ()
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
-    inference, apart = widened_by_starts(inference, free_parameters, found)
+    shown = told(free_parameters, mechanism, measurement)
+    inference, apart = widened_by_starts(inference, shown, found)
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
     fit = RecordFit(
