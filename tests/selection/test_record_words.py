@@ -424,3 +424,13 @@ def test_a_law_with_several_objections_is_told_by_the_first():
 def test_a_table_of_candidates_has_plain_symbols(confirmed):
     objected = dataclasses.replace(confirmed.best, outcome="$sigma_2$ is estimated as 0")
     assert objected.to_row()["outcome"] == "sigma_2 is estimated as 0"
+
+
+def test_of_several_objections_the_verdict_has_the_first_and_the_reasons_have_all(confirmed):
+    doubted = dataclasses.replace(confirmed.best, doubt="a is 0; b is 0; c is 0")
+    said = record_wording(
+        [doubted if c.name == doubted.name else c for c in confirmed.candidates],
+        doubted, None, {}, confirmed.checks, (), scored="",
+    )  # fmt: skip
+    assert said.verdict.endswith("are identified: a is 0, and 2 more objections.")
+    assert "are identified: a is 0; b is 0; c is 0." in said.lede

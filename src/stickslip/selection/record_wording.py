@@ -216,7 +216,7 @@ def _verdict(
     if curve:
         return f"{found}, but {curve}."
     if best.doubt:
-        return to_predict(name, best.doubt)
+        return to_predict(name, first_of(best.doubt))  # all of them stand beside the errors
     if alike:
         return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
