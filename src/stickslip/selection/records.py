@@ -144,7 +144,7 @@ def select_records(
     aim = aim_of(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
-    checks = checked(mechanism, measurement, validate)
+    checks = checked(mechanism, measurement, validate, unknown=parameters.unknown)
     whole, (measurement, left_out) = measurement, without_outliers(mechanism, measurement)
     route = route or way_for(purpose, measurement)
     choice = (
