@@ -28,6 +28,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,18 +36,25 @@ import numpy as np
 
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
-from stickslip import Axis, FrictionLaw, Measurement, check, fit
+from benchmarks.whole_verdicts import NEUTRAL, Known, in_line, parts_of, selected, totals, values_of
+from stickslip import (
+    Axis,
+    DirectionDependent,
+    FrictionLaw,
+    Measurement,
+    Stribeck,
+    check,
+    fit,
+)
 from stickslip.errors import StickslipError
 from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
 from stickslip.identification.sensor_response import PROMPT
 from stickslip.identification.settings import RecordSettings
 
 RESULTS = "faults.jsonl"
-ROUTES = ("shooting", "inverse-dynamics", "explain")
+ROUTES = ("shooting", "inverse-dynamics", "explain", "select")
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
 LATE = ("delay", "lag", "late or elastic")
-NEUTRAL = ("law", "unexplained")
-"""Kinds of findings that name no cause."""
 USUAL = ("effective size",)
 """Kinds of findings of `check` that clean records have as well: they state no fault."""
 TRIED = 20
@@ -63,6 +71,8 @@ class Fault:
     """Kinds of `ModelError` and of findings of `check` that name it."""
     terms: tuple[str, ...] = ()
     """Kinds of terms of the force balance that are it, where it is an effect of friction."""
+    law: Callable[[Machine], FrictionLaw | None] = lambda machine: machine.rig.law
+    """The law that a machine then has; None where there is none."""
     mass: float = math.nan
     """The mass that is given, over the true one; not a number where it is unknown."""
     free: tuple[str, ...] = ()
@@ -137,6 +147,29 @@ def _asymmetric(machine: Machine, random: Random) -> Machine:
 def _peak(machine: Machine, random: Random) -> Machine:
     share, speed = random.uniform(0.4, 0.8), random.uniform(0.05, 0.2) * machine.rig.speed
     return replace(machine, level=lambda _x, _t, v: 1.0 + share * math.exp(-((v / speed) ** 2)))
+
+
+def _by_direction(machine: Machine) -> FrictionLaw:
+    law = machine.rig.law
+    sides = [machine.level(0.0, 0.0, s) for s in (1.0, -1.0)]
+    level, viscous = law.kinetic_coefficient, law.viscous_coefficient  # type: ignore[attr-defined]
+    return DirectionDependent(
+        forward_kinetic_coefficient=sides[0] * level,
+        backward_kinetic_coefficient=sides[1] * level,
+        forward_viscous_coefficient=sides[0] * viscous,
+        backward_viscous_coefficient=sides[1] * viscous,
+    )
+
+
+def _peaked(machine: Machine) -> FrictionLaw:
+    law, share = machine.rig.law, machine.level(0.0, 0.0, 0.0) - 1.0
+    v = 0.1 * machine.rig.speed
+    return Stribeck(
+        kinetic_coefficient=law.kinetic_coefficient,  # type: ignore[attr-defined]
+        static_coefficient=law.kinetic_coefficient * (1.0 + share),  # type: ignore[attr-defined]
+        stribeck_velocity=v / math.sqrt(-math.log((machine.level(0.0, 0.0, v) - 1.0) / share)),
+        viscous_coefficient=law.viscous_coefficient,  # type: ignore[attr-defined]
+    )
 
 
 def _late_clock(found: Measurement, random: Random) -> Measurement:
@@ -246,16 +279,21 @@ FAULTS: Mapping[str, Fault] = {
     "level-drift": Fault(machine=_drift, named=DRIFTS),
     "warm-up": Fault(machine=_warm, named=DRIFTS),
     "place-dependence": Fault(
-        machine=_placed, named=("law",), terms=("level_ripple", "level_slope")
+        machine=_placed, law=lambda _m: None, named=("law",), terms=("level_ripple", "level_slope")
     ),
     "asymmetry": Fault(
         machine=_asymmetric,
+        law=_by_direction,
         named=("law",),
         terms=("viscous_dir", "power_dir"),
         free=("mechanism.offset",),
     ),
     "stribeck-peak": Fault(
-        machine=_peak, named=("law",), terms=("stribeck",), free=("friction.kinetic_coefficient",)
+        machine=_peak,
+        law=_peaked,
+        named=("law",),
+        terms=("stribeck",),
+        free=("friction.kinetic_coefficient",),
     ),
 }  # fmt: skip
 """What is built in, by name."""
@@ -273,6 +311,15 @@ def machine_of(random: Random) -> Machine:
         axis=replace(rig.axis, offset=0.0),
     )
     return Machine(rig=rig, closed=bool(random.integers(2)))
+
+
+def moving(machine: Machine, random: Random) -> Measurement:
+    """Return a record of a machine that reverses often enough."""
+    for _ in range(TRIED):
+        found = machine.run(random)
+        if found is not None:
+            return found
+    raise StickslipError("no further record of the machine reverses.")
 
 
 def faulty(name: str, random: Random) -> tuple[Machine, Measurement]:
@@ -307,11 +354,6 @@ def outside(
         if one.bounded and one.path not in free and not low <= true <= high:
             wrong.append(f"{field} {one.value / true if true else one.value:.3g}")
     return wrong
-
-
-def parts_of(kind: str) -> set[str]:
-    """Return the kinds that a finding names: several, if they are not told apart."""
-    return {kind, *kind.split(" or ")}
 
 
 def outcome(
@@ -366,6 +408,23 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     if route == "explain":
         right = (*fault.named, *fault.terms)
         return row | explained(Axis(inertia=given), measurement, unknown, right)
+    if route == "select":
+        return (
+            row
+            | {"truth": name}
+            | selected(
+                Known(
+                    given=Axis(inertia=given),
+                    law=None if set(fault.terms) - {"offset"} else law,
+                    values={k: v for k, v in values_of(law, axis).items() if k not in fault.free},
+                    measurement=measurement,
+                    fresh=moving(machine, random),
+                    unknown=unknown,
+                    fault=True,
+                    right=(*fault.named, *fault.terms),
+                )
+            )
+        )
     began = time.perf_counter()
     try:
         found = fit(
@@ -405,12 +464,25 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
             machine = machine_of(random)
             found_machine = machine.run(random)
         law, axis, measurement = machine.rig.law, machine.rig.axis, found_machine
+        again = partial(moving, machine, random)
     else:
         assert truth in TRUTHS
         rig = draw(random, truth)
         law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
+        again = lambda: record(rig, random)[0]  # noqa: E731
     if route == "explain":
         return row | explained(Axis(inertia=1.0), measurement, ("mechanism.inertia",), ())
+    if route == "select":
+        return row | selected(
+            Known(
+                given=Axis(inertia=1.0),
+                law=law,
+                values=values_of(law, axis),
+                measurement=measurement,
+                fresh=again(),
+                unknown=("mechanism.inertia",),
+            )
+        )
     plain = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
     free = plain if truth == "dahl" else ("friction.*",)
     try:
@@ -457,6 +529,9 @@ def run(
             row = task.result()
             file.write(json.dumps(row) + "\n")
             file.flush()
+            if row["route"] == "select":
+                yield in_line(f"{row['fault']}, seed {row['seed']}", row)
+                continue
             said = row.get("refused") or f"said {row['said']}, outside {row.get('wrong', [])}"
             verdict = "WRONG" if row.get("false") else "named" if row.get("named") else "-"
             yield (
@@ -537,7 +612,7 @@ def main() -> None:
         row for row in stored(given.results)
         if row["seed"] in given.seeds and row["route"] == given.route
     ]  # fmt: skip
-    print("\n".join(summary(rows)))
+    print("\n".join(totals(rows) if given.route == "select" else summary(rows)))
 
 
 if __name__ == "__main__":

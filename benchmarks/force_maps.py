@@ -1,7 +1,8 @@
 """Records of measured friction with a faulty force channel: what does a selection say of them?
 
 ``python -m benchmarks.force_maps --numbers 0 30``; results are appended to a file line by line.
-With ``--explain`` the force balance alone is asked, without a fit, which takes seconds a record.
+With ``--route explain`` the force balance alone is asked, without a fit, in seconds a record;
+else what a user is told is judged, see `benchmarks.whole_verdicts`.
 
 Each record is made up: a law, a motion, sampling, noise, and one of these: nothing else, a delay of
 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20 to 60 % of the level, a
@@ -15,19 +16,18 @@ if there is a memory where the truth has none and no finding says that a late ch
 import argparse
 import json
 import math
-import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.faults import explained, parts_of
+from benchmarks.faults import explained
 from benchmarks.rigs import Array, Random, between
-from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck, select
-from stickslip.errors import StickslipError
+from benchmarks.whole_verdicts import Known, in_line, parts_of, selected, totals, values_of
+from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck
 from stickslip.identification.estimation.bristle_integration import Path as Motion
 from stickslip.identification.estimation.bristle_integration import follow
 
@@ -48,7 +48,6 @@ HARMLESS = ("law", "unexplained", "outliers")
 TRUTHS = ("coulomb-viscous", "stribeck", "dahl")
 MOTIONS = ("sine", "sines", "strokes", "moves")
 AXIS = Axis(inertia=1.0)
-CANDIDATES = ("coulomb", "coulomb-viscous", "power-viscous", "stribeck", "dahl")
 
 
 def _law(name: str, random: Random, level: float, speed: float, stroke: float) -> FrictionLaw:
@@ -110,20 +109,47 @@ def _friction(law: FrictionLaw, t: Array, x: Array, v: Array, random: Random) ->
     return np.where(rest, held[began] * float(law.break_away(1.0)), moving)
 
 
-def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurement]:
-    """Return what a record is of, the true law, and the record."""
+def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurement, Measurement]:
+    """Return what a record is of, the true law, the record, and one of a sound force channel.
+
+    That is of another motion under the same law.
+    """
     random = np.random.default_rng([seed, number])
     fault = FAULTS[number % len(FAULTS)]
     truth = TRUTHS[number // len(FAULTS) % 3]
     motion = MOTIONS[int(random.integers(4))]
     level, speed = between(random, 0.1, 1000.0), between(random, 0.005, 0.5)
     rate = float(random.choice((100.0, 250.0, 1000.0)))
-    step = 1.0 / (FINE * rate)
-    fine = np.arange(0.0, 16.0, step)
+    fine = np.arange(0.0, 16.0, 1.0 / (FINE * rate))
     x = _position(motion, random, fine, speed)
     law = _law(truth, random, level, speed, float(np.ptp(x)))
+    row = {
+        "number": number,
+        "seed": seed,
+        "fault": fault,
+        "truth": truth,
+        "motion": motion,
+        "rate": rate,
+    }
+    size, record = _recorded(law, level, fine, x, fault, random)
+    other = _position(MOTIONS[int(random.integers(4))], random, fine, speed)
+    sound = "temperature" if fault == "temperature" else "none"
+    _, fresh = _recorded(law, level, fine, other, sound, random, size)
+    return row | {"size": size}, law, record, fresh
+
+
+def _recorded(
+    law: FrictionLaw,
+    level: float,
+    fine: Array,
+    x: Array,
+    fault: str,
+    random: Random,
+    size: float = 0.0,
+) -> tuple[float, Measurement]:
+    """Return the size of a fault, drawn where none is given, and a record with it."""
+    step = float(fine[1] - fine[0])
     f = _friction(law, fine, x, np.gradient(x, step), random)
-    size = 0.0
     if fault == "delay":
         size = between(random, 0.005, 0.05)
         f = np.interp(fine - size, fine, f)
@@ -136,7 +162,7 @@ def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurem
         f = f + size * level * fine / 16.0
     warm = 20.0 + 15.0 * (1.0 - np.exp(-fine / 5.0))
     if fault == "temperature":
-        size = float(random.uniform(0.005, 0.015))
+        size = size or float(random.uniform(0.005, 0.015))
         f = f * (1.0 - size * (warm - 20.0))
     t, x, f = fine[::FINE], x[::FINE], f[::FINE]
     f = f + 0.02 * level * random.normal(size=len(t))
@@ -147,17 +173,8 @@ def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurem
         size = float(random.uniform(2.0, 10.0))
         rows = random.choice(len(f), 10, replace=False)
         f[rows] += size * level * random.choice((-1.0, 1.0), 10)
-    row = {
-        "number": number,
-        "seed": seed,
-        "fault": fault,
-        "truth": truth,
-        "motion": motion,
-        "rate": rate,
-        "size": size,
-    }
     measured = {"temperature": warm[::FINE]} if fault == "temperature" else {}
-    return row, law, Measurement(time=t, position=x, friction=f, load=1.0, inputs=measured)
+    return size, Measurement(time=t, position=x, friction=f, load=1.0, inputs=measured)
 
 
 def verdict_of(row: Mapping[str, Any]) -> str:
@@ -176,46 +193,38 @@ def verdict_of(row: Mapping[str, Any]) -> str:
 
 def explained_of(number: int, seed: int) -> dict[str, Any]:
     """Return what the force balance alone says of a record."""
-    row, _, record = drawn(number, seed)
+    row, _, record, _ = drawn(number, seed)
     row |= explained(AXIS, record, (), NAMED.get(row["fault"], ()))
     return row | {"verdict": verdict_of(row)}
 
 
 def judged(number: int, seed: int) -> dict[str, Any]:
-    """Return what a selection says of a record."""
-    row, law, record = drawn(number, seed)
-    began = time.process_time()
-    try:
-        verdict = select(AXIS, CANDIDATES, record)
-    except StickslipError as error:
-        return row | {"refused": str(error), "seconds": time.process_time() - began}
-    closest = verdict.best or verdict.not_recommended
-    wrong = []
-    if closest.name == row["truth"]:
-        for one in closest.fit.estimates:
-            true = getattr(law, one.path.partition(".")[2], 0.0 if "offset" in one.path else None)
-            if true is not None and one.bounded and not one.low <= true <= one.high:
-                wrong.append(f"{one.path} {one.value / true if true else one.value:.3g}")
-    return row | {
-        "closest": closest.name,
-        "used": verdict.best is not None,
-        "verdict": verdict.words.verdict,
-        "wrong": wrong,
-        "said": [one.kind for one in closest.fit.model_errors],
-        "checks": [one.kind for one in verdict.checks.findings if one.severity == "warning"],
-        "seconds": time.process_time() - began,
-    }
+    """Return what a selection without named laws says of a record."""
+    row, law, record, fresh = drawn(number, seed)
+    fault = row["fault"]
+    either = [EITHER] if row["truth"] == "dahl" else []
+    return row | selected(
+        Known(
+            given=AXIS,
+            law=None if fault == "temperature" else law,
+            values=values_of(law, AXIS),
+            measurement=record,
+            fresh=fresh,
+            fault=fault in ("delay", "lag", "drift", "outliers"),
+            right=(*NAMED.get(fault, ()), *either, "outliers" if fault == "outliers" else ""),
+        )
+    )
 
 
-def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a line for each record."""
-    return [
+def summary(row: Mapping[str, Any]) -> str:
+    """Return a record in a line."""
+    title = (
         f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15}"
-        f" {row['motion']:8} {row['rate']:5.0f} {row['seconds']:5.1f}s"
-        f" {row.get('refused') or row['verdict']} {row.get('wrong') or ''}"
-        f" {row.get('checks') or row['said']} {row.get('structure') or ''}"
-        for row in rows
-    ]
+        f" {row['motion']:8} {row['rate']:5.0f}"
+    )
+    if ("verdict" in row and "structure" not in row) or "refused" in row:
+        return in_line(title, row)
+    return f"{title} {row['seconds']:5.1f}s {row['verdict']} {row['said']} {row['structure']}"
 
 
 def main() -> None:
@@ -223,19 +232,21 @@ def main() -> None:
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 30])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
-    parser.add_argument("--explain", action="store_true")
+    parser.add_argument("--route", choices=("explain", "select"), default="select")
     given = parser.parse_args()
-    judge, rows = explained_of if given.explain else judged, []
+    judge, rows = explained_of if given.route == "explain" else judged, []
     with given.results.open("a", encoding="utf-8") as file:
         for number in range(*given.numbers):
             row = judge(number, given.seed)
             rows.append(row)
             file.write(json.dumps(row) + "\n")
             file.flush()
-            print("\n".join(summary([row])), flush=True)
-    if given.explain:
+            print(summary(row), flush=True)
+    if given.route == "explain":
         count = Counter(row["verdict"] for row in rows)
         print(", ".join(f"{name} {count[name]}" for name in ("right", "wrong", "nothing")))
+    else:
+        print("\n".join(totals(rows)))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 ``python -m benchmarks.structures --seed 11`` makes a record of each of 24 structures, 12 faults and
 8 further truths, explains it, and predicts the friction of a second one (the next seed). With
 ``--names cv1 f_gap1`` it does so for some, with ``--rule E`` by another rule, and with ``--stress``
-for seven truths at low rates, with small motions, a coarse encoder and noise.
+for seven truths at low rates, with small motions, a coarse encoder and noise. ``--route select``
+judges what a user is told of them instead, see `benchmarks.whole_verdicts`.
 
 A structure is right if it holds the terms of the truth and no others. It is equal if its friction
 on the second record is as near the truth as that of the true structure: within 15 %, or within
@@ -21,6 +22,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +36,9 @@ from benchmarks.axis_records import (
     Truth,
     record,
 )
+from benchmarks.whole_verdicts import Known, in_line, selected
+from benchmarks.whole_verdicts import totals as totals_told
+from stickslip import Axis, FrictionLaw, Measurement
 from stickslip.errors import InputError
 from stickslip.evidence import (
     Balance,
@@ -51,6 +56,9 @@ from stickslip.evidence import (
 from stickslip.evidence.fits import design, matched
 from stickslip.evidence.intervals import refined
 from stickslip.evidence.motion import low_pass, passed
+from stickslip.identification import asked_of
+from stickslip.identification.sensor_response import PROMPT
+from stickslip.identification.terms.composed_laws import composed_law
 
 RULES = {
     "B": Rule(1.0, 0.02, 0.005, False, False, None),
@@ -70,6 +78,18 @@ KINDS = {
     "spring": {"spring"},
 }
 """Kinds of terms that name a fault."""
+TOLD = {
+    "backlash": ("backlash", "late or elastic"),
+    "drift": ("drift of the level",),
+    "delay": ("delay", "late or elastic"),
+    "flexible": ("flexibility", "late or elastic"),
+    "saturation": ("force limit",),
+    "spring": ("spring", "position force"),
+}
+"""Kinds of findings that name a fault."""
+ALSO = {"ri1": ("position force",), "da3": ("load",), "lo1": ("load",)}
+"""Kinds of findings that are true of structures without a fault."""
+ROUTES = ("explain", "select")
 OF_PLANT = ("inertia", "flexible", "loose", "saturation", "backlash")
 """Kinds that are not friction."""
 STRESSED = ("cv1", "pv1", "ds1", "da1", "lg1", "f_gap1", "f_flex1")
@@ -262,6 +282,71 @@ def score(truth: Truth, *, seed: int, rule: Rule, every: int = 1) -> Score:
     )
 
 
+def told(truth: Truth, *, seed: int) -> dict[str, Any]:
+    """Return what a whole selection says of a record; the inertia is looked for."""
+    plant = truth.plant
+    one, second = (measured(record(truth, at)) for at in (seed, seed + 1))
+    given, unknown = Axis(inertia=1.3 * plant.inertia), ("mechanism.inertia",)
+    asked = asked_of(given, one, "zero", unknown, PROMPT)
+    assert asked is not None
+    balance = asked.explanation.balance
+    load = float(np.median(one.records()[0].load)) if plant.by_load else 1.0
+    true = composed_law(refined(balance, fit(balance, true_structure(truth, balance))), load)
+    law = None if true is None else true.specification.law
+    found = selected(
+        Known(
+            given=given,
+            law=law if isinstance(law, FrictionLaw) else None,
+            values=true_parameters(truth),
+            measurement=one,
+            fresh=second,
+            unknown=unknown,
+            fault=bool(truth.fault),
+            right=(*TOLD.get(truth.fault, ()), *ALSO.get(truth.name, ())),
+        )
+    )
+    return {"name": truth.name, "seed": seed} | found
+
+
+def measured(found: AxisRecord) -> Measurement:
+    """Return a record as a user has it."""
+    known = dict(found.covariates)
+    load = known.pop("load", 1.0)
+    return Measurement(
+        time=found.t, position=found.q, force=found.force, load=load, inputs=known, turning=True
+    )
+
+
+def true_parameters(truth: Truth) -> dict[str, float]:
+    """Return the true values of laws with one load, by path."""
+    p = truth.plant
+    found = {"mechanism.inertia": p.inertia}
+    if p.by_load or p.by_temperature or p.level_ripple or p.second or p.lugre:
+        return found
+    sides = {"forward_": (p.forward, p.step_forward), "backward_": (p.backward, p.step_backward)}
+    if p.forward == p.backward and p.step_forward == p.step_backward:
+        sides[""] = sides["forward_"]
+    for side, (level, step) in sides.items():
+        found[f"friction.{side}kinetic_coefficient"] = level
+        if step:
+            found[f"friction.{side}static_coefficient"] = level + step
+    back = p.viscous if p.viscous_backward is None else p.viscous_backward
+    drag = "quadratic" if p.exponent == 2.0 else "viscous"
+    found |= {
+        f"friction.{drag}_coefficient": p.viscous,
+        f"friction.forward_{drag}_coefficient": p.viscous,
+        f"friction.backward_{drag}_coefficient": back,
+        "friction.viscous_exponent": p.exponent,
+        "friction.exponent": p.exponent,
+        "friction.stribeck_velocity": p.stribeck_velocity,
+        "friction.fading_exponent": p.stribeck_exponent,
+    }
+    if p.length:
+        found["friction.bristle_stiffness"] = p.forward / p.length
+        found["friction.yield_exponent"] = p.bristle_exponent
+    return found if p.forward != p.backward else found | {"mechanism.offset": p.offset}
+
+
 def thinned(series: Series, every: int) -> Series:
     """Return every so many samples of a series."""
     return replace(
@@ -329,6 +414,18 @@ def stressed(truths: Sequence[Truth]) -> list[tuple[str, int, list[Truth]]]:
     ]
 
 
+def tell(truths: Sequence[Truth], seed: int, jobs: int, out: Path | None) -> None:
+    """Print what whole selections say, and totals."""
+    job, rows = partial(told, seed=seed), []
+    with ProcessPoolExecutor(max_workers=jobs) as pool:
+        for row in pool.map(job, truths) if jobs > 1 else map(job, truths):
+            print(in_line(row["name"], row), flush=True)
+            rows.append(row)
+            if out:
+                out.write_text(json.dumps(rows, indent=1))
+    print("\n".join(totals_told(rows)))
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print a line for each record, and totals."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -338,9 +435,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--stress", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
     chosen = parser.parse_args(arguments)
     names = chosen.names or (STRESSED if chosen.stress else [one.name for one in ALL])
     truths = [one for one in ALL if one.name in names]
+    if chosen.route == "select":
+        tell(truths, chosen.seed, chosen.jobs, chosen.out)
+        return
     variants = stressed(truths) if chosen.stress else [("", 1, truths)]
     kept = []
     for title, every, some in variants:

@@ -313,7 +313,7 @@ def test_noise_of_the_acceleration_is_no_flexible_coupling():
 
 
 def test_what_the_filter_mixes_with_the_force_at_rest_is_no_delay():
-    _, _, measured = force_maps.drawn(18, 42)  # stops with rests between them, at 100 Hz
+    _, _, measured, _ = force_maps.drawn(18, 42)  # stops with rests between them, at 100 Hz
     found = explain(dense_series(force_maps.AXIS, measured, "zero", ()))
     assert not found.faults
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, SpringBlock
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, fit, select
 from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
@@ -14,7 +14,10 @@ from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.selection.explained import Explained, _compared, explained
+from stickslip.selection.wording import friction_of
 
+FADES = (0.1, 2.0)
+BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
 
@@ -329,3 +332,51 @@ def test_outliers_are_counted_and_blame_nothing_else():
     (found,) = model_errors(asked.explanation, broken, "zero", PROMPT)
     assert found.kind == "outliers"
     assert found.finding.startswith("3 samples of the friction lie far off those beside")
+
+
+def test_outliers_are_left_out_of_fits_and_leave_the_verdict_alone():
+    record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
+    friction, position = np.array(record.friction), np.array(record.position)
+    friction[[500, 1400, 1401, 2600]] += 200.0
+    position[[800, 2000]] -= 0.5 * np.ptp(position)
+    broken = replace(record, friction=friction, position=position)
+    whole, found = (fit(Axis(inertia=1.0), CoulombViscous, one) for one in (record, broken))
+    assert found.values[:2] == pytest.approx(whole.values[:2], rel=1e-3)
+    said = {one.finding: one.moved for one in found.model_errors}
+    assert said == {
+        "2 samples of the position lie far off those beside.": (),
+        "4 samples of the friction lie far off those beside.": (),
+    }
+    verdict = select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], broken)
+    assert verdict.words.verdict.startswith("Use Coulomb + viscous friction")
+    assert "4 samples of the friction" in verdict.words.lede
+    assert verdict.words.settles
+    assert verdict.measurement is broken
+
+
+@pytest.mark.parametrize(
+    ("fit", "said"),
+    [
+        (
+            fitted(level=2.0, viscous=3.0, viscous_dir=1.0, stribeck=1.0, par={"stribeck": FADES}),
+            "Stribeck by direction",
+        ),
+        (
+            fitted(level=2.0, stribeck=1.0, stribeck_dir=0.5, power=3.0, offset=0.1, par=BOTH),
+            "Stribeck by direction + power of speed",
+        ),
+        (
+            fitted(level=2.0, stribeck=1.0, par={"stribeck": FADES}),
+            "Stribeck without viscous part",
+        ),
+        (fitted(STOP, level=2.0, viscous=3.0), "Maxwell slip + viscous"),
+        (
+            fitted(level=2.0, level_ripple=[0.4, 0.2], viscous=1.0, par={"level_ripple": (8.0,)}),
+            "Coulomb with teeth + viscous",
+        ),
+    ],
+)  # fmt: skip
+def test_a_composition_without_a_name_is_called_in_words(fit, said):
+    title = composed_law(fit, 1.0).specification.title
+    assert title == said
+    assert not {"(", "[", "*", "_"} & set(friction_of(title))

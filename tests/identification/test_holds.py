@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, select, simulate
 from stickslip.drives import Sampled
-from stickslip.identification.residuals.holds import hold_of
+from stickslip.identification.residuals.holds import HoldFinding, hold_of
 
 AXIS = Axis(inertia=2.0)
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
@@ -110,3 +110,24 @@ def test_a_selection_that_varies_the_mass_fits_the_laws_too():
     )  # fmt: skip
     assert verdict.closest.fit.estimate("inertia").value == pytest.approx(2.0, rel=0.02)
     assert verdict.closest.fit.law.kinetic_coefficient == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("lateness", "half_width"), [(6.45, 0.26), (-2.0, 0.5), (0.7, 5.7)])
+def test_an_estimate_that_no_hold_explains_or_that_is_vague_is_no_number_of_a_hold(
+    lateness, half_width
+):
+    said = HoldFinding(hold="zero", lateness=lateness, half_width=half_width).sentence
+    assert "does not tell" in said
+    assert "samples" not in said.replace("between samples", "")
+    close = HoldFinding(hold="zero", lateness=0.4, half_width=0.3).sentence
+    assert "0.40 ± 0.30 samples later" in close
+
+
+def test_a_late_motion_is_said_once_and_not_as_a_hold_too():
+    sound = record("zero", seed=5)
+    late = np.interp(sound.time - 0.05, sound.time, sound.position)
+    found = along(Measurement(time=sound.time, position=late, force=sound.force))
+    assert [one.kind for one in found.model_errors] == ["delay"]
+    (assumed,) = found.assumptions
+    assert assumed.startswith("Assumed: between samples, the force keeps its value")
+    assert "later" not in assumed

@@ -184,3 +184,18 @@ def test_measured_friction_tells_no_inertia():
             table,
             vary=["friction.*", "mechanism.inertia"],
         )
+
+
+def test_a_record_under_a_load_that_changes_is_fitted_by_inverse_dynamics_unasked():
+    t = np.arange(0.0, 12.0, 0.004)
+    v = 0.1 * (np.sin(2.5 * t) + 0.6 * np.sin(4.3 * t + 1.0))
+    x = np.concatenate([[0.0], np.cumsum(0.002 * (v[1:] + v[:-1]))])
+    load = 50.0 * 2.0 ** np.sin(1.3 * t)
+    force = 2.0 * np.gradient(v, t) + 0.3 * load * np.sign(v) + 40.0 * v
+    force += 0.1 * np.random.default_rng(2).normal(size=len(t))
+    found = fit(
+        Axis(inertia=2.0), CoulombViscous, Measurement(time=t, position=x, force=force, load=load)
+    )
+    assert found.route == "inverse-dynamics"
+    assert "take one load" in found.route_reason
+    assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=0.01)

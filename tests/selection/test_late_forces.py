@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks import force_maps
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, RecordSettings, fit, select
 from stickslip.errors import InputError, ParameterError
+from stickslip.identification import asked_of, model_errors
 from stickslip.identification.estimation.bristle_integration import Path, follow
-from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 
 LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
 AXIS = Axis(inertia=1.0)
@@ -153,3 +155,20 @@ def test_a_response_is_of_measured_friction_in_time():
             AXIS, CoulombViscous, driven, settings=RecordSettings(friction_lag=0.01),
             route="shooting",
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("number", [1, 8])
+def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_sign(number):
+    # force channels late by 8 ms and slow by 16 ms; neither record is of a law with memory
+    row, _, measured, _ = force_maps.drawn(number, 971)
+    assert row["fault"] in ("delay", "lag")
+    asked = asked_of(force_maps.AXIS, measured, "zero", (), PROMPT)
+    found = model_errors(asked.explanation, measured, "zero", PROMPT)
+    assert [one.kind for one in found] == ["delay or presliding"]
+
+
+def test_a_model_that_does_not_hold_proposes_no_measurement_by_its_predictions():
+    found = select(AXIS, LAWS, record(drift=0.8), settings=QUICK)
+    assert found.model_errors[0].kind == "drift of the offset"
+    assert found.experiments == ()
+    assert found.words.measure_next[0].startswith("Before any further measurement, find the cause")

@@ -12,8 +12,10 @@ from stickslip import (
     Coulomb,
     Measurement,
     RecordSettings,
+    Stribeck,
     Viscous,
     check,
+    fit,
     select,
     write_report,
 )
@@ -23,6 +25,7 @@ from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.report.records.summary import opening_section
+from stickslip.selection.applicability import checked
 from stickslip.selection.design.experiments import design
 from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.identifiable import settled_estimates
@@ -424,3 +427,39 @@ def test_a_law_with_several_objections_is_told_by_the_first():
 def test_a_table_of_candidates_has_plain_symbols(confirmed):
     objected = dataclasses.replace(confirmed.best, outcome="$sigma_2$ is estimated as 0")
     assert objected.to_row()["outcome"] == "sigma_2 is estimated as 0"
+
+
+def test_of_several_objections_the_verdict_has_the_first_and_the_reasons_have_all(confirmed):
+    doubted = dataclasses.replace(confirmed.best, doubt="a is 0; b is 0; c is 0")
+    said = record_wording(
+        [doubted if c.name == doubted.name else c for c in confirmed.candidates],
+        doubted, None, {}, confirmed.checks, (), scored="",
+    )  # fmt: skip
+    assert said.verdict.endswith("are identified: a is 0, and 2 more objections.")
+    assert "are identified: a is 0; b is 0; c is 0." in said.lede
+
+
+def test_a_step_in_doubt_settles_no_static_level_and_no_velocity():
+    v = np.linspace(-0.3, 0.3, 120)
+    friction = 2.0 * np.sign(v) + 5.0 * v + 0.05 * np.random.default_rng(4).normal(size=120)
+    found = fit(AXIS, Stribeck, Measurement(velocity=v, friction=friction), settings=QUICK)
+    low = found.estimate("static_coefficient").low
+    assert low <= found.estimate("kinetic_coefficient").high  # the step may be 0
+    settled = {one.path for one in settled_estimates(found)}
+    assert not {"friction.static_coefficient", "friction.stribeck_velocity"} & settled
+    clear = 2.0 * np.sign(v) * (1.0 + np.exp(-np.square(v / 0.05))) + 5.0 * v
+    found = fit(AXIS, Stribeck, Measurement(velocity=v, friction=clear), settings=QUICK)
+    assert "friction.stribeck_velocity" in {one.path for one in settled_estimates(found)}
+
+
+def test_a_mass_that_is_looked_for_is_no_fault_of_the_record():
+    t = np.arange(0.0, 10.0, 0.01)
+    v = 0.1 * (np.sin(2.5 * t) + 0.6 * np.sin(4.3 * t + 1.0))
+    x = np.concatenate([[0.0], np.cumsum(0.005 * (v[1:] + v[:-1]))])
+    force = 20.0 * np.gradient(v, t) + 0.5 * np.sign(v)
+    record = Measurement(time=t, position=x, force=force)
+    assert [one.kind for one in checked(AXIS, record).findings if one.severity == "warning"]
+    found = checked(AXIS, record, unknown=["mechanism.inertia"])
+    assert not [one for one in found.findings if one.kind == "units"]
+    turned = dataclasses.replace(record, force=-force)
+    assert checked(AXIS, turned, unknown=["mechanism.inertia"]).of("units")

@@ -13,7 +13,7 @@ from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.parts import PARTS
-from stickslip.friction.parts.base import Memory, Parameter, Part
+from stickslip.friction.parts.base import Level, Memory, Parameter, Part
 from stickslip.friction.parts.curves import curve_text
 from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import Quantity
@@ -80,6 +80,11 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
     def title(self) -> str:
         """What a law without a name is called in running text."""
         title = _title(self)
+        parts = [one.part for one in self.parts() if one.name != BOTH_WAYS]
+        if any(isinstance(one, Surplus) for one in parts) and all(
+            isinstance(one, Level) for one in parts
+        ):  # Stribeck is a law with a viscous part
+            title = f"{title} without viscous part"
         return title[:1].upper() + title[1:]
 
     @override

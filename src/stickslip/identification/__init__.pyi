@@ -88,6 +88,8 @@ from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
+from stickslip.identification.terms.dense_series import without_outliers as without_outliers
+from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
 from stickslip.identification.terms.findings import asked_of as asked_of
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import model_errors as model_errors

@@ -1,11 +1,15 @@
 """Which laws a record can say anything of, and the records that can say nothing."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import (
     Checks,
+    Finding,
     Measurement,
     check,
     findings_text,
@@ -27,18 +31,36 @@ def checked(
     measurement: Measurement,
     validate: Measurement | None = None,
     which: str = "This record",
+    *,
+    unknown: Sequence[str] = (),
 ) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide."""
+    """Return what the record can tell; refuse one that cannot decide.
+
+    Where the mass is looked for, the one given is a start: a force that is not in proportion to it
+    is no fault of the record.
+    """
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
-        checked(mechanism, validate, which="The second record")
+        checked(mechanism, validate, which="The second record", unknown=unknown)
     checks = check(measurement, mechanism=mechanism)
+    if any(path.endswith((".inertia", ".mass")) for path in unknown):
+        told = (one for one in checks.findings if not _of_the_mass(one))
+        checks = replace(checks, findings=tuple(told))
     if checks.worst == "error":
         wrong = [one for one in checks.findings if one.severity == "error"]
         raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
     return checks
+
+
+def _of_the_mass(one: Finding) -> bool:
+    """Whether a warning compares a force with what the mass takes to move, signs aside."""
+    return (
+        "explained" in one.numbers
+        and one.severity == "warning"
+        and one.numbers.get("factor", -1.0) > 0.0
+    )
 
 
 def one_way(measurement: Measurement) -> bool:

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.formatting import capital, percent, quantity
-from stickslip.identification import READINGS, TOGETHER, Estimate, Fit, RecordFit
+from stickslip.identification import (
+    READINGS,
+    TOGETHER,
+    Estimate,
+    Fit,
+    ModelError,
+    RecordFit,
+    step_intervals,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -27,6 +35,11 @@ def traded(fit: RecordFit) -> frozenset[str]:
     return frozenset(found)
 
 
+def disturbing(fit: RecordFit) -> tuple[ModelError, ...]:
+    """Return what was found beside the law that leaves no estimate, and no prediction, sure."""
+    return tuple(one for one in fit.model_errors if one.moved is None and one.kind != "law")
+
+
 def moved_by_errors(fit: RecordFit) -> frozenset[str]:
     """Return the paths of the estimates that an error of the model moves out of their intervals.
 
@@ -38,11 +51,27 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
     return frozenset(found)
 
 
+def of_open_steps(fit: RecordFit) -> frozenset[str]:
+    """Return the paths of static levels whose step the record does not tell from 0, if any.
+
+    And of the velocities at which they fade: of a step that is not there these say nothing.
+    """
+    steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
+    found = {path for path, (_, low, _) in steps.items() if low <= 0.0}
+    speeds = {
+        one.path
+        for one in fit.free_parameters.items
+        if one.path.startswith("friction.") and one.quantity.scale == "speed"
+    }
+    return frozenset(found | speeds if found else ())
+
+
 def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """Return the estimates that stand each for itself, the surest first.
 
-    Their intervals are bounded and do not hold 0, they are no offset, none trades off with another,
-    and no error of the model moves them.
+    Their intervals are bounded, do not hold 0 and are not as wide as they are large, they are no
+    offset and of no step in doubt, none trades off with another, and no error of the model moves
+    them.
 
     Examples
     --------
@@ -53,11 +82,11 @@ def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     >>> [estimate.quantity.symbol for estimate in settled_estimates(found)]
     ['mu_k']
     """
-    apart = traded(fit) | moved_by_errors(fit)
+    apart = traded(fit) | moved_by_errors(fit) | of_open_steps(fit)
     known = [
         e
         for e in fit.estimates
-        if e.bounded and not e.low <= 0.0 <= e.high
+        if e.bounded and not e.low <= 0.0 <= e.high and half_of(e) < abs(e.value)
         if "offset" not in e.path and e.path not in apart
     ]
     return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))

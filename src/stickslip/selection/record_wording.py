@@ -18,12 +18,20 @@ from stickslip.formatting import (
     ratio,
     scale_of,
 )
-from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
+from stickslip.identification import (
+    AGREE,
+    OUTLIERS,
+    ModelError,
+    RecordFit,
+    TrialComparison,
+    difference,
+    far_above_dry,
+)
 from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import limit_of, settled_estimates
+from stickslip.selection.identifiable import disturbing, limit_of, settled_estimates
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (
@@ -158,7 +166,9 @@ def record_wording(
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
         settles=() if fault or curve else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
+        measure_next=_measure_next(
+            experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)
+        ),
         no_score="",
     )
 
@@ -192,8 +202,10 @@ def _verdict(
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
         return f"{found}, but {lower_first(outcome)}"
-    if best.fit is not None and best.fit.model_errors:
-        first = best.fit.model_errors[0]
+    errors = best.fit.model_errors if best.fit is not None else ()
+    errors = tuple(one for one in errors if one.moved != () or one.kind != OUTLIERS)
+    if errors:
+        first = errors[0]
         fails = "the model does not hold: " if first.share > 0.0 else ""
         return f"{found}, but {fails}{lower_first(first.finding)}"
     if best.fit is not None and best.fit.halves is not None:
@@ -204,7 +216,7 @@ def _verdict(
     if curve:
         return f"{found}, but {curve}."
     if best.doubt:
-        return to_predict(name, best.doubt)
+        return to_predict(name, first_of(best.doubt))  # all of them stand beside the errors
     if alike:
         return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
@@ -396,6 +408,8 @@ def _measure_next(
     checks: Checks,
     fault: str,
     on_second: SecondRecord | None,
+    *,
+    found: Sequence[ModelError] = (),
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
     lines = list(corrections(checks, but=("drift",)))
@@ -403,6 +417,11 @@ def _measure_next(
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
             " mass, and whether all trials are of one machine in one condition."
+        )
+    elif found:
+        lines.append(
+            "Before any further measurement, find the cause of what is said beside the law, correct"
+            " it, and record again."
         )
     for one in experiments[:2]:
         observed, readings = one.readings()

@@ -34,6 +34,7 @@ from stickslip.identification import (
     memory_is_seen,
     to_compare,
     whole_record_error,
+    without_outliers,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -59,6 +60,7 @@ from stickslip.selection.choice import (
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.explained import Explained, explained
 from stickslip.selection.given_levels import refuted_by_record
+from stickslip.selection.identifiable import disturbing
 from stickslip.selection.ladder import Climbed, climbed
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import takes_long
@@ -142,7 +144,8 @@ def select_records(
     aim = aim_of(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
-    checks = checked(mechanism, measurement, validate)
+    checks = checked(mechanism, measurement, validate, unknown=parameters.unknown)
+    whole, (measurement, left_out) = measurement, without_outliers(mechanism, measurement)
     route = route or way_for(purpose, measurement)
     choice = (
         choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
@@ -182,8 +185,9 @@ def select_records(
         )
     if asked:
         judged = [with_errors(c, asked, judged, usual=laws is None) for c in judged]
+    judged = [replace(c, fit=c.fit and replace(c.fit, left_out=left_out)) for c in judged]
     verdict = verdict_on(
-        mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
+        mechanism, whole, judged, without, plan, purpose, checks, validate, asked=asked
     )
     return replace(
         verdict,
@@ -592,9 +596,9 @@ def verdict_on(
     ordered = outcomes(ordered, closest, recommended=recommended)
     closest = next(c for c in ordered if c.name == closest.name)
     assert closest.fit is not None
-    # What no law explains, laws cannot be told apart by.
-    timed = plan.length > 0.0
-    experiments = experiments_after(closest, ordered, plan) if timed and not fault else ()
+    # What no law explains, or the model lacks, laws cannot be told apart by.
+    timed, holds = plan.length > 0.0, not fault and not disturbing(closest.fit)
+    experiments = experiments_after(closest, ordered, plan) if timed and holds else ()
     trials = compared(closest.fit) if measurement.trials else None
     if material and trials and not trials.shared and _alike(trials, closest.residual, material):
         trials = None

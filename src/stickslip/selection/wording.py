@@ -93,10 +93,11 @@ def friction_of(title: str) -> str:
     ('direction-dependent friction', 'Dahl friction with exponent')
     >>> friction_of("Stribeck by direction")
     'Stribeck friction by direction'
-    >>> friction_of("Stribeck by direction + power of speed")
-    'Stribeck friction by direction + power of speed'
+    >>> friction_of("Coulomb by position + viscous with a drag")
+    'Coulomb friction by position + viscous with a drag'
     """
-    joint = " with " if " with " in title else " by "
+    joints = [one for one in (" by ", " with ") if one in title]
+    joint = min(joints, key=title.index, default=" with ")
     kind, joint, more = in_sentence(title).partition(joint)
     noun = "" if kind.endswith("friction") else " friction"
     return f"{kind}{noun}{joint}{more}"

@@ -50,10 +50,12 @@ from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.terms.findings import (
+    SHIFTED,
     asked_of,
     asked_of_joints,
     errors_of,
     model_errors,
+    outlying,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
@@ -281,14 +283,19 @@ class RecordFit(Fit[AnyLaw_co]):
     known_errors: tuple[ModelError, ...] | None = None
     """What is wrong with model, rig or record, where that is known; None where nobody asked."""
 
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    """How many samples far off those beside were replaced before the fit, by column."""
+
     @functools.cached_property
     def model_errors(self) -> tuple[ModelError, ...]:
         """What the force balance shows to be wrong with model, rig or record.
 
         Looked for when it is asked for, which takes seconds; intervals leave it out.
         """
-        if self.known_errors is not None:
-            return self.known_errors
+        known = self._errors() if self.known_errors is None else self.known_errors
+        return (*known, *outlying(self.left_out))
+
+    def _errors(self) -> tuple[ModelError, ...]:
         timed = any(record.time is not None for record in self.measurement.records())
         if not timed or self.at_noise:
             return ()
@@ -446,8 +453,14 @@ class RecordFit(Fit[AnyLaw_co]):
             path.endswith(".viscous_coefficient") for path in self.free_parameters.paths
         ) and any(one.path.endswith(".damping") for one in self.held.items):
             held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
-        between = self.hold.sentence if self.hold else ""
+        between = self.hold.beside(late=self._is_late) if self.hold else ""
         return tuple(one for one in (held, between) if one)
+
+    @property
+    def _is_late(self) -> bool:
+        """Whether an error of the model shifts force against motion."""
+        kinds = {kind for one in self.model_errors for kind in one.kind.split(" or ")}
+        return not kinds.isdisjoint(SHIFTED)
 
     @property
     def typical_inputs(self) -> Mapping[str, float]:

@@ -66,6 +66,7 @@ from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.terms.dense_series import without_outliers
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
@@ -176,6 +177,7 @@ def fit_record(
 ) -> RecordFit:
     """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
+    measurement, left_out = without_outliers(mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     if choice.route != "force-map":
         choice = choice.with_hold(mechanism, measurement)
@@ -197,6 +199,7 @@ def fit_record(
     except ConvergenceError:
         if choice.alternative is None:
             raise
+    fits = [replace(one, left_out=left_out) for one in fits]
     if choice.alternative is None or not to_compare(choice, fits):
         return fits[0]
     other = replace(choice, route=choice.alternative, reason="", alternative=None)
@@ -207,7 +210,7 @@ def fit_record(
             return fits[0]
         raise
     why = better_route(fits, [derived])
-    return replace(derived, route_reason=why) if why else fits[0]
+    return replace(derived, route_reason=why, left_out=left_out) if why else fits[0]
 
 
 def _fitted_by(
@@ -524,7 +527,8 @@ def finished(
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
     moved = displacements(again, best, mechanism, measurement) if doubted else ()
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
-    inference, apart = widened_by_starts(inference, free_parameters, found)
+    shown = told(free_parameters, mechanism, measurement)
+    inference, apart = widened_by_starts(inference, shown, found)
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
     fit = RecordFit(

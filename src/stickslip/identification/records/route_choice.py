@@ -27,6 +27,7 @@ from stickslip.identification.records.problems import (
 )
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.applied_force import driven, drives_itself
+from stickslip.identification.series.measured_load import has_one_load
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import Parameters
@@ -175,10 +176,13 @@ def _chosen(
     usual = RouteChoice(route="shooting", settings=settings)
     if not driven(measurement):
         return usual
+    derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
+    if derivable and not has_one_load(measurement):
+        why = "simulated segments take one load, and that of the record changes"
+        return RouteChoice(route="inverse-dynamics", settings=settings, reason=why)
     seen = _simulated(mechanism, measurement, unknown, settings)
     if seen is None or seen.left <= SUSPECT:
         return usual
-    derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
     if seen.left > UNPREDICTED:
         why = (
             f"Coulomb + viscous friction leaves {percent(seen.left)} of the motion within"
@@ -340,8 +344,8 @@ def decided(
     if left <= SUSPECT:
         return replace(choice, alternative=None)
     why = (
-        f"the law that the force balance asks for leaves {percent(left)} of the motion within"
-        f" {number(choice.settings.segment)} s unexplained"
+        "the law that the force balance asks for, simulated with the values it has there, leaves"
+        f" {percent(left)} of the motion within {number(choice.settings.segment)} s unexplained"
         if math.isfinite(left)
         else _no_motion(choice.settings)
     )
@@ -352,11 +356,14 @@ def whole_record_error(fit: RecordFit) -> float:
     """Return the root mean square error of the motion simulated over whole records, not in parts.
 
     Besides the first states, a constant force beside friction is fitted: what a law lacks of it
-    grows with the square of time. Not a number where nothing drives, or more than one body moves.
+    grows with the square of time. Not a number where nothing drives, more than one body moves, or
+    the load changes.
     """
     mechanism, measurement = fit.mechanism, fit.measurement
     alone = len(mechanism.coordinates) == 1 and not drives_itself(mechanism, measurement)
     if fit.friction_was_measured or not alone or not driven(measurement):
+        return math.nan
+    if not has_one_load(measurement):
         return math.nan
     usual = RecordSettings() if fit.hold is None else fit.hold.applied(RecordSettings())
     offset = ("mechanism.offset",) if "offset" in mechanism.__dataclass_fields__ else ()

@@ -43,7 +43,10 @@ the same."""
 TELLS: Final = 0.4
 """Largest half width of an interval, in half samples, from which the record tells the hold."""
 VAGUE: Final = 2.0
-"""Half width, in half samples, beyond which an estimate is no reason to assume anything."""
+"""Half width, in half samples, beyond which an estimate is no reason to assume or say anything."""
+BEYOND: Final = 0.5
+"""Samples before straight lines, or after a held force, from which no hold is the reason: what is
+estimated is then another lateness, or what the free function of speed lacks."""
 PEAKS: Final = (0.03, 0.1, 0.3)
 """Widths of peaks of friction about rest, over the largest speed."""
 
@@ -73,6 +76,19 @@ class HoldFinding:
     @property
     def sentence(self) -> str:
         """What is to be said: nothing where the user gave a hold that the record may have."""
+        return self.beside(late=False)
+
+    def beside(self, *, late: bool) -> str:
+        """Return what is to be said beside a finding that force or motion is `late`, if there is.
+
+        How late it is, that finding says, of which the estimate of a hold is a part.
+        """
+        if not late or self.contradicted:
+            return self._sentence()
+        what = f'between samples, the force {MEANING[self.hold]} (hold = "{self.hold}")'
+        return "" if self.given else f"Assumed: {what}."
+
+    def _sentence(self) -> str:
         late = (
             f"it acts {fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples later than"
             " along straight lines (0.5 if held)"
@@ -91,7 +107,9 @@ class HoldFinding:
             short = f"{fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples late"
             also = "" if self.shown == "first" else "; a delay of half a sample would look the same"
             return f"Estimated from the record: between samples, the force {what}; {short}{also}."
-        told = f"; as estimated, {late}" if math.isfinite(self.half_width) else ""
+        ends = (self.lateness - self.half_width, self.lateness + self.half_width)
+        tells = 2.0 * self.half_width <= VAGUE and not _beyond(*ends)
+        told = f"; as estimated, {late}" if tells else ""
         return (
             "The balance of forces does not tell whether the force is held between samples or goes"
             f" straight to the next value. Assumed: it {what}{told}. Give the hold if it is known,"
@@ -168,9 +186,14 @@ def hold_of(
     )
 
 
+def _beyond(least: float, most: float) -> bool:
+    """Whether a force surely acts so many samples early or late that no hold is the reason."""
+    return least > 0.5 + BEYOND or most < -BEYOND
+
+
 def _side(value: float, half: float) -> Hold | None:
     """Return the hold that a number of half samples is nearer to, if it surely is."""
-    if not half <= TELLS:
+    if not half <= TELLS or _beyond(0.5 * (value - half), 0.5 * (value + half)):
         return None
     if value + half < 0.5:
         return "first"

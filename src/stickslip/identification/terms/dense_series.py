@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.evidence import Series
+from stickslip.evidence import Series, outliers
 from stickslip.experiments import Measurement
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
@@ -25,6 +26,8 @@ from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
+PASSES = 3
+"""Times that outliers are looked for: behind large ones there may be smaller ones."""
 VARIES = 0.05
 """Range of a load over its median beyond which it varies."""
 
@@ -66,6 +69,38 @@ def dense_series(
         _series(mechanism, record, hold, unknown, own, response)
         for record, own in zip(records, _that_vary(inputs), strict=True)
     )
+
+
+def without_outliers(
+    mechanism: Mechanism, measurement: Measurement
+) -> tuple[Measurement, Mapping[str, int]]:
+    """Return a measurement with single samples far off those beside on lines between these.
+
+    And how many they are, by column; none where no force balance can be written down.
+    """
+    if not is_dense(mechanism, measurement):
+        return measurement, {}
+    counts: dict[str, int] = {}
+    force = "friction" if "friction" in measurement.quantities() else "force"
+    for _ in range(PASSES):
+        records, before = [], sum(counts.values())
+        every = dense_series(mechanism, measurement, "zero", ())
+        for record, series in zip(measurement.records(), every, strict=True):
+            columns: dict[str, Any] = {}
+            for name, far in outliers(series).items():
+                column = force if name == "force" else name
+                if far.any() and column in record.quantities():
+                    x = np.asarray(record.values(column), dtype=float)
+                    columns[column] = np.where(far, np.interp(series.t, series.t[~far], x[~far]), x)
+                    counts[column] = counts.get(column, 0) + int(far.sum())
+            records.append(replace(record, **columns) if columns else record)
+        if sum(counts.values()) == before:
+            break
+        if measurement.trials:
+            measurement = replace(measurement, trials=tuple(records))
+        else:
+            (measurement,) = records
+    return measurement, counts
 
 
 def joints_series(

@@ -1,7 +1,7 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, final
@@ -57,6 +57,10 @@ NAMES: Final[Mapping[str, str]] = {
     "skew": "clock",
 }
 """Names of findings, where these are not those of the terms."""
+SHIFTED: Final = {"late or elastic", *(NAMES.get(one, one) for one in (*LATE_OR_ELASTIC, "skew"))}
+"""Names of findings that shift force against motion, as a hold does."""
+OUTLIERS: Final = "outliers"
+"""Name of the finding of samples far off those beside."""
 HALF: Final = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
 NEARLY: Final = 1.5
@@ -207,13 +211,15 @@ def model_errors(
     Where much is left unexplained no cause is named: that of the nearest structure would be a
     guess.
     """
-    far = _outliers(found.balance, measurement)
+    far = _fitted_outliers(found.balance, measurement)
     if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
         return (_unexplained(found, measurement), *far)
     others = any(one.taken is not None for one in found.balance.series)
+    instead = _late_instead(found, measurement, response)
     errors = [
         _error(one, measurement, hold, response, of_mechanism=others and one.kinds[0] in MECHANICAL)
         for one in found.faults
+        if instead is None or not {*one.kinds} & {*CORRECTED}  # one cause, said once
     ]
     errors += [
         _ripple(found, term, measurement)
@@ -223,7 +229,7 @@ def model_errors(
     errors += [
         one
         for one in (
-            _late_instead(found, measurement, response),
+            instead,
             _constant_level(found, measurement),
             _partly(found, measurement),
         )
@@ -232,25 +238,43 @@ def model_errors(
     return (*sorted(errors, key=lambda one: -one.share), *far)
 
 
-def _outliers(balance: Balance, measurement: Measurement) -> Iterator[ModelError]:
-    """Yield which columns have samples that the force balance leaves out."""
+def outlying(counts: Mapping[str, int], *, fitted: bool = False) -> tuple[ModelError, ...]:
+    """Return which columns have samples far off those beside, by how many they are.
+
+    Fits to one coordinate leave them out, as the force balance does, unless they are `fitted`.
+    """
+    left_out = "Straight lines between the samples beside stand in their place."
+    return tuple(
+        ModelError(
+            kind=OUTLIERS,
+            finding=(
+                f"{count} {'sample' if count == 1 else 'samples'} of the {column}"
+                f" {'lies' if count == 1 else 'lie'} far off those beside"
+                f"{': the force balance leaves them out' if fitted else ''}."
+            ),
+            consequence=(
+                "Outliers stay in fits to the whole record: correct or remove them."
+                if fitted
+                else left_out
+            ),
+            effect=float(count),
+            interval=(math.nan, math.nan),
+            share=0.0,
+            moved=None if fitted else (),
+        )
+        for column, count in counts.items()
+    )
+
+
+def _fitted_outliers(balance: Balance, measurement: Measurement) -> tuple[ModelError, ...]:
+    """Return what of a force balance is left out that fits have seen."""
+    force = "friction" if "friction" in measurement.quantities() else "force"
     flags = [outliers(one) for one in balance.series]
-    for name in flags[0]:
-        count = sum(int(one[name].sum()) for one in flags)
-        column = "friction" if name == "force" and "friction" in measurement.quantities() else name
-        samples, lie = ("sample", "lies") if count == 1 else ("samples", "lie")
-        if count:
-            yield ModelError(
-                kind="outliers",
-                finding=(
-                    f"{count} {samples} of the {column} {lie} far off those beside: the force"
-                    " balance leaves them out."
-                ),
-                consequence="Outliers stay in fits to the whole record: correct or remove them.",
-                effect=float(count),
-                interval=(math.nan, math.nan),
-                share=0.0,
-            )
+    counts = {
+        force if name == "force" else name: sum(int(one[name].sum()) for one in flags)
+        for name in flags[0]
+    }
+    return outlying({name: count for name, count in counts.items() if count}, fitted=True)
 
 
 def _constant_level(found: Explanation, measurement: Measurement) -> ModelError | None:
@@ -294,10 +318,21 @@ def _earned(found: Explanation, term: Term) -> bool:
 def _late_instead(
     found: Explanation, measurement: Measurement, response: SensorResponse
 ) -> ModelError | None:
-    """Return that a late channel explains measured friction nearly as well as presliding, if so."""
+    """Return that a late channel may be meant instead of presliding of measured friction, if so.
+
+    Either where it explains nearly as much, or where presliding needs friction that comes before
+    the motion: a memory that stands for a late channel is later than it after some reversals.
+    """
     best = found.best
     if "friction" not in measurement.quantities() or not best.structure.memories:
         return None
+    shift = next((one.par[0] for one in best.structure.terms if one.kind in CORRECTED), 0.0)
+    if shift < 0.0:
+        return _either(
+            "The record does not tell presliding from a late channel: with presliding, the motion"
+            f" lags the friction by {quantity(-shift, 's')}.",
+            shift,
+        )
     late = [
         one
         for one in found.family.values()
@@ -310,19 +345,25 @@ def _late_instead(
     term = next(term for term in other.structure.terms if term.kind in CORRECTED)
     scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
     how = "better" if other.rms < best.rms else "nearly as well"
+    return _either(
+        f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, a law without memory"
+        f" explains the record {how}: held-out error {scale.error(other.rms)},"
+        f" presliding without it {scale.error(best.rms)}.",
+        term.par[0],
+        _cure(term.kind, term.par[0], measurement, response),
+    )
+
+
+def _either(finding: str, late: float, cure: str = "") -> ModelError:
     return ModelError(
         kind="delay or presliding",
-        finding=(
-            f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, a law without memory"
-            f" explains the record {how}: held-out error {scale.error(other.rms)},"
-            f" presliding without it {scale.error(best.rms)}."
-        ),
+        finding=finding,
         consequence=(
             "After a reversal, presliding ends at a displacement, and a late channel after a time:"
             " reversals at other accelerations, or a step of force on the sensor alone, tell them"
-            f" apart.{_cure(term.kind, term.par[0], measurement, response)}"
+            f" apart.{cure}"
         ),
-        effect=-term.par[0],
+        effect=-late,
         interval=(math.nan, math.nan),
         share=0.0,
     )
