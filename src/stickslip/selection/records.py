@@ -31,7 +31,9 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    mass_held,
     memory_is_seen,
+    tells_no_scale,
     to_compare,
     whole_record_error,
 )
@@ -142,6 +144,8 @@ def select_records(
     aim = aim_of(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
+    lost = tells_no_scale(mechanism, measurement, parameters.unknown)
+    parameters = parameters.without_mass() if lost else parameters
     checks = checked(mechanism, measurement, validate)
     route = route or way_for(purpose, measurement)
     choice = (
@@ -182,6 +186,14 @@ def select_records(
         )
     if asked:
         judged = [with_errors(c, asked, usual=laws is None) for c in judged]
+    if lost:
+        held = mass_held(mechanism, measurement)
+        judged = [
+            c
+            if c.fit is None
+            else replace(c, fit=replace(c.fit, known_errors=(*c.fit.model_errors, held)))
+            for c in judged
+        ]
     verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, asked=asked
     )
