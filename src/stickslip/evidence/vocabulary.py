@@ -108,9 +108,11 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
 
 def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     """Yield candidates that accuse the rig; those of a drive only where an inertia is moved."""
-    for kind in DRIFTS:
-        yield Term(kind, (), channel)
     own = balance.of(channel)
+    for kind in DRIFTS:
+        # of a free motion, inertia and springs are known in proportion to each other only
+        if kind != "spring" or not (balance.free and own[0].inertia):
+            yield Term(kind, (), channel)
     if not own[0].driven:
         return
     if own[0].mass is not None and not own[0].extra:  # columns of the mechanism hold it

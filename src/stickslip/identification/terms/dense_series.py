@@ -32,6 +32,8 @@ FOUND = ("inertia", "mass", "offset")
 """Ends of paths of unknowns that have a term of their own."""
 LINEAR = 1e-6
 """Share of a slope by which a second step may differ from a first."""
+ZERO = "zero of the position"
+"""Name of a constant force that stands for where a spring is relaxed."""
 VARIES = 0.05
 """Range of a load over its median beyond which it varies."""
 
@@ -205,6 +207,7 @@ def _series(
     covariates: Mapping[str, Array],
     response: SensorResponse,
 ) -> Series:
+    """Return one record; of a free motion with a spring, with the zero that its fits look for."""
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     known = record.quantities()
     velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
@@ -214,13 +217,19 @@ def _series(
     forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
     mass = None if finds_mass(unknown) else mass_of(_set_up(mechanism, record))
     varies = bool(np.ptp(forces.taken) > 0.0)
+    extra = dict(forces.columns)
+    if varies or extra:
+        if "position" not in known:
+            raise InputError("forces depend on positions, which were not recorded.")
+        if not driven(record):
+            extra[ZERO] = np.ones_like(x)
     return Series(
         time,
         x,
         forces.applied if varies else forces.applied - forces.taken,
         mass=mass,
         taken=forces.taken if varies else None,
-        extra=forces.columns,
+        extra=extra,
         covariates=covariates,
         velocity=velocity if "position" not in known else None,
         hold=hold == "zero" and "force" in known,
