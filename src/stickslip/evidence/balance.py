@@ -204,6 +204,11 @@ class Balance:
             )
 
     @property
+    def free(self) -> bool:
+        """Whether nothing drives the motion: no force was recorded that could be wrong."""
+        return not any(np.any(one.raw) for one in self.parts)
+
+    @property
     def length(self) -> float:
         """Return the length [s] of all series of a channel, the largest."""
         return max(length for _, length in self.spans.values())
@@ -337,7 +342,8 @@ def _check_length(measured: Sequence[Series], fc: float, series: Sequence[Series
                 f" {number(max(map(_length, own), default=_length(one)))} s. Record longer, or use"
                 " a finer encoder."
             )
-        if not max(float(np.ptp(piece.force)) for piece in own) > 0.0:
+        still = all(piece.taken is None and not piece.extra for piece in own)
+        if still and not max(float(np.ptp(piece.force)) for piece in own) > 0.0:
             raise InputError(
                 f"the force{where} is constant: the force balance needs the force of the drive"
                 " while it changes."

@@ -94,28 +94,43 @@ def band(series: Series) -> float:
     top = min(RATE / h, HIGHEST)
     if not series.driven:
         return top
+    rest = series.force if series.taken is None else series.force - series.taken
     if series.mass is not None:
         noise = series.mass * resolution(series.q)
-        allowed = SHARE * float(series.force.std())
-        if series.taken is not None:  # friction may be a small part of the force
+        allowed = SHARE * float((series.force if series.force.any() else rest).std())
+        if series.taken is not None or series.extra:  # friction may be a small part of the force
             sos = low_pass(h, min(10.0, top / 2.0))
             a = derivative(derivative(passed(sos, series.q), h), h)
-            friction = passed(sos, series.force - series.taken) - series.mass * a
-            allowed = min(allowed, OF_FRICTION * float(friction.std()))
+            friction = passed(sos, rest) - series.mass * a
+            known = [passed(sos, one) for one in series.extra.values()]
+            friction = friction - _fitted(np.column_stack([np.ones_like(a), *known]), friction)
+            small = OF_FRICTION * float(friction.std())
+            allowed = min(allowed, small) if allowed > 0.0 else small
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     sos = low_pass(h, min(10.0, top / 2.0))
     v = np.gradient(passed(sos, series.q), h)
     a = np.gradient(v, h)
-    f = passed(sos, series.force)
+    f = passed(sos, rest)
     slow = max(0.01 * top_speed(v), 1e-300)
-    columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a)])
+    known = [passed(sos, one) for one in series.extra.values()]
+    columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a), *known])
     size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
-    mass = abs(float(np.linalg.lstsq(columns / size, f, rcond=None)[0][0])) / float(size[0])
-    noise = mass * resolution(series.q)
+    values = np.linalg.lstsq(columns / size, f, rcond=None)[0] / size
+    noise = abs(float(values[0])) * resolution(series.q)
     allowed = SHARE * float(f.std())
+    if series.taken is not None or series.extra:
+        friction = values[1] * columns[:, 1] + f - columns @ values
+        allowed = min(allowed, OF_FRICTION * float(friction.std()))
     if not noise > 0.0:
         return top
     return float(np.clip(_frequency(allowed / noise, h), LOWEST, top))
+
+
+def _fitted(columns: Array, wanted: Array) -> Array:
+    """Return what columns (n, p) explain (n,) by least squares."""
+    size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
+    found: Array = columns / size @ np.linalg.lstsq(columns / size, wanted, rcond=None)[0]
+    return found
 
 
 def acceleration_of_noise(h: float, fc: float) -> float:

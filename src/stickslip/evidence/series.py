@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from stickslip.errors import InputError
 
@@ -20,7 +20,9 @@ FAR = 10.0
 """Least distance of an outlier from the median of its neighbours, over that which a tenth exceeds.
 """
 APART = 3.0
-"""The same over the usual change from a sample to the next ..."""
+"""The same over the change from a sample to the next, the usual one and those beside ..."""
+BESIDE = 9
+"""Samples about it of which the change counts."""
 SHARES = {"position": 0.005, "force": 0.5}
 """... and over the range. A position is smooth; a force that is commanded may have peaks."""
 SELDOM = 0.01
@@ -101,7 +103,8 @@ def outliers(series: Series) -> dict[str, NDArray[np.bool_]]:
 def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     """Return which single values (n,), or pairs, lie off those beside them by a share of the range.
 
-    A step is none: the median of five follows it.
+    A step is none, as the median of five follows it, nor is the turn of a swing, beside which
+    samples differ as much.
 
     Examples
     --------
@@ -110,12 +113,14 @@ def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     >>> np.flatnonzero(_far_off(x, 0.05)).tolist()
     [100, 300, 301]
     """
-    apart = np.abs(x - median_filter(x, 5, mode="nearest"))
+    middle = median_filter(x, 5, mode="nearest")
+    apart = np.abs(x - middle)
     low, high = np.quantile(x, [0.01, 0.99])
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
-    least = max(FAR * float(np.quantile(apart, 0.9)), APART * usual, share * float(high - low))
-    far: NDArray[np.bool_] = apart > least
+    beside = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), BESIDE)
+    least = max(FAR * float(np.quantile(apart, 0.9)), share * float(high - low))
+    far: NDArray[np.bool_] = apart > np.maximum(least, APART * np.maximum(usual, beside))
     return far if far.mean() <= SELDOM else np.zeros(len(x), dtype=bool)
 
 

@@ -72,7 +72,7 @@ def vocabulary(balance: Balance, *, faults: bool = True) -> list[Term]:
         for channel in balance.channels
         for term in _of_channel(balance, channel, faults=faults and balance.dynamic)
     ]
-    if faults and balance.dynamic:
+    if faults and balance.dynamic and not balance.free:
         found += [Term("delay", (sign * x,), "*") for x in DELAYS for sign in (1.0, -1.0)]
         rates = [float(f"{x / balance.length:.4g}") for x in LAST_DELAYS]
         found += [Term("skew", (sign * x,), "*") for x in rates for sign in (1.0, -1.0)]
@@ -108,13 +108,17 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
 
 def _faults(balance: Balance, channel: str) -> Iterator[Term]:
     """Yield candidates that accuse the rig; those of a drive only where an inertia is moved."""
-    for kind in DRIFTS:
-        yield Term(kind, (), channel)
     own = balance.of(channel)
+    for kind in DRIFTS:
+        # of a free motion, inertia and springs are known in proportion to each other only
+        if kind != "spring" or not (balance.free and own[0].inertia):
+            yield Term(kind, (), channel)
     if not own[0].driven:
         return
     if own[0].mass is not None and not own[0].extra:  # columns of the mechanism hold it
         yield Term("mass", (), channel)
+    if balance.free:
+        return
     force = np.concatenate([np.abs(one.raw) for one in own])
     for limit in np.quantile(force, LIMITS):
         if limit > 0.0:
@@ -186,7 +190,7 @@ def hums(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
 
     A line that direction or speed has as well is of the motion.
     """
-    if not balance.dynamic:
+    if not balance.dynamic or balance.free:
         return []
     terms = []
     for channel in balance.channels:

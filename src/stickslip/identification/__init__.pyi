@@ -88,10 +88,12 @@ from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
+from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale
 from stickslip.identification.terms.dense_series import without_outliers as without_outliers
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
 from stickslip.identification.terms.findings import asked_of as asked_of
 from stickslip.identification.terms.findings import errors_of as errors_of
+from stickslip.identification.terms.findings import mass_held as mass_held
 from stickslip.identification.terms.findings import model_errors as model_errors
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel

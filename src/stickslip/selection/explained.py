@@ -25,8 +25,6 @@ from stickslip.selection.candidates import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""
-FOUND = ("inertia", "mass", "offset")
-"""Ends of paths of unknowns that a force balance finds itself."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 3
@@ -110,13 +108,7 @@ def explained(
     unknown: Sequence[str],
     watch: Watch | None,
 ) -> Explained | None:
-    """Return what the force balance asks for; None where none can be written down or judged.
-
-    Nor where parameters of the mechanism other than its mass are to be found, which the balance
-    would take as known.
-    """
-    if not all(path.endswith(FOUND) for path in unknown):
-        return None
+    """Return what the force balance asks for; None where none can be written down or judged."""
     told = None if watch is None else partial(told_to, watch)
     channel = settings.holding, unknown, settings.response
     asked = asked_of(mechanism, measurement, *channel, progress=told)
@@ -128,6 +120,7 @@ def explained(
 def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
     """Return the coefficients of a structure as a fit from which searches begin."""
     beside = {path: law.inertia for path in unknown if path.endswith(("inertia", "mass"))}
+    beside |= {path: law.known[path] for path in unknown if path in law.known}
     values = {**law.start, **{path: x for path, x in beside.items() if x is not None}}
     if not law.specification.law.directional:
         values |= dict.fromkeys(CONSTANTS, law.constant)

@@ -18,6 +18,7 @@ from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
     FittedLaw,
+    ModelError,
     Parameters,
     RecordFit,
     RecordRouteName,
@@ -31,7 +32,9 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    mass_held,
     memory_is_seen,
+    tells_no_scale,
     to_compare,
     whole_record_error,
     without_outliers,
@@ -144,6 +147,8 @@ def select_records(
     aim = aim_of(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
+    lost = tells_no_scale(mechanism, measurement, parameters.unknown)
+    parameters = parameters.without_mass() if lost else parameters
     checks = checked(mechanism, measurement, validate, unknown=parameters.unknown)
     whole, (measurement, left_out) = measurement, without_outliers(mechanism, measurement)
     route = route or way_for(purpose, measurement)
@@ -185,6 +190,8 @@ def select_records(
         )
     if asked:
         judged = [with_errors(c, asked, judged, usual=laws is None) for c in judged]
+    if lost:
+        judged = [_with_error(c, mass_held(mechanism, measurement)) for c in judged]
     judged = [replace(c, fit=c.fit and replace(c.fit, left_out=left_out)) for c in judged]
     verdict = verdict_on(
         mechanism, whole, judged, without, plan, purpose, checks, validate, asked=asked
@@ -671,6 +678,12 @@ def with_errors(
         fit=replace(c.fit, known_errors=errors),
         from_balance=own.held if own else (),
     )
+
+
+def _with_error(c: RecordCandidate, error: ModelError) -> RecordCandidate:
+    """Return a candidate with one more thing that is wrong."""
+    errors = () if c.fit is None else (*c.fit.model_errors, error)
+    return replace(c, fit=c.fit and replace(c.fit, known_errors=errors))
 
 
 def _agreed(

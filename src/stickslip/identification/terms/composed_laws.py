@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, final
 
@@ -46,6 +46,8 @@ class ComposedLaw:
     """Constant force [N] beside friction, as mechanisms count it."""
     inertia: float | None
     """Inertia of the structure; None where none was looked for."""
+    known: Mapping[str, float] = field(default_factory=dict)
+    """Coefficients of columns of the mechanism, by name."""
     held: tuple[str, ...] = ()
     """Paths of values that the balance found and a fit holds, such as those of exponents."""
 
@@ -225,6 +227,11 @@ def composed_law(
             specification=replace(spec, law=start, free=free),
             constant=0.0 if kind.directional else next(iter(found.of("offset", channel)), 0.0),
             inertia=next(iter(found.of("inertia", channel)), None),
+            known={
+                term.what: float(x)
+                for x, term in zip(found.coef, found.owner, strict=True)
+                if term.kind == "known"
+            },
             held=tuple(f"friction.{name}" for name in values if name not in free),
         )
     return None

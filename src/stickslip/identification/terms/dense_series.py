@@ -1,12 +1,13 @@
 """Records as dense series, whose force balance the evidence engine explains by terms."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.evidence import Series, outliers
 from stickslip.experiments import Measurement
 from stickslip.formulation import JointTorques
@@ -18,16 +19,23 @@ from stickslip.identification.series.applied_force import applied_force, driven,
 from stickslip.identification.series.inverse_dynamics import (
     LEAST,
     known_forces,
+    mass_of,
     positions_of,
 )
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
 
 PASSES = 3
 """Times that outliers are looked for: behind large ones there may be smaller ones."""
+FOUND = ("inertia", "mass", "offset")
+"""Ends of paths of unknowns that have a term of their own."""
+LINEAR = 1e-6
+"""Share of a slope by which a second step may differ from a first."""
+ZERO = "zero of the position"
+"""Name of a constant force that stands for where a spring is relaxed."""
 VARIES = 0.05
 """Range of a load over its median beyond which it varies."""
 
@@ -35,16 +43,67 @@ VARIES = 0.05
 def is_dense(mechanism: Mechanism, measurement: Measurement) -> bool:
     """Whether the force balance of a measurement can be written down at every sample.
 
-    One coordinate, in time, with positions or velocities, and either the friction itself or a force
-    that drives.
+    One coordinate, in time, with positions or velocities, that no drive of the mechanism's own
+    moves. Where neither friction nor a force was recorded, it moves freely.
     """
     if len(mechanism.coordinates) != 1 or drives_itself(mechanism, measurement):
         return False
     records = measurement.records()
     if not all(isinstance(one.time, np.ndarray) and len(one.time) >= LEAST for one in records):
         return False
-    moves = all({"position", "velocity"} & set(one.quantities()) for one in records)
-    return moves and ("friction" in measurement.quantities() or driven(measurement))
+    return all({"position", "velocity"} & set(one.quantities()) for one in records)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Forces:
+    """Forces on a coordinate along a record."""
+
+    applied: Array
+    """By what drives it (n,) [N]."""
+    taken: Array
+    """What the known motion takes but for inertia and friction (n,) [N]."""
+    columns: Mapping[str, Array]
+    """What it takes for each unknown by path, per unit of it (n,)."""
+
+
+def _forces(mechanism: Mechanism, record: Measurement, unknown: Sequence[str]) -> _Forces:
+    """Return the forces along a record, split by unknowns that are coefficients of columns.
+
+    An unknown is one if the force balance is linear in it and nothing else depends on it, as for
+    a stiffness or a damping; an `InputError` names one that is none.
+    """
+    known = record.quantities()
+    time, x = np.asarray(record.time, dtype=float), positions_of(record)
+    v = np.asarray(record.values("velocity")) if "velocity" in known else np.gradient(x, time)
+
+    def on(one: Mechanism) -> tuple[Array, Array]:
+        applied = applied_force(one, record)
+        mass, still = known_forces(one, x, v, 0.0 * x)
+        force = still if applied is None else known_forces(one, x, v, applied)[1]
+        return force - still, np.append(still, [mass, load_along(one, record, len(x))[0]])
+
+    given = _set_up(mechanism, record)
+    applied, still = on(given)
+    columns = {}
+    for path in unknown:
+        value = _value(given, path)
+        step = abs(value) or 1.0
+        others = [vary(given, "mechanism", {path: value + n * step}) for n in (1.0, 2.0)]
+        (first, first_still), (second, second_still) = map(on, others)
+        slope = (np.append(first - applied, first_still - still)) / step
+        twice = (np.append(second - applied, second_still - still)) / step
+        bent = np.max(np.abs(twice - 2.0 * slope)) > LINEAR * np.max(np.abs(slope))
+        if bent or np.any(np.abs(slope[-2:] * step) > LINEAR * np.abs(still[-2:])):
+            raise InputError(f"the force balance is not linear in {path} alone.")
+        columns[path] = -(slope[: len(x)] + slope[len(x) : -2])
+    taken = -still[:-2]
+    # each column has the whole of its unknown, not what the given value lacks
+    for path, column in columns.items():
+        taken = taken - _value(given, path) * column
+    if np.ptp(taken) <= LINEAR * np.ptp(still[:-2]):  # what is left of unknowns is rounding
+        taken = np.full_like(taken, np.median(taken))
+    return _Forces(applied=applied, taken=taken, columns=columns)
 
 
 def dense_series(
@@ -143,6 +202,33 @@ def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:
     ]
 
 
+def finds_mass(unknown: Sequence[str]) -> bool:
+    """Whether a mass is among what is to be found."""
+    return any(path.endswith(("inertia", "mass")) for path in unknown)
+
+
+def tells_no_scale(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
+    """Whether the force balance holds with any multiple of all forces and of the mass.
+
+    So it does in a free motion whose mass is unknown, and whose stiffness is unknown or 0.
+    """
+    if not finds_mass(unknown) or "friction" in measurement.quantities() or driven(measurement):
+        return False
+    linear = [one for one in unknown if not one.endswith(FOUND)]
+    try:
+        found = [_forces(mechanism, one, linear) for one in measurement.records()]
+    except InputError:
+        return False
+    known = max(float(np.ptp(one.taken)) for one in found)
+    free = max((float(np.ptp(x)) for one in found for x in one.columns.values()), default=0.0)
+    size = max((abs(_value(mechanism, path)) for path in linear), default=0.0)
+    return known <= LINEAR * free * size
+
+
+def _value(mechanism: Mechanism, path: str) -> float:
+    return next(value for name, _, value in parameters(mechanism, "mechanism") if name == path)
+
+
 def _set_up(mechanism: Mechanism, record: Measurement) -> Mechanism:
     return vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
 
@@ -155,21 +241,29 @@ def _series(
     covariates: Mapping[str, Array],
     response: SensorResponse,
 ) -> Series:
+    """Return one record; of a free motion with a spring, with the zero that its fits look for."""
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     known = record.quantities()
     velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
     if "friction" in known:
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
-    mechanism = _set_up(mechanism, record)
-    v = np.gradient(x, time) if velocity is None else velocity
-    applied = applied_force(mechanism, record)
-    mass, force = known_forces(mechanism, x, v, 0.0 * x if applied is None else applied)
+    forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
+    mass = None if finds_mass(unknown) else mass_of(_set_up(mechanism, record))
+    varies = bool(np.ptp(forces.taken) > 0.0)
+    extra = dict(forces.columns)
+    if varies or extra:
+        if "position" not in known:
+            raise InputError("forces depend on positions, which were not recorded.")
+        if not driven(record):
+            extra[ZERO] = np.ones_like(x)
     return Series(
         time,
         x,
-        force,
-        mass=None if any(path.endswith(("inertia", "mass")) for path in unknown) else mass,
+        forces.applied if varies else forces.applied - forces.taken,
+        mass=mass,
+        taken=forces.taken if varies else None,
+        extra=extra,
         covariates=covariates,
         velocity=velocity if "position" not in known else None,
         hold=hold == "zero" and "force" in known,

@@ -28,7 +28,16 @@ from stickslip.evidence import (
     usual_band,
 )
 from stickslip.experiments import Measurement
-from stickslip.formatting import capital, number, percent, quantity, scale_of, with_unit, within
+from stickslip.formatting import (
+    capital,
+    number,
+    parameter_words,
+    percent,
+    quantity,
+    scale_of,
+    with_unit,
+    within,
+)
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
@@ -63,6 +72,8 @@ OUTLIERS: Final = "outliers"
 """Name of the finding of samples far off those beside."""
 HALF: Final = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
+ALIKE: Final = 0.999
+"""Correlation from which a column of the mechanism is that of viscous friction."""
 NEARLY: Final = 1.5
 """Held-out error over that of presliding up to which a late channel may be meant instead."""
 HOLDS: Final = 0.10
@@ -124,7 +135,10 @@ def asked_of(
     """Return the laws that the force balance of a record asks for; None if it cannot be judged."""
     if not is_dense(mechanism, measurement):
         return None
-    series = dense_series(mechanism, measurement, hold, unknown, response)
+    try:
+        series = dense_series(mechanism, measurement, hold, unknown, response)
+    except InputError:  # an unknown that is no coefficient of a column
+        return None
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
     return _asked(series, load, mass_of(mechanism), None, progress)
 
@@ -232,6 +246,7 @@ def model_errors(
             instead,
             _constant_level(found, measurement),
             _partly(found, measurement),
+            _damped(found, measurement),
         )
         if one is not None
     ]
@@ -299,6 +314,50 @@ def _constant_level(found: Explanation, measurement: Measurement) -> ModelError 
         effect=level,
         interval=found.intervals["-/level"][1:],
         share=(level / found.scale) ** 2 if level < found.scale else 1.0,
+    )
+
+
+def _damped(found: Explanation, measurement: Measurement) -> ModelError | None:
+    """Return that a damping which is looked for has the viscous friction in it, if one is."""
+    best, balance = found.best, found.balance
+    for term, value in zip(best.owner, best.coef, strict=True):
+        pairs = [(one.extra[term.what], one.v) for one in balance.parts if term.what in one.extra]
+        if term.kind != "known" or not pairs:
+            continue
+        column, v = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
+        if abs(float(column @ v)) < ALIKE * float(np.linalg.norm(column) * np.linalg.norm(v)):
+            continue
+        size = quantity(abs(float(value)), _unit("viscous_drift", measurement))
+        return ModelError(
+            kind="damping",
+            finding=(
+                "Damping of the mechanism and viscous friction are the same force along this"
+                f" motion: the {parameter_words(term.what)} of {size} is their sum."
+            ),
+            consequence="To tell them apart, hold one of them.",
+            effect=float(value),
+            interval=(math.nan, math.nan),
+            share=0.0,
+            moved=(),
+        )
+    return None
+
+
+def mass_held(mechanism: Mechanism, measurement: Measurement) -> ModelError:
+    """Return that a free motion tells forces only in proportion to the mass, which is held."""
+    mass = mass_of(mechanism)
+    size = quantity(mass, _unit("mass", measurement))
+    return ModelError(
+        kind="scale",
+        finding=(
+            "Nothing that was recorded drives the motion: forces and stiffness are known only in"
+            f" proportion to the mass, which is held at {size} as given."
+        ),
+        consequence="Give the true mass, hold a stiffness that is known, or record the force.",
+        effect=mass,
+        interval=(math.nan, math.nan),
+        share=0.0,
+        moved=(),
     )
 
 
