@@ -71,6 +71,21 @@ def test_a_structure_is_a_law_in_the_notation(fit, text, name):
     assert (found.text, found.name) == (text, name)
 
 
+@pytest.mark.parametrize(
+    ("beside", "held"),
+    [
+        ({"second": 0.2}, {"friction.exponent"}),  # a second memory has no place in LuGre's law
+        ({}, {"friction.exponent"}),
+    ],
+)
+def test_an_exponent_is_looked_for_under_the_name_of_the_law_that_has_it(beside, held):
+    par = {"power": (0.3,), "second": (0.1, 10.0)}
+    found = composed_law(fitted(level=2.0, power=3.0, shape=LUGRE, par=par, **beside), 1.0)
+    assert found.name == "lugre-power"
+    assert "viscous_exponent" in found.specification.free
+    assert set(found.held) == held
+
+
 def test_coefficients_are_those_of_the_law_over_the_load():
     fit = fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)})
     found = composed_law(fit, 4.0)

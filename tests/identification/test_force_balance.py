@@ -23,6 +23,7 @@ from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.identification.force_map.force_balance import (
     balanced,
+    filtered_motion,
     mean_force,
     passed_by_balance,
 )
@@ -363,3 +364,40 @@ def test_bristles_are_resolved_as_finely_as_the_noise_of_positions_allows():
         for resolved in (False, True)
     ]
     assert own[1] > 5.0 * own[0]
+
+
+def test_velocities_of_fast_vibrations_keep_their_size():
+    w, dt = 0.2 * math.pi, 1e-3  # ten samples in a period: central differences lose six per cent
+    n = np.arange(2000.0)
+    motion = filtered_motion(np.sin(w * n), dt, 0.5, tracked=True)
+    inside = slice(100, -100)
+    assert np.allclose(motion.velocity[inside], w / dt * np.cos(w * n[inside]), atol=0.02 * w / dt)
+
+
+def one_sided(back):
+    """Return an axis under a constant force that goes forward, and back for a share of the time."""
+    v = 0.1 + 0.05 * np.sin(2.0 * T) + 0.02 * np.sin(7.3 * T)
+    v = np.where(np.abs(T - 11.3) < 0.5 * back * T[-1], -v, v)
+    b, a = signal.butter(2, 0.02)
+    v = signal.filtfilt(b, a, v)
+    force = J * np.gradient(v, T) + VISCOUS * v + LEVEL * np.sign(v) - 2.0
+    force += 0.1 * np.random.default_rng(2).normal(size=len(T))
+    return Measurement(time=T, position=np.cumsum(v) * 1e-3, force=force)
+
+
+def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
+    found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.0))
+    said = "a constant force (gravity, a cable, a sensor offset) and the friction level cannot"
+    assert found.one_way
+    assert any(said in one for one in found.sentences)
+    known = derived(Axis(inertia=J, offset=-2.0), CoulombViscous, one_sided(0.0))
+    assert not known.one_way
+    assert known.estimate("kinetic_coefficient").value == pytest.approx(LEVEL, rel=0.01)
+
+
+def test_a_short_way_back_tells_a_constant_force_from_a_level():
+    found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.015))
+    offset, level = found.estimate("offset"), found.estimate("kinetic_coefficient")
+    assert not found.one_way
+    assert offset.value == pytest.approx(-2.0, rel=0.05)
+    assert level.value == pytest.approx(LEVEL, rel=0.01)  # without the way back, it would be 8 N

@@ -11,7 +11,7 @@ from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
 from stickslip.evidence.fits import Fit, acceleration_noise, fit
 from stickslip.evidence.intervals import Interval
-from stickslip.evidence.motion import resolution
+from stickslip.evidence.motion import derivative, resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
@@ -36,6 +36,7 @@ __all__ = [
     "Term",
     "acceleration_noise",
     "begin",
+    "derivative",
     "explain",
     "fit",
     "outliers",

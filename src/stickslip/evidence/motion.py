@@ -44,7 +44,8 @@ def passed(sos: Array, x: Array) -> Array:
 def derivative(x: Array, h: float) -> Array:
     """Return slopes by central differences of the fourth order.
 
-    Those of the second order bias the inertia by half a per cent.
+    Those of the second order bias the inertia by half a per cent, and the damping of a bristle that
+    vibrates with a tenth of the sampling frequency by seven.
     """
     found = np.gradient(x, h)
     found[2:-2] = (x[:-4] - 8.0 * x[1:-3] + 8.0 * x[3:-1] - x[4:]) / (12.0 * h)

@@ -53,6 +53,11 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
                 reasons.append(_no_step(step, low, high, estimate.quantity.unit))
         elif estimate.low <= 0.0 and not shown:
             reasons.append(f"the interval of {symbol} includes 0")
+    if fit.one_way:
+        reasons.append(
+            "a constant force and the friction level cannot be told apart: the rows that are"
+            " compared slip in one direction only"
+        )
     if fit.inference.condition > SEPARABLE:
         condition = number(fit.inference.condition, 2)
         reasons.append(f"condition number {condition}, above {number(SEPARABLE)}")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.evidence import play
+from stickslip.evidence import derivative, play
 from stickslip.experiments import (
     Measurement,
     between_gaps,
@@ -142,6 +142,8 @@ class BalanceProblemBuilder:
     """Whether the common filter passes what the noise of positions allows."""
     wider: float = 1.0
     """What it passes in fits, over that."""
+    finer: float = 1.0
+    """Samples along which friction is predicted in fits, over the usual number."""
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
@@ -160,6 +162,7 @@ class BalanceProblemBuilder:
             slipping=self.slipping,
             resolved=self.resolved,
             wider=self.wider,
+            samples=self.finer * SAMPLES,
         )
         return self._along(own, record)
 
@@ -341,7 +344,7 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
-    v = np.gradient(x, dt)
+    v = derivative(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:

@@ -101,6 +101,9 @@ class ForceMap(RecordProblem):
     """Values of all these columns' parameters that friction was derived with."""
     mass: float = 0.0
     """What moves as the contact slips [kg], where friction was derived with it."""
+    one_way: bool = False
+    """Whether friction was derived along slip in one direction only, and nobody gave the constant
+    force beside it: that is a part of the level."""
     of_applied: bool = False
     """Whether what is measured is the applied force, of which friction is a part."""
 

@@ -109,6 +109,7 @@ def map_along(
         raise InputError(f"a force map needs a friction law such as Coulomb, got {kind.__name__}.")
     refuse_timeless(law, stretches)
     told = StartEstimate.of(stretches, offset=None)
+    given = bool({beside.path, "offset"} & set(held)) or beside.value != 0.0
     sought = told.two_sided and not kind.directional and not {beside.path, "offset"} & set(held)
     rough = told if sought else StartEstimate.of(stretches, offset=beside.value)
     start = rough.law(kind, known or {}) if isinstance(law, type) else law
@@ -124,6 +125,7 @@ def map_along(
         offset=beside.value,
         derived=tuple(derived),
         mass=mass,
+        one_way=bool(derived) and not (told.two_sided or given),
     )
     coarse = replace(whole, stretches=tuple(few))
     free_parameters = _effective(coarse if isinstance(law, type) else whole)

@@ -20,8 +20,9 @@ FAST = 0.5
 """Share of the largest speed (its 99th percentile) above which slip counts as steady."""
 MOVING = 0.05
 """Share of the largest speed above which there is slip at all."""
-ONE_SIDED = 0.02
-"""Share of the moving samples that the rarer direction has at least if both were measured."""
+FEWEST = 3
+"""Samples of slip in the rarer direction if both were measured: how well they tell a constant force
+from a friction level, its interval says."""
 SURPLUS = 0.2
 """Static surplus to begin with, over the kinetic level."""
 HUBER = 1.345
@@ -119,8 +120,7 @@ class StartEstimate:
         v, n, f = np.concatenate(rows, axis=1)
         speed = float(np.percentile(np.abs(v), 99.0)) or 1.0
         ahead, back = v > MOVING * speed, v < -MOVING * speed
-        moving = int(np.sum(ahead | back))
-        two_sided = min(np.sum(ahead), np.sum(back)) > ONE_SIDED * moving
+        two_sided = min(np.sum(ahead), np.sum(back)) >= FEWEST
         if offset is None:
             offset = _middle(v, f, FAST * speed) if two_sided else 0.0
         own: dict[str, Any] = {
@@ -133,7 +133,7 @@ class StartEstimate:
         stiffness = _stiffness(stretches, own["force"])
         sides = []
         for side in (back, ahead, ahead | back):
-            enough = side if np.sum(side) >= 3 else np.ones(len(v), dtype=bool)
+            enough = side if np.sum(side) >= FEWEST else np.ones(len(v), dtype=bool)
             level, viscous = _line(
                 np.abs(v[enough]), n[enough], np.abs(f - offset)[enough], FAST * speed
             )

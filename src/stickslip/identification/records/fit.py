@@ -43,6 +43,7 @@ from stickslip.identification.force_map.joint_balance import (
     contacts_along,
     joint_record,
 )
+from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
@@ -369,6 +370,11 @@ class RecordFit(Fit[AnyLaw_co]):
     def restarts(self) -> OptimizeResult:
         """The search that began from all starts."""
         return self.optimum if self.first is None else self.first
+
+    @property
+    def one_way(self) -> bool:
+        """Whether a constant force that nobody gave is a part of the friction level."""
+        return isinstance(self.problem, ForceMap) and self.problem.one_way
 
     @override
     def law_estimates(self) -> LawEstimates:

@@ -44,7 +44,7 @@ from stickslip.identification.estimation.levenberg_marquardt import (
 )
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.force_map.force_balance import BalanceProblemBuilder
+from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import told
@@ -75,6 +75,8 @@ Array = NDArray[np.float64]
 
 NARROW = 0.6
 """Band in which a fit of bristles is looked at again, over that of the fit."""
+STEPS = (0.5, 2.0)
+"""Samples along which it is looked at again, over those of the fit."""
 FEWEST_ROWS = 12
 """Rows from which one of them may be called an exception."""
 NORMAL_95 = 1.96
@@ -554,6 +556,7 @@ def finished(
         *_of_one_row(ready.problem, best.residual, measurement),
         *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
         *_of_recorded_swing(mechanism),
+        *_of_one_way(fit),
         *((apart,) if apart else _doubtful(searched)),
     )
     return _with_estimates(fit, told(free_parameters, ready.mechanism, measurement), sentences)
@@ -566,8 +569,7 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
     untold = fit.optimum.cancelled or interleaved(fit.problem.spans)
     halves = None if untold else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
-    moved = _moved_by_band(fit)
-    inference = inference if moved is None else inference.including(moved)
+    inference = inference.including(*_moved_by_looks(fit))
     estimates = estimates_of(free, best, inference, fit.at_bounds)
     return replace(
         fit,
@@ -582,18 +584,44 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
     )
 
 
-def _moved_by_band(fit: RecordFit) -> Array | None:
-    """Return how far estimates (p,) move in a narrower band; None where no bristle is resolved.
+def _moved_by_looks(fit: RecordFit) -> list[Array]:
+    """Return how far estimates (p,) move in a narrower band, by other steps and with more noise.
 
     What a sampled motion hides of a bristle between samples is an error that repeats from block to
-    block, which these do not show: bands do.
+    block, which these do not show: bands and steps do. Noise of positions deflects bristles in all
+    blocks: as much again moves estimates about as far once more (simulation extrapolation). Empty
+    where no bristle is resolved.
+
+    Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
+    measurement error models", 1994.
     """
     build = fit.build
     if not isinstance(build, BalanceProblemBuilder) or not build.resolved or not fit.law.states:
-        return None
-    narrow = replace(build, wider=NARROW).fitted(fit.measurement)
+        return []
+    if not all("position" in one.quantities() for one in fit.measurement.records()):
+        return []
+    looks = [replace(build, wider=NARROW), *(replace(build, finer=steps) for steps in STEPS)]
+    problems = [look.fitted(fit.measurement) for look in looks]
+    problems.append(build.fitted(_noisier(fit.measurement)))
+    moved = [_moved(fit, problem) for problem in problems]
+    return [one for one in moved if one is not None]
+
+
+def _noisier(measurement: Measurement) -> Measurement:
+    """Return a measurement whose positions have as much noise again."""
+    random = np.random.default_rng(0)
+    records = [
+        replace(one, position=x + positive_noise(x) * random.standard_normal(len(x)))
+        for one in measurement.records()
+        for x in [np.asarray(one.values("position"))]
+    ]
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+def _moved(fit: RecordFit, problem: ForceMap) -> Array | None:
+    """Return how far one step moves the estimates (p,) in another problem of the same record."""
     free = fit.free_parameters
-    here = narrow.with_free_parameters(free).linearise(fit.values)
+    here = problem.with_free_parameters(free).linearise(fit.values)
     if not here.finite:
         return None
     at, (low, high) = free.coordinates(fit.values), free.limits()
@@ -646,6 +674,18 @@ def _of_one_row(
     return (
         f"{where} alone leaves {percent(float(squares[at]) / total)} of the squared residuals:"
         " check it for an error of measurement.",
+    )
+
+
+def _of_one_way(fit: RecordFit) -> tuple[str, ...]:
+    """Return a sentence where a constant force is a part of the friction level."""
+    if not fit.one_way:
+        return ()
+    return (
+        "The rows that are compared slip in one direction only: a constant force (gravity, a cable,"
+        " a sensor offset) and the friction level cannot be told apart. The level includes it, and"
+        " its interval does not allow for it. Move in the other direction, too, or give the force"
+        " in fixed.",
     )
 
 

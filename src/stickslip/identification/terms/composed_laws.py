@@ -241,7 +241,7 @@ def _specification(
     structure: Structure, text: str, channel: str, *, directional: bool
 ) -> CandidateSpec:
     """Return the default candidate that a structure is, or else that of its text."""
-    rung = _rung(structure, channel) if directional else None
+    rung = _rung(structure, channel, directional=directional)
     if rung is not None:
         return rung.specification
     return CandidateSpec.of(law(text).name, law(text))
@@ -316,15 +316,19 @@ def _memory(terms: Mapping[str, Term], shape: Shape) -> str:
     return "maxwell[1]" if shape[1] <= LIKE_DAHL else "dahl"
 
 
-def _rung(structure: Structure, channel: str) -> Rung | None:
-    """Return the default candidate that a structure is; None if it is none of them."""
+def _rung(structure: Structure, channel: str, *, directional: bool) -> Rung | None:
+    """Return the default candidate that the text of a structure is; None if it is none of them.
+
+    A law of which the text alone is taken would hold what the default candidate looks for, such as
+    the exponent of a power, under the name of another one.
+    """
     terms, shape = _of(structure, channel), structure.shape(channel)
-    if {"temperature", "level_slope", "level_ripple", "viscous_cov", "second"} & set(terms):
+    if {"temperature", "level_slope", "level_ripple", "viscous_cov"} & set(terms):
         return None
     memory, flow = _memory(terms, shape), _flow(terms)
     flow = {"": "viscous" if memory else "", "viscous + drag": "drag"}.get(flow, flow)
     levels = _levels(structure, channel, terms)
-    both = set(DIRECTIONAL) & set(terms)
+    both = set(DIRECTIONAL) & set(terms) if directional else set()
     if memory not in ("", "dahl", "lugre") or flow not in ("viscous", "power", "drag"):
         return None
     if not levels or (both and not all(_sides(both))):
