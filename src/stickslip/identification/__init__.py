@@ -50,7 +50,7 @@ INSIDE = {
     "RecordProblem": "estimation.problem",
     "RecordRouteName": "records.problems",
     "ResidualJacobian": "estimation.problem",
-    "RouteChoice": "records.route_choice",
+    "RouteChoice": "records.problems",
     "RouteName": "records.route_choice",
     "SEPARABLE": "estimation.estimates",
     "SubsetProblem": "estimation.problem",
