@@ -19,12 +19,13 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.inputs import (
     Ask,
+    content_of,
     show_estimates,
+    show_trials,
     show_warnings,
     watching,
 )
 from stickslip.cli.law_choice import law_to_fit
-from stickslip.cli.trials import content_of, show_trials
 from stickslip.documents import document, write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same, with_files

@@ -16,10 +16,11 @@ from stickslip.experiments import (
     Reading,
     Rig,
     all_paths,
+    condition_name,
     read_data,
     read_number,
 )
-from stickslip.formatting import number, unit_text, within
+from stickslip.formatting import number, significant, unit_text, within
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
@@ -27,6 +28,7 @@ from stickslip.identification import (
     Estimate,
     RecordSettings,
     RouteName,
+    TrialComparison,
     covers,
     law_quantities,
     refuse_of_laws,
@@ -247,3 +249,34 @@ def show_open(words: Wording) -> None:
             console.print(f"\n{title}", markup=False, style="bold")
         for line in lines:
             console.print(f"  {plain(line)}", markup=False)
+
+
+def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+    """Return the comparison as a part of what a command writes as JSON."""
+    return {} if comparison is None else {"trials": comparison.to_dict()}
+
+
+def show_trials(comparison: TrialComparison | None) -> None:
+    """Print whether the trials share one law, and by trial what was fitted where they do not."""
+    if comparison is None:
+        return
+    console = stdout()
+    console.print("\nTrials", markup=False, style="bold")
+    for line in comparison.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+    if not comparison.trials or (comparison.shared and not comparison.conditions):
+        return
+    symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
+    heads = ["trial", *map(condition_name, comparison.conditions)]
+    heads += [head for symbol in symbols for head in (symbol, "95 %")]
+    rows = []
+    for trial in comparison.trials:
+        row = [trial.name]
+        for name in comparison.conditions:
+            value = trial.conditions.get(name)
+            row.append(significant(value, 4) if isinstance(value, float) else value or "")
+        for one, error in zip(trial.estimates, trial.errors, strict=True):
+            known = math.isfinite(error)
+            row += [significant(one.value, 4), one.range if known else "open"]
+        rows.append([plain(cell) for cell in row])
+    show_table("", heads, rows, whole=heads)

@@ -23,12 +23,12 @@ from stickslip.cli.inputs import (
     Ask,
     show_estimates,
     show_open,
+    show_trials,
     show_warnings,
     watching,
 )
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
-from stickslip.cli.trials import show_trials
 from stickslip.documents import document
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig, of_files, with_files

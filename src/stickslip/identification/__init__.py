@@ -102,7 +102,6 @@ INSIDE = {
     "names_of": "validation",
     "noise_floor": "residuals.trends",
     "positions_of": "records.refits",
-    "positive_root": "estimation.root_search",
     "quantities_read": "travel_model",
     "reads_as_forces": "records.level_units",
     "record_route_name": "records.fitting",

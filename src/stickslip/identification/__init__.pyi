@@ -29,7 +29,6 @@ from stickslip.identification.estimation.problem import SubsetProblem as SubsetP
 from stickslip.identification.estimation.ranges import required_of as required_of
 from stickslip.identification.estimation.ranges import starting_law as starting_law
 from stickslip.identification.estimation.ranges import with_known as with_known
-from stickslip.identification.estimation.root_search import positive_root as positive_root
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
