@@ -11,7 +11,7 @@ import pytest
 import stickslip.selection.records as selection
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli import main
-from stickslip.cli.inputs import CommandInputs, measured
+from stickslip.cli.inputs import measured
 from stickslip.cli.interrupts import Interrupts
 from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
@@ -200,7 +200,7 @@ def pushed(run):
 
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
-    kind, request, _ = measured(rig, CommandInputs(reading=Reading()), given=True)
+    kind, request, _ = measured(rig, reading=Reading(), given=True)
     assert kind.residual_text(1.0, request) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(

@@ -105,7 +105,7 @@ def test_one_verdict_has_one_held_out_error(capsys):
     import numpy as np
 
     from stickslip.cli.select import show_verdict
-    from stickslip.kinds.page import verdict_page
+    from stickslip.kinds.report import verdict_page
     from stickslip.report import render
     from stickslip.report.core.documents import Origin
 

@@ -11,8 +11,9 @@ from stickslip.drives import Sampled
 from stickslip.friction import law
 from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.records.problems import ProblemRequest, prepared
+from stickslip.identification.records.problems import RouteChoice, prepared
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
+from stickslip.identification.validation import Parameters
 
 SOFT = LuGre(
     kinetic_coefficient=3.0,
@@ -66,7 +67,7 @@ def test_bristles_of_segments_are_followed_along_the_measured_motion(text):
     values = {"bristle_damping": 20.0} if "lugre" in text else {}
     own = kind(kinetic_coefficient=3.0, bristle_stiffness=2e3, viscous_coefficient=2.0, **values)
     run, record = recorded(own, 4.0, noise=2e-5)
-    found = prepared("shooting", wanted(own, record)).problem
+    found = problem_of(own, record)
     begin = found._begun(own, found.free_parameters.start, range(1, 8))
     for number, one in begin.items():
         seen = run.at([found.segments[number].start])
@@ -84,21 +85,17 @@ def recorded(own, t_end, noise=0.0):
     return run, Measurement(time=t, position=x, force=force)
 
 
-def wanted(own, record):
-    return ProblemRequest(
-        mechanism=Axis(inertia=3.0),
-        law=own,
-        measurement=record,
-        unknown=("inertia",),
-        free=type(own).fit_order,
-        known=None,
-        settings=RecordSettings(segment=0.5),
+def problem_of(own, record):
+    wanted = Parameters(
+        mechanism=Axis(inertia=3.0), law=own, unknown=("inertia",), free=type(own).fit_order
     )
+    choice = RouteChoice(route="shooting", settings=RecordSettings(segment=0.5))
+    return prepared(choice, wanted, record).problem
 
 
 @pytest.fixture(scope="module")
 def problem():
-    return prepared("shooting", wanted(SOFT, recorded(SOFT, 4.0)[1])).problem
+    return problem_of(SOFT, recorded(SOFT, 4.0)[1])
 
 
 @pytest.mark.parametrize("number", [0, 1, 4])

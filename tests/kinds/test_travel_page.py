@@ -24,7 +24,7 @@ from stickslip import (
 from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
-from stickslip.kinds.page import verdict_page
+from stickslip.kinds.report import verdict_page
 from stickslip.kinds.travels.page.runs import steps_heading
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup

@@ -11,7 +11,7 @@ from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
-from stickslip.kinds.page import verdict_page
+from stickslip.kinds.report import verdict_page
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 

@@ -7,7 +7,7 @@ from tests.support import sketched
 
 from stickslip import load_rig, select
 from stickslip.formatting import quantity, unbroken
-from stickslip.kinds.page import verdict_page
+from stickslip.kinds.report import verdict_page
 from stickslip.paper import beside
 from stickslip.report import render
 from stickslip.report.core.documents import Origin

@@ -16,7 +16,7 @@ from stickslip.plots import draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
 from stickslip.plots.animation.animation_frame import Stage, moments_of
 from stickslip.plots.animation.scenes import Ball, Box, Ground, scene_of
-from stickslip.plots.animation.scenes.fallback import bars
+from stickslip.plots.animation.scenes.registry import bars
 from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, artists_of
 from stickslip.plots.core.theme import SLIP_BACK, STICK, house_style
 

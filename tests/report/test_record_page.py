@@ -29,15 +29,15 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.settings import RecordSettings
-from stickslip.kinds.page import verdict_page
+from stickslip.kinds.report import verdict_page
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report import Paragraph, Section, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts, typeset
 from stickslip.report.records.certificate import certificate_section
-from stickslip.report.records.loops import turns_of
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
+from stickslip.report.records.sections import turns_of
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
 from stickslip.report.records.texts import rival_of
 from stickslip.selection.candidates import specifications

@@ -29,7 +29,7 @@ from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
-from stickslip.kinds.page import verdict_page
+from stickslip.kinds.report import verdict_page
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
 from stickslip.results import RecordVerdict

@@ -123,7 +123,7 @@ def select(
     to cancel.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import CommandInputs
+    from stickslip.cli.inputs import measured
     from stickslip.cli.select import run
 
     reading = reading_of(
@@ -134,17 +134,14 @@ def select(
         conditions=conditions,
         motor_constant=motor_constant,
     )
-    inputs = partial(CommandInputs, data=data or [], reading=reading, validate=validate)
-    inputs = partial(inputs, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
-    inputs = partial(inputs, segment=segment, hold=hold, starts=starts, seed=seed)
-    asked = inputs(
-        position_zeros=position_zeros,
-        friction_delay=friction_delay,
-        friction_lag=friction_lag,
-        purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
-    )
+    settings = {"segment": segment, "hold": hold, "starts": starts, "seed": seed}
+    settings |= {"position_zeros": position_zeros, "friction_delay": friction_delay}
+    settings["friction_lag"] = friction_lag
+    ask = partial(measured, data=data or [], reading=reading, validate=validate, settings=settings)
+    ask = partial(ask, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
+    ask = partial(ask, purpose=cast("PurposeName | None", purpose))  # checked where it is used
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
-    start(rig, asked, changes or [], laws, output, jobs=jobs)
+    start(rig, ask, changes or [], laws, output, jobs=jobs)
 
 
 @command(app, "demo")
@@ -163,12 +160,12 @@ def demo(
     Other commands take it as `demo`, such as `stickslip simulate demo`.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import CommandInputs
+    from stickslip.cli.inputs import measured
     from stickslip.cli.select import run
 
     reading = reading_of(columns=None, units=None, gain=None, repair=None)
     start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
-    start(None, CommandInputs(reading=reading), [], laws, output, jobs=jobs)
+    start(None, partial(measured, reading=reading), [], laws, output, jobs=jobs)
 
 
 @command(app, "init")
@@ -241,7 +238,7 @@ def fit(
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
-    from stickslip.cli.inputs import CommandInputs
+    from stickslip.cli.inputs import measured
 
     reading = reading_of(
         columns=columns,
@@ -251,19 +248,13 @@ def fit(
         conditions=conditions,
         motor_constant=motor_constant,
     )
-    inputs = partial(CommandInputs, data=data or [], reading=reading, validate=validate)
-    inputs = partial(inputs, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
-    asked = inputs(
-        segment=segment,
-        hold=hold,
-        starts=starts,
-        seed=seed,
-        position_zeros=position_zeros,
-        friction_delay=friction_delay,
-        friction_lag=friction_lag,
-    )
+    settings = {"segment": segment, "hold": hold, "starts": starts, "seed": seed}
+    settings |= {"position_zeros": position_zeros, "friction_delay": friction_delay}
+    settings["friction_lag"] = friction_lag
+    ask = partial(measured, data=data or [], reading=reading, validate=validate, settings=settings)
+    ask = partial(ask, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, law, asked, changes or [], output)
+    start(rig, law, ask, changes or [], output)
 
 
 @command(app, "check")

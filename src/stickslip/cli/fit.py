@@ -18,17 +18,17 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    CommandInputs,
-    measured,
+    Ask,
+    content_of,
     show_estimates,
+    show_trials,
     show_warnings,
     watching,
 )
 from stickslip.cli.law_choice import law_to_fit
-from stickslip.cli.trials import content_of, show_trials
 from stickslip.documents import document, write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same
+from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same, with_files
 from stickslip.identification import Fit, far_above_dry
 from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
 
@@ -36,7 +36,7 @@ from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
 def run(
     path: Path | None,
     name: str | None,
-    asked: CommandInputs,
+    ask: Ask,
     changes: Sequence[str],
     output: Path | None,
     *,
@@ -52,7 +52,7 @@ def run(
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
     law = partial(law_to_fit, rig, name)
-    kind, request, digest = measured(rig, asked, given=path is not None, law=law)
+    kind, request, files = ask(rig, given=path is not None, law=law)
     if output is not None and not kind.simulated:
         raise InputError(
             f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
@@ -66,7 +66,7 @@ def run(
     if as_json:
         content = {
             "rig": rig.heading,
-            "digest": digest,
+            "digest": with_files(rig.digest, files),
             **result.to_dict(),
             "checks": checks.to_dict(),
             "second_record": shown.second,

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias
 
 from stickslip.cli.console import note, plain, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
@@ -16,11 +16,11 @@ from stickslip.experiments import (
     Reading,
     Rig,
     all_paths,
+    condition_name,
     read_data,
     read_number,
-    with_files,
 )
-from stickslip.formatting import number, unit_text, within
+from stickslip.formatting import number, significant, unit_text, within
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
@@ -28,6 +28,7 @@ from stickslip.identification import (
     Estimate,
     RecordSettings,
     RouteName,
+    TrialComparison,
     covers,
     law_quantities,
     refuse_of_laws,
@@ -36,89 +37,41 @@ from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
 from stickslip.quantities import Quantity, full_path
 from stickslip.selection import PurposeName, Wording
 
-SETTINGS = (
-    "segment", "hold", "starts", "seed", "position_zeros", "friction_delay", "friction_lag",
-)  # fmt: skip
-"""Options that are fields of `RecordSettings`."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class CommandInputs:
-    """What is fitted and how, as the options say it; None where they say nothing."""
-
-    data: Sequence[Path] = ()
-    """Data files; the measurement of the rig is used if empty."""
-    reading: Reading
-    """How data files are read."""
-    validate: Path | None = None
-    """Data file of a second record, which no fit uses."""
-    vary: Sequence[str] = ()
-    """Names or patterns of the parameters to fit, perhaps joined by commas."""
-    fixed: Sequence[str] = ()
-    """Values of parameters that are held, each as ``NAME=VALUE``, perhaps joined by commas."""
-    purpose: PurposeName | None = None
-    """What the law is selected for."""
-    horizon: float | None = None
-    """Length of the predictions that are scored [s]."""
-    route: RouteName | None = None
-    """Method of the fit."""
-    segment: float | None = None
-    """Length of the segments of a fit by shooting [s]."""
-    hold: str | None = None
-    """How the force runs between its samples."""
-    starts: int | None = None
-    """Number of start values of the search."""
-    seed: int | None = None
-    """Seed of the random numbers."""
-    position_zeros: bool | None = None
-    """Whether positions of each record count from an unknown place."""
-    friction_delay: float | None = None
-    """Time by which measured friction is recorded after the motion [s]."""
-    friction_lag: float | None = None
-    """Time constant of a first-order filter of measured friction [s]."""
-
-    def __post_init__(self) -> None:
-        """Check lengths of time and the hold; other names are checked where they are used."""
-        for name in ("horizon", "segment"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
-        if self.hold not in (None, "zero", "first"):
-            raise InputError(f"--hold must be zero or first, got {self.hold!r}.")
-
-    @property
-    def given(self) -> tuple[str, ...]:
-        """Names of the options of fits and selections that are set."""
-        known = ("purpose", "horizon", "route", *SETTINGS, "validate")
-        return tuple(name for name in known if getattr(self, name) is not None)
-
-    def settings(self, rig: Rig) -> RecordSettings | None:
-        """Return settings of fits to records: as asked, or else as the rig says; None if usual."""
-        given = {name: getattr(self, name) for name in SETTINGS}
-        said = {name: value for name, value in given.items() if value is not None}
-        found = RecordSettings(**{"hold": rig.hold, **said})
-        return None if found == RecordSettings() else found
+Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
+"""`measured` with what the options say."""
 
 
 def measured(
     rig: Rig,
-    asked: CommandInputs,
     *,
+    reading: Reading,
+    data: Sequence[Path] = (),
+    validate: Path | None = None,
+    vary: Sequence[str] = (),
+    fixed: Sequence[str] = (),
+    purpose: PurposeName | None = None,
+    horizon: float | None = None,
+    route: RouteName | None = None,
+    settings: Mapping[str, Any] | None = None,
     given: bool,
     law: Callable[[AnyKind], Law] | None = None,
-) -> tuple[AnyKind, Request, str]:
-    """Return what fits such a measurement, what it is asked, and the SHA-256 of all that was read.
+) -> tuple[AnyKind, Request, list[Path]]:
+    """Return what fits such a measurement, what it is asked, and the data files of the options.
 
-    Options for files add to what the rig says of its own. `given` is whether a rig file was.
+    Options for files add to what the rig says of its own; None says nothing. `settings` are those
+    of `RecordSettings`, `given` is whether a rig file was, `law` the law of a kind.
     """
-    reading = rig.reading.with_changes(asked.reading)
-    measurement, validate = rig.measurement, rig.validate
-    if asked.data:
-        measurement = rig.with_uncertainties(
-            read_data(asked.data, reading, mechanism=rig.mechanism)
-        )
-    elif asked.reading != Reading() and asked.validate is None:
+    said = {name: value for name, value in (settings or {}).items() if value is not None}
+    for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
+    if said.get("hold") not in (None, "zero", "first"):
+        raise InputError(f"--hold must be zero or first, got {said['hold']!r}.")
+    own = rig.reading.with_changes(reading)
+    measurement, second = rig.measurement, rig.validate
+    if data:
+        measurement = rig.with_uncertainties(read_data(data, own, mechanism=rig.mechanism))
+    elif reading != Reading() and validate is None:
         raise InputError(
             "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"
             " --validate: name one, or leave them out."
@@ -128,30 +81,35 @@ def measured(
             f"{rig.path} has no measurement: add a [[trial]] with a travel or [data] with a file,"
             " or give --data FILE."
         )
-    if asked.validate is not None:
+    files = list(data)
+    if validate is not None:
         # a second record is predicted, whatever its conditions
-        alike = replace(reading, conditions=())
-        validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
-    files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
-    kind = kind_of(measurement, asked.route)
+        second = read_data([validate], replace(own, conditions=()), mechanism=rig.mechanism)
+        files.append(validate)
+    kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
-    vary, fixed = _parameters(rig, asked, owner)
+    varied, held = _parameters(rig, vary, fixed, owner)
+    numerics = RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
         measurement=measurement,
         law=owner,
-        vary=vary,
-        fixed=fixed,
-        route=asked.route,
-        settings=asked.settings(rig),
-        purpose=asked.purpose,
-        horizon=asked.horizon,
-        validate=validate,
+        vary=varied,
+        fixed=held,
+        route=route,
+        settings=None if numerics == RecordSettings() else numerics,
+        purpose=purpose,
+        horizon=horizon,
+        validate=second,
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    typed = {name: f"--{name.replace('_', '-')}" for name in asked.given}
+    options = {"purpose": purpose, "horizon": horizon, "route": route, **said}
+    options["validate"] = validate
+    typed = {
+        name: f"--{name.replace('_', '-')}" for name, one in options.items() if one is not None
+    }
     refuse_unused(kind, typed, request)
     if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(
@@ -160,18 +118,18 @@ def measured(
         )
     request = replace(kind.resolved(request), law=chosen)
     refuse_unused(kind, {name: how for name, how in typed.items() if name != "validate"}, request)
-    return kind, request, with_files(rig.digest, files)
+    return kind, request, files
 
 
 def _parameters(
-    rig: Rig, asked: CommandInputs, law: AnyLaw
+    rig: Rig, vary: Sequence[str], fixes: Sequence[str], law: AnyLaw
 ) -> tuple[tuple[str, ...], dict[str, float]]:
     """Return what is varied and what fixed, with what the rig file says of both.
 
     Values that it gives of a law, but not all, are held where `--vary` says what is fitted of it.
     """
-    names = [part.strip() for text in asked.vary for part in text.split(",")]
-    fixed = _fixed(rig, asked.fixed, law)
+    names = [part.strip() for text in vary for part in text.split(",")]
+    fixed = _fixed(rig, fixes, law)
     given: Mapping[str, float] = {}
     if isinstance(law, type) and issubclass(law, FrictionLaw):
         given = rig.given.get(law.name, {})
@@ -291,3 +249,34 @@ def show_open(words: Wording) -> None:
             console.print(f"\n{title}", markup=False, style="bold")
         for line in lines:
             console.print(f"  {plain(line)}", markup=False)
+
+
+def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+    """Return the comparison as a part of what a command writes as JSON."""
+    return {} if comparison is None else {"trials": comparison.to_dict()}
+
+
+def show_trials(comparison: TrialComparison | None) -> None:
+    """Print whether the trials share one law, and by trial what was fitted where they do not."""
+    if comparison is None:
+        return
+    console = stdout()
+    console.print("\nTrials", markup=False, style="bold")
+    for line in comparison.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+    if not comparison.trials or (comparison.shared and not comparison.conditions):
+        return
+    symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
+    heads = ["trial", *map(condition_name, comparison.conditions)]
+    heads += [head for symbol in symbols for head in (symbol, "95 %")]
+    rows = []
+    for trial in comparison.trials:
+        row = [trial.name]
+        for name in comparison.conditions:
+            value = trial.conditions.get(name)
+            row.append(significant(value, 4) if isinstance(value, float) else value or "")
+        for one, error in zip(trial.estimates, trial.errors, strict=True):
+            known = math.isfinite(error)
+            row += [significant(one.value, 4), one.range if known else "open"]
+        rows.append([plain(cell) for cell in row])
+    show_table("", heads, rows, whole=heads)

@@ -20,19 +20,18 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    CommandInputs,
-    measured,
+    Ask,
     show_estimates,
     show_open,
+    show_trials,
     show_warnings,
     watching,
 )
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
-from stickslip.cli.trials import show_trials
 from stickslip.documents import document
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig, of_files
+from stickslip.experiments import Rig, load_rig, of_files, with_files
 from stickslip.friction import FrictionLaw
 from stickslip.kinds import (
     DOCUMENT,
@@ -62,7 +61,7 @@ CRITERIA_FAILED = 4
 
 def run(
     path: Path | None,
-    asked: CommandInputs,
+    ask: Ask,
     changes: Sequence[str],
     laws: str | None,
     output: Path,
@@ -77,14 +76,15 @@ def run(
     if not as_json:
         refuse_overwriting(output, output, force=force, files=VERDICT_FILES)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    kind, request, digest = measured(rig, asked, given=path is not None)
+    kind, request, files = ask(rig, given=path is not None)
+    rig = replace(rig, digest=with_files(rig.digest, files))
     if jobs is not None:
         refuse_unused(kind, {"executor": "--jobs"}, request)
     if enforce and not kind.has_criteria:
         users = [one for one in kinds() if one.has_criteria]
         raise InputError(f"--enforce {unused_text(kind, users)}")
     verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), jobs or 1)
-    content = document("select", {"rig": rig.heading, "digest": digest, **verdict.to_dict()})
+    content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
     page_code = 0
     if as_json:
         print_json(content)
@@ -97,7 +97,7 @@ def run(
         own = path is None  # the bundled rig
         page_code = draw_page(
             output,
-            lambda: render(_page(verdict, replace(rig, digest=digest), asked, of_paper=own)),
+            lambda: render(_page(verdict, rig, files, of_paper=own)),
             lambda text: write_verdict(output, verdict, content, page=text),
             kept=kept,
         )
@@ -165,14 +165,14 @@ def show_verdict(verdict: Verdict) -> None:
     show_open(words)
 
 
-def _page(verdict: Verdict, rig: Rig, asked: CommandInputs, *, of_paper: bool) -> Page:
+def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) -> Page:
     """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
     origin = Origin(
         title=rig.heading,
         data=rig.subject,
         file=Path(rig.path).name,
         digest=rig.digest,
-        files=of_files([*asked.data, *([asked.validate] if asked.validate else [])]),
+        files=of_files(files),
         commands=(command_line(),),
     )
     if of_paper:

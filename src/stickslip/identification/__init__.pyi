@@ -29,7 +29,6 @@ from stickslip.identification.estimation.problem import SubsetProblem as SubsetP
 from stickslip.identification.estimation.ranges import required_of as required_of
 from stickslip.identification.estimation.ranges import starting_law as starting_law
 from stickslip.identification.estimation.ranges import with_known as with_known
-from stickslip.identification.estimation.root_search import positive_root as positive_root
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
@@ -54,11 +53,11 @@ from stickslip.identification.records.level_units import reads_as_forces as read
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
 from stickslip.identification.records.problems import RecordRouteName as RecordRouteName
+from stickslip.identification.records.problems import RouteChoice as RouteChoice
 from stickslip.identification.records.problems import memory_is_seen as memory_is_seen
 from stickslip.identification.records.refits import interleaved as interleaved
 from stickslip.identification.records.refits import positions_of as positions_of
 from stickslip.identification.records.refits import refitted as refitted
-from stickslip.identification.records.route_choice import RouteChoice as RouteChoice
 from stickslip.identification.records.route_choice import RouteName as RouteName
 from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import better_route as better_route

@@ -46,7 +46,7 @@ HOMES = {
     "select_travels": "travels.selection",
     "simulate_velocity_steps": "velocity_steps.slider",
     "terminal_table": "columns",
-    "verdict_page": "page",
+    "verdict_page": "report",
     "write_report": "report",
 }
 

@@ -17,7 +17,6 @@ from stickslip.kinds.kind import FitSummary as FitSummary
 from stickslip.kinds.kind import Kind as Kind
 from stickslip.kinds.kind import Law as Law
 from stickslip.kinds.kind import Request as Request
-from stickslip.kinds.page import verdict_page as verdict_page
 from stickslip.kinds.registry import AnyKind as AnyKind
 from stickslip.kinds.registry import kind_of as kind_of
 from stickslip.kinds.registry import kind_of_route as kind_of_route
@@ -28,6 +27,7 @@ from stickslip.kinds.registry import unused_text as unused_text
 from stickslip.kinds.report import DOCUMENT as DOCUMENT
 from stickslip.kinds.report import PAGE as PAGE
 from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
+from stickslip.kinds.report import verdict_page as verdict_page
 from stickslip.kinds.report import write_report as write_report
 from stickslip.kinds.report import write_verdict as write_verdict
 from stickslip.kinds.travels.figures import draw_separation as draw_separation

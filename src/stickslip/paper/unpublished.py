@@ -9,6 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+import scipy
+
+from stickslip.errors import SimulationError
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -18,7 +21,6 @@ from stickslip.friction import (
     PrintedStribeck,
     Viscous,
 )
-from stickslip.identification import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues
@@ -33,6 +35,10 @@ VISCOUS = (0.1, 0.2)
 """Viscous coefficients that are tried with it [N s/m]."""
 ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
+STRIDE = 1.3
+"""Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
+REACH = 4096.0
+"""How far the search for a first root goes, as a factor. Beyond it laws only get stiff."""
 STIFFNESSES = (1e5, 1e4, 1e3, 1e2)
 """Of the bristles [N/m], from that of LuGre 1995 down to that of rubber."""
 
@@ -347,3 +353,59 @@ def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]
         )
         for law, stiffness in laws
     )
+
+
+def positive_root(
+    function: Callable[[float], float],
+    start: float,
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+) -> float | None:
+    """Return the root between `low` and `high` that is nearest to `start`, or None.
+
+    Examples
+    --------
+    >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
+    1.414213562
+    """
+    found = _search(function, start, low, high)
+    return min(
+        found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9, default=None
+    )
+
+
+def _search(
+    function: Callable[[float], float], start: float, low: float, high: float
+) -> list[float]:
+    """Return the first roots that are met outwards from the start, up to a factor of `REACH`."""
+    start = min(max(start, low), high)
+    value = _value(function, start)
+    found = [start] if value == 0.0 else []
+    value = value or None  # a root at the start brackets nothing
+    sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
+    factor = 1.0
+    while factor < REACH and not found:
+        factor *= STRIDE
+        for step, (before, f_before) in list(sides.items()):
+            point = min(max(before * step, low), high)
+            if point == before:
+                continue
+            f_point = _value(function, point)
+            if f_before is not None and f_point is not None and _crosses(f_before, f_point):
+                ends = sorted((before, point))
+                found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
+            sides[step] = (point, f_point)
+    return found
+
+
+def _crosses(before: float, after: float) -> bool:
+    """Whether the sign changes, or 0 is reached; the product of tiny values would be 0."""
+    return before < 0.0 <= after or after <= 0.0 < before
+
+
+def _value(function: Callable[[float], float], point: float) -> float | None:
+    try:
+        return function(point)
+    except SimulationError:
+        return None

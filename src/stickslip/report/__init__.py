@@ -55,7 +55,7 @@ INSIDE = {
     "candidates_heading": "core.shared_sections",
     "certificate": "core.shared_sections",
     "characterization_page": "laws",
-    "colophon": "core.versions",
+    "colophon": "core.documents",
     "contacts_page": "runs",
     "documents": "core",
     "error_axis": "core.sparklines",
@@ -70,12 +70,13 @@ INSIDE = {
     "opening": "core.shared_sections",
     "plain": "core.markup",
     "published_dict": "core.formulas",
+    "parameters": "core.shared_sections",
     "record_and_checks": "core.shared_sections",
     "record_sections": "records.sections",
     "reproduce": "core.reproduce",
     "run_page": "runs",
     "typeset": "core.markup",
-    "versions": "core.versions",
+    "versions": "core.documents",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -26,7 +26,9 @@ from stickslip.report.core.documents import Page as Page
 from stickslip.report.core.documents import PageSections as PageSections
 from stickslip.report.core.documents import Section as Section
 from stickslip.report.core.documents import SectionMaker as SectionMaker
+from stickslip.report.core.documents import colophon as colophon
 from stickslip.report.core.documents import made_sections as made_sections
+from stickslip.report.core.documents import versions as versions
 from stickslip.report.core.formulas import formula_text as formula_text
 from stickslip.report.core.formulas import published_dict as published_dict
 from stickslip.report.core.headings import identified_heading as identified_heading
@@ -44,6 +46,7 @@ from stickslip.report.core.reproduce import reproduce as reproduce
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
 from stickslip.report.core.shared_sections import certificate as certificate
 from stickslip.report.core.shared_sections import opening as opening
+from stickslip.report.core.shared_sections import parameters as parameters
 from stickslip.report.core.shared_sections import record_and_checks as record_and_checks
 from stickslip.report.core.sparklines import Axis as Axis
 from stickslip.report.core.sparklines import Colour as Colour
@@ -60,8 +63,6 @@ from stickslip.report.core.tables import Name as Name
 from stickslip.report.core.tables import Number as Number
 from stickslip.report.core.tables import Row as Row
 from stickslip.report.core.tables import Table as Table
-from stickslip.report.core.versions import colophon as colophon
-from stickslip.report.core.versions import versions as versions
 from stickslip.report.joints.sections import joint_sections as joint_sections
 from stickslip.report.laws import characterization_page as characterization_page
 from stickslip.report.records.sections import record_sections as record_sections

@@ -19,10 +19,9 @@ from stickslip.report.core.blocks import (
     References,
     Subheading,
 )
-from stickslip.report.core.documents import Page, Section
+from stickslip.report.core.documents import Page, Section, colophon
 from stickslip.report.core.reproduce import law_references
 from stickslip.report.core.tables import Column, Name, Row, Table
-from stickslip.report.core.versions import colophon
 
 MANY = 4
 """Laws from which on the title does not name all."""

@@ -12,7 +12,6 @@ from stickslip.errors import InputError
 from stickslip.experiments.readers.time_stamps import is_stamp
 from stickslip.units import is_unit
 
-Separator = Literal[",", ";", "\t", "|", " "]
 SEPARATORS: Final = (";", "\t", ",", "|", " ")
 """Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
 LOOKED_AT: Final = 400

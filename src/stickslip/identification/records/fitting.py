@@ -50,14 +50,14 @@ from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import told
 from stickslip.identification.records.problems import (
     FitSetup,
-    ProblemRequest,
     RecordRouteName,
+    RouteChoice,
+    Wanted,
     prepared,
 )
 from stickslip.identification.records.propagation import displacements
 from stickslip.identification.records.refits import halves_of, interleaved
 from stickslip.identification.records.route_choice import (
-    RouteChoice,
     better_route,
     choose_route,
     to_compare,
@@ -184,20 +184,17 @@ def fit_record(
     if choice.route != "force-map":
         choice = choice.with_hold(mechanism, measurement)
     refuse_unused(measurement, inside(mechanism, measurement))
-    wanted = ProblemRequest(
+    wanted: Wanted = Parameters(
         mechanism=mechanism,
         law=law,
-        measurement=measurement,
-        unknown=unknown,
-        free=free,
-        known=known,
-        settings=choice.settings,
-        held=held,
-        resolved=choice.resolved,
+        free=None if free is None else tuple(free),
+        known=known or {},
+        unknown=tuple(unknown),
+        held=tuple(held),
     )
     fits: list[RecordFit] = []
     try:
-        fits.append(_fitted_by(choice, wanted, contained, watch, rival))
+        fits.append(_fitted_by(choice, wanted, measurement, contained, watch, rival))
     except ConvergenceError:
         if choice.alternative is None:
             raise
@@ -206,7 +203,7 @@ def fit_record(
         return fits[0]
     other = replace(choice, route=choice.alternative, reason="", alternative=None)
     try:
-        derived = _fitted_by(other, wanted, None, watch)
+        derived = _fitted_by(other, wanted, measurement, None, watch)
     except (ConvergenceError, InputError):
         if fits:
             return fits[0]
@@ -217,23 +214,23 @@ def fit_record(
 
 def _fitted_by(
     choice: RouteChoice,
-    wanted: ProblemRequest,
+    wanted: Wanted,
+    measurement: Measurement,
     contained: Sequence[FittedLaw] | None,
     watch: Watch | None,
     rival: float = 0.0,
 ) -> RecordFit:
     """Return a fit by one route."""
-    way, measurement = choice.route, wanted.measurement
     if contained is None:
-        contained = _simpler_fits(way, wanted, watch)
-    ready, found, first = _searched(way, wanted, contained, watch, rival)
+        contained = _simpler_fits(choice, wanted, measurement, watch)
+    ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
     build = ready.build.at(found.best.values)
     if build is not ready.build:
         ready = replace(ready, build=build, problem=build.fitted(measurement, None))
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = finished(way, measurement, ready, found, first)
+    fit = finished(choice.route, measurement, ready, found, first)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
     return replace(
         fit,
@@ -249,8 +246,9 @@ def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
 
 
 def _searched(
-    way: RecordRouteName,
-    wanted: ProblemRequest,
+    choice: RouteChoice,
+    wanted: Wanted,
+    measurement: Measurement,
     contained: Sequence[FittedLaw],
     watch: Watch | None,
     rival: float = 0.0,
@@ -259,19 +257,19 @@ def _searched(
 
     They differ for a free decay only, which is fitted again in longer segments.
     """
-    kind, ready = _kind_of(wanted.law), prepared(way, wanted)
+    kind, ready = _kind_of(wanted.law), prepared(choice, wanted, measurement)
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     few = ready.problem.few or ready.problem
     nested = starts_from(kind, few.free_parameters, contained, ready.load, few)
     ready = replace(ready, tried=(*nested, *ready.tried))
-    ready, found = widened_search(ready, wanted.settings, watch, rival)
+    ready, found = widened_search(ready, choice.settings, watch, rival)
     if kind.states and not found.hopeless:
-        rounds = min(CONTINUED, wanted.settings.starts)
+        rounds = min(CONTINUED, choice.settings.starts)
         found = _to_the_end(ready, found, watch, rounds=rounds)
         found = _off_bounds(ready, found, watch)
     first = found
-    if ready.problem.simulates and not driven(wanted.measurement):
-        ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
+    if ready.problem.simulates and not driven(measurement):
+        ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
         again = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
         found = _best_of(ready, found, again, watch)
     return ready, found, first
@@ -309,18 +307,19 @@ def choice_of(
 
 
 def _simpler_fits(
-    way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
+    choice: RouteChoice, wanted: Wanted, measurement: Measurement, watch: Watch | None
 ) -> tuple[FittedLaw, ...]:
     """Fit the laws that a law contains, with a name or without, the simplest first.
 
     Of each, what is looked for and what is held is that of the law. Those that contain nothing are
     left out: Coulomb friction alone, say, is found by linear regression as part of the next.
     """
+    once = replace(choice, settings=replace(choice.settings, starts=1))
     kind = _kind_of(wanted.law)
     free = set(kind.fit_order if wanted.free is None else ())
     for name in wanted.free or ():
         free |= set(kind.fit_order) if name == LAW else {name.rpartition(".")[2]}
-    held = dict(wanted.known or {})
+    held = dict(wanted.known)
     if not isinstance(wanted.law, type):
         held |= {name: getattr(wanted.law, name) for name in fields_of(kind) if name not in free}
     found: dict[frozenset[str], FittedLaw] = {}
@@ -341,14 +340,8 @@ def _simpler_fits(
             add(simpler, left, kept)
             if len(left) == len(free):  # no unknown less: the same law by another name
                 continue
-            asked = replace(
-                wanted,
-                law=simpler,
-                free=list(left),
-                known=kept,
-                settings=replace(wanted.settings, starts=1),
-            )
-            one = _fitted_law(way, asked, tuple(found.values()), watch)
+            asked = replace(wanted, law=simpler, free=tuple(left), known=kept)
+            one = _fitted_law(once, asked, measurement, tuple(found.values()), watch)
             if one is not None:
                 found[key] = one
 
@@ -357,14 +350,15 @@ def _simpler_fits(
 
 
 def _fitted_law(
-    way: RecordRouteName,
-    wanted: ProblemRequest,
+    choice: RouteChoice,
+    wanted: Wanted,
+    measurement: Measurement,
     contained: Sequence[FittedLaw],
     watch: Watch | None,
 ) -> FittedLaw | None:
     """Return how the search of a law ends; None if it cannot be fitted."""
     try:
-        ready, end, _ = _searched(way, wanted, contained, watch)
+        ready, end, _ = _searched(choice, wanted, measurement, contained, watch)
     except (ConvergenceError, InputError):
         return None
     paths = ready.problem.free_parameters.paths

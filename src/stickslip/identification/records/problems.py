@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Generic, Literal, TypeAlias
+from typing import Generic, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from stickslip.identification.records.scanning import (
     scanned_scales,
     surplus_starts,
 )
+from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
@@ -45,7 +46,7 @@ from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
-from stickslip.identification.validation import check_varied
+from stickslip.identification.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, vary
 
@@ -59,31 +60,36 @@ CONSTANT = 1e-6
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
+@final
 @dataclass(frozen=True, kw_only=True)
-class ProblemRequest:
-    """What is to be fitted to what, as `fit_record` is asked."""
+class RouteChoice:
+    """How a record is fitted, and why."""
 
-    mechanism: Mechanism
-    """What was measured."""
-    law: FrictionLaw | type[FrictionLaw]
-    """A law with start values, or the type of one."""
-    measurement: Measurement
-    """Records in time, or measured friction."""
-    unknown: Sequence[str]
-    """Parameters of the mechanism to fit, by path or last name."""
-    free: Sequence[str] | None
-    """Parameters of the law to fit, by path or last name; its `fit_order` if None."""
-    known: Mapping[str, float] | None
-    """Values of parameters of the law that are held [SI], by name."""
+    route: RecordRouteName
+    """The route."""
     settings: RecordSettings
-    """Segments, starts and seed."""
-    held: Sequence[str] = ()
-    """Parameters of the mechanism that are not to be fitted, such as an offset."""
+    """Settings with the length of segments that serves."""
+    reason: str = ""
+    """Why it is not simulated segments of the usual length; empty if it is."""
+    alternative: RecordRouteName | None = None
+    """Route that may serve better, to be compared once laws are fitted; None if none may."""
+    hold: HoldFinding | None = None
+    """How the recorded force runs between samples, as given or estimated; None if none drives."""
     resolved: bool = False
-    """Whether friction by inverse dynamics is resolved as finely as noise allows: as bristles ask
-    for, or laws that are compared with such."""
+    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles."""
+
+    def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
+        """Return the same with what the record says of the hold, which its settings then have."""
+        if self.hold is not None or self.route == "force-map":
+            return self
+        found = hold_of(mechanism, measurement, self.settings.hold)
+        if found is None:
+            return self
+        return replace(self, settings=found.applied(self.settings), hold=found)
 
 
+Wanted: TypeAlias = Parameters[FrictionLaw | type[FrictionLaw]]
+"""What is to be fitted: laws with start values, or types."""
 P_co = TypeVar("P_co", bound=RecordProblem, default=RecordProblem, covariant=True)
 
 
@@ -205,19 +211,18 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
 
 
-def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
+def prepared(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup:
     """Return the problem of a route."""
-    if request.settings.position_zeros:
+    if choice.settings.position_zeros:
         raise InputError(
             "position_zeros=True is for records of several joints; of one body that moves freely"
             " the zero is estimated if it is left out, and of a driven one it is not."
         )
-    return PROBLEMS[route](request)
+    return PROBLEMS[choice.route](choice, wanted, measurement)
 
 
-def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
+def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[Shooting]:
     """Return the problem of simulated segments."""
-    measurement = wanted.measurement
     quantity = measured_quantity(measurement)
     under_load = loaded(wanted.mechanism, measurement)
     mechanism, _ = as_loaded(wanted.mechanism, measurement)
@@ -236,7 +241,7 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
     if scales.nominal is not None:
         masses = (p for p in free_parameters.paths if p in ("mechanism.inertia", "mechanism.mass"))
         further = (dict.fromkeys(masses, scales.nominal), *further)
-    build = _ShootingBuilder(mechanism, start, free_parameters, wanted.settings, quantity)
+    build = _ShootingBuilder(mechanism, start, free_parameters, choice.settings, quantity)
     tried = tuple(
         np.array(
             [
@@ -255,7 +260,7 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
     if stops_of(mechanism):
         problem, near_stops = lengthened_starts(problem)
         tried = (*near_stops, *tried)
-    near = _by_inverse_dynamics(wanted, free_parameters)
+    near = _by_inverse_dynamics(choice, wanted, measurement, free_parameters)
     if near:
         tried = (*near[1:], free_parameters.start, *tried)
         problem = problem.with_free_parameters(free_parameters.starting_at(near[0]))
@@ -270,19 +275,22 @@ def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
 
 
 def _by_inverse_dynamics(
-    wanted: ProblemRequest, free_parameters: FreeParameters
+    choice: RouteChoice,
+    wanted: Wanted,
+    measurement: Measurement,
+    free_parameters: FreeParameters,
 ) -> tuple[Array, ...]:
     """Return start values (p,) that inverse dynamics finds; none if it cannot or nothing asks.
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
-    if drives_itself(wanted.mechanism, wanted.measurement):
+    if drives_itself(wanted.mechanism, measurement):
         return ()
     decades = any(i.log and i.path.startswith("friction.") for i in free_parameters.items)
     if not decades or not isinstance(wanted.law, type):
         return ()
     try:
-        derived = _derived(wanted)
+        derived = _derived(choice, wanted, measurement)
     except InputError:
         return ()
     own, near = derived.problem.free_parameters, []
@@ -308,17 +316,17 @@ def _refuse_overrides(measurement: Measurement, free_parameters: FreeParameters)
                 )
 
 
-def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
+def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
             f"measured friction does not depend on {', '.join(wanted.unknown)}: vary parameters of"
             " the law only, or fit another record with motion and force."
         )
-    mechanism, response = wanted.mechanism, wanted.settings.response
-    along = partial(stretches_of, mechanism, wanted.measurement, response=response)
+    mechanism, response = wanted.mechanism, choice.settings.response
+    along = partial(stretches_of, mechanism, measurement, response=response)
     stretches = along(samples=SAMPLES)
-    _check_inputs(wanted, stretches)
+    _check_inputs(wanted, measurement, stretches)
     problem, starts = map_along(
         wanted.law,
         stretches,
@@ -333,17 +341,17 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
+def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
-    mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.holding
+    mechanism, hold = wanted.mechanism, choice.settings.holding
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
     slipping = not memory_is_seen(wanted.law, measurement)
-    resolved = wanted.resolved or not slipping
+    resolved = choice.resolved or not slipping
     own = partial(balanced, mechanism, measurement, hold=hold, slipping=slipping, resolved=resolved)
     stretches = own()
-    _check_inputs(wanted, stretches)
+    _check_inputs(wanted, measurement, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
     problem, starts = map_along(
@@ -380,12 +388,14 @@ def memory_is_seen(law: FrictionLaw | type[FrictionLaw], measurement: Measuremen
     return level > SEEN * stiffness * noise
 
 
-def _check_inputs(wanted: ProblemRequest, stretches: Sequence[MotionSegment]) -> None:
+def _check_inputs(
+    wanted: Wanted, measurement: Measurement, stretches: Sequence[MotionSegment]
+) -> None:
     """Refuse a law that asks for a contact input which some stretch does not have."""
     known = [
         name for name in stretches[0].path.inputs if all(name in s.path.inputs for s in stretches)
     ]
-    check_inputs(wanted.law, wanted.mechanism, wanted.measurement, known)
+    check_inputs(wanted.law, wanted.mechanism, measurement, known)
 
 
 def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) -> None:
@@ -407,7 +417,7 @@ def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) ->
         )
 
 
-PROBLEMS: Mapping[RecordRouteName, Callable[[ProblemRequest], FitSetup]] = {
+PROBLEMS: Mapping[RecordRouteName, Callable[[RouteChoice, Wanted, Measurement], FitSetup]] = {
     "shooting": simulated,
     "force-map": _mapped,
     "inverse-dynamics": _derived,

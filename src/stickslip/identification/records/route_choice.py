@@ -9,7 +9,7 @@ measured, needs no such prediction, but a motion that is measured well.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias, final
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -20,12 +20,11 @@ from stickslip.friction import CoulombViscous, FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.problems import (
-    ProblemRequest,
-    RecordRouteName,
+    RouteChoice,
+    Wanted,
     prepared,
     simulated,
 )
-from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.series.measured_load import has_one_load
 from stickslip.identification.settings import RecordSettings
@@ -56,34 +55,6 @@ WHOLE = 5
 """Steps at most to the constant force with which whole records are simulated."""
 SHORTER = (0.5, 0.25, 0.125)
 """Shares of the usual length that are tried where inverse dynamics does not serve."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class RouteChoice:
-    """How a record is fitted, and why."""
-
-    route: RecordRouteName
-    """The route."""
-    settings: RecordSettings
-    """Settings with the length of segments that serves."""
-    reason: str = ""
-    """Why it is not simulated segments of the usual length; empty if it is."""
-    alternative: RecordRouteName | None = None
-    """Route that may serve better, to be compared once laws are fitted; None if none may."""
-    hold: HoldFinding | None = None
-    """How the recorded force runs between samples, as given or estimated; None if none drives."""
-    resolved: bool = False
-    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles."""
-
-    def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
-        """Return the same with what the record says of the hold, which its settings then have."""
-        if self.hold is not None or self.route == "force-map":
-            return self
-        found = hold_of(mechanism, measurement, self.settings.hold)
-        if found is None:
-            return self
-        return replace(self, settings=found.applied(self.settings), hold=found)
 
 
 def asked_for(route: str | RouteChoice | None) -> str | None:
@@ -160,7 +131,7 @@ def choose_route(
     unknown = Parameters.of(mechanism, None, vary).unknown
     if "friction" in measurement.quantities():
         return RouteChoice(route="force-map", settings=settings)
-    usual = RouteChoice(route="shooting", settings=settings).with_hold(mechanism, measurement)
+    usual = _by_segments(settings).with_hold(mechanism, measurement)
     return replace(_chosen(mechanism, measurement, unknown, usual.settings), hold=usual.hold)
 
 
@@ -172,8 +143,8 @@ def _chosen(
 ) -> RouteChoice:
     """Return how a record in time is fitted, with a hold that is known."""
     if drives_itself(mechanism, measurement):
-        return RouteChoice(route="shooting", settings=_whole(measurement, settings))
-    usual = RouteChoice(route="shooting", settings=settings)
+        return _by_segments(_whole(measurement, settings))
+    usual = _by_segments(settings)
     if not driven(measurement):
         return usual
     derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
@@ -237,27 +208,19 @@ def _simulated(
 ) -> _Simulated | None:
     """Return what Coulomb and viscous friction leaves; None where that cannot be said."""
     try:
-        problem = simulated(_plain_fit(mechanism, measurement, unknown, settings)).problem
+        plain = _plain_fit(mechanism, unknown)
+        problem = simulated(_by_segments(settings), plain, measurement).problem
     except StickslipError:
         return None  # what is wrong with the record is said where it is fitted
     return _motion_left(problem)
 
 
-def _plain_fit(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    unknown: Sequence[str],
-    settings: RecordSettings,
-) -> ProblemRequest:
-    return ProblemRequest(
-        mechanism=mechanism,
-        law=CoulombViscous,
-        measurement=measurement,
-        unknown=unknown,
-        free=None,
-        known=None,
-        settings=settings,
-    )
+def _plain_fit(mechanism: Mechanism, unknown: Sequence[str]) -> Wanted:
+    return Parameters(mechanism=mechanism, law=CoulombViscous, unknown=tuple(unknown))
+
+
+def _by_segments(settings: RecordSettings) -> RouteChoice:
+    return RouteChoice(route="shooting", settings=settings)
 
 
 def _contradiction(
@@ -272,8 +235,8 @@ def _contradiction(
     None if it finds nothing at all.
     """
     try:
-        wanted = _plain_fit(mechanism, measurement, unknown, settings)
-        problem = prepared("inverse-dynamics", wanted).problem
+        choice = RouteChoice(route="inverse-dynamics", settings=settings)
+        problem = prepared(choice, _plain_fit(mechanism, unknown), measurement).problem
         end, _ = improve(problem, problem.free_parameters.start)
     except StickslipError:
         return None
@@ -334,8 +297,8 @@ def decided(
     if choice.alternative is None:
         return choice
     try:
-        asked = replace(_plain_fit(mechanism, measurement, unknown, choice.settings), law=law)
-        problem = simulated(asked).problem
+        asked = replace(_plain_fit(mechanism, unknown), law=law)
+        problem = simulated(choice, asked, measurement).problem
         items = problem.free_parameters.items
         values = np.array([start.get(item.path, item.start) for item in items])
         left = math.sqrt(settled(problem, values).cost / max(problem.variation, 1e-300))
@@ -367,13 +330,10 @@ def whole_record_error(fit: RecordFit) -> float:
         return math.nan
     usual = RecordSettings() if fit.hold is None else fit.hold.applied(RecordSettings())
     offset = ("mechanism.offset",) if "offset" in mechanism.__dataclass_fields__ else ()
-    asked = replace(
-        _plain_fit(mechanism, measurement, offset, _whole(measurement, usual)),
-        law=fit.law,
-        free=(),
-    )
+    asked: Wanted = Parameters(mechanism=mechanism, law=fit.law, free=(), unknown=offset)
     try:
-        problem = simulated(asked).problem
+        whole = _by_segments(_whole(measurement, usual))
+        problem = simulated(whole, asked, measurement).problem
         start = np.full(len(problem.free_parameters), fit.offset)
         return improve(problem, start, rounds=WHOLE, flat=SUSPECT)[0].rms
     except StickslipError:

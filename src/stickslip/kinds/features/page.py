@@ -20,6 +20,7 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
+from stickslip.identification import Estimate
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
@@ -43,9 +44,7 @@ from stickslip.report import (
     Fact,
     Figure,
     KeyValue,
-    KeyValues,
     LawLine,
-    Math,
     Name,
     Number,
     Origin,
@@ -59,6 +58,7 @@ from stickslip.report import (
     identified_heading,
     label_of,
     opening,
+    parameters,
     record_and_checks,
     reproduce,
     typeset,
@@ -305,19 +305,6 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
     fit = verdict.best.fit if verdict.best else None
     if fit is None or not fit.estimates:
         return None
-    columns = (Column(head="parameter"), Column(head="estimate, 95 % interval", numeric=True),
-               Column(head="given", numeric=True, phone="label"))  # fmt: skip
-    table = Table(
-        columns=columns,
-        rows=tuple(_parameter(verdict, fit, i) for i in range(len(fit.estimates))),
-        caption="95 % intervals from the block bootstrap of the observed features (Student t,"
-        " eight blocks). Given: the value in the rig, if any.",
-    )
-    blocks: list[Block] = [Math(latex=fit.law.formula), table]
-    lines = typeset_lines(fit.sentences, verdict)
-    if lines:
-        items = tuple(KeyValue(key="Note", value=line) for line in lines)
-        blocks += [Subheading(text="Remarks"), KeyValues(items=items)]
     open_ended = sum(not e.bounded for e in fit.estimates)
     heading = (
         identified_heading(len(fit.estimates))
@@ -325,21 +312,21 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
         else f"{in_words(open_ended).capitalize()} of {in_words(len(fit.estimates))} parameters"
         " not identified by the features"
     )
-    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
 
+    def given(one: Estimate, unit: str) -> str:
+        room, _, name = one.path.partition(".")
+        value = getattr(verdict.mechanism, name, None) if room == "mechanism" else None
+        return "—" if value is None else with_unit(number(value), unit)
 
-def _parameter(verdict: FeatureVerdict, fit: FeatureFit, index: int) -> Row:
-    estimate = fit.estimates[index]
-    value, doubt = estimate.parts
-    unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
-    room, _, name = estimate.path.partition(".")
-    given = getattr(verdict.mechanism, name, None) if room == "mechanism" else None
-    cells: tuple[Cell, ...] = (
-        Name(text=label_of(estimate), aside="" if estimate.bounded else estimate.reason),
-        Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
-        "—" if given is None else with_unit(number(given), unit),
+    return parameters(
+        fit.law.formula,
+        fit.estimates,
+        ("given", given),
+        heading=heading,
+        caption="95 % intervals from the block bootstrap of the observed features (Student t,"
+        " eight blocks). Given: the value in the rig, if any.",
+        remarks=("Remarks", typeset_lines(fit.sentences, verdict)),
     )
-    return Row(cells=cells)
 
 
 def record_section(verdict: FeatureVerdict) -> Section | None:

@@ -23,7 +23,4 @@ class FrictionTableKind(RecordKind):
 
     @override
     def select(self, request: Request) -> RecordVerdict:
-        return select_table(
-            purpose=request.purpose or "simulate",
-            **request.arguments("laws", "horizon", "route", "validate", "settings", "executor"),
-        )
+        return select_table(request)

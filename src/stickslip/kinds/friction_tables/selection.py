@@ -1,7 +1,6 @@
 """Selection on friction tables: every law fitted, judged on speeds it has not seen, one named."""
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,16 +8,13 @@ from typing import Final, final
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement, with_doubts, without_row
-from stickslip.friction import FrictionLaw
 from stickslip.identification import ModelError, Parameters, RecordSettings, RouteChoice
 from stickslip.kinds.friction_tables.curve import with_curve
 from stickslip.kinds.friction_tables.single_rows import WithoutRow, if_wrong, suspects
-from stickslip.mechanisms import Mechanism
+from stickslip.kinds.kind import Request
 from stickslip.selection import (
-    PurposeName,
     RecordCandidate,
     RecordVerdict,
-    Watch,
     aim_of,
     candidate_of,
     checked,
@@ -34,35 +30,19 @@ from stickslip.selection import (
 
 ROUTE: Final = "force-map"
 """Route of fits to friction that was measured."""
-Laws = Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None
 
 
-def select_table(
-    mechanism: Mechanism,
-    laws: Laws,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    purpose: PurposeName = "simulate",
-    horizon: float | None = None,
-    route: str | RouteChoice | None = None,
-    validate: Measurement | None = None,
-    settings: RecordSettings | None = None,
-    progress: Watch | None = None,
-    executor: Executor | None = None,
-) -> RecordVerdict:
-    """Select a law for friction at steady speeds; arguments as in `select`."""
-    given = RouteChoice(route=ROUTE, settings=settings or RecordSettings())
-    asked = _Asked(
-        parameters=Parameters.of(mechanism, None, vary, fixed, measurement=measurement),
-        laws=laws,
-        purpose=purpose,
-        horizon=aim_of(purpose, horizon),
-        route=route if isinstance(route, RouteChoice) else given,
-        validate=validate,
-        watch=progress and until_stopped(progress),
-        executor=executor,
+def select_table(request: Request) -> RecordVerdict:
+    """Select a law for friction at steady speeds."""
+    measurement = request.measurement
+    given = RouteChoice(route=ROUTE, settings=request.settings or RecordSettings())
+    asked = _Selection(
+        request=replace(request, progress=request.progress and until_stopped(request.progress)),
+        parameters=Parameters.of(
+            request.mechanism, None, request.vary, request.fixed, measurement=measurement
+        ),
+        horizon=aim_of(request.purpose or "simulate", request.horizon),
+        route=request.route if isinstance(request.route, RouteChoice) else given,
     )
     verdict_of = asked.judged(measurement)
     verdict = verdict_of()
@@ -83,22 +63,18 @@ def select_table(
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class _Asked:
-    """What `select` was asked."""
+class _Selection:
+    """What `select` was asked, and what follows from it for every table."""
 
+    request: Request
     parameters: Parameters[None]
-    laws: Laws
-    purpose: PurposeName
     horizon: float
     route: RouteChoice
-    validate: Measurement | None
-    watch: Watch | None
-    executor: Executor | None
 
     def judged(self, measurement: Measurement) -> Callable[..., RecordVerdict]:
         """Fit the laws to a table and judge them; return what puts that into a verdict."""
-        mechanism = self.parameters.mechanism
-        checks = checked(mechanism, measurement, self.validate)
+        mechanism, asked = self.parameters.mechanism, self.request
+        checks = checked(mechanism, measurement, asked.validate)
         fitted = partial(
             candidate_of,
             parameters=self.parameters,
@@ -108,22 +84,22 @@ class _Asked:
         )
         stated = standard_uncertainty(measurement, "friction")
         found = climbed(
-            laws_for(self.laws, measurement),
+            laws_for(asked.laws, measurement),
             fitted,
-            self.watch,
-            self.executor,
+            asked.progress,
+            asked.executor,
             seen=with_contained,
             at_noise=lambda one: one.residual <= stated,
-            usual=self.laws is None,
+            usual=asked.laws is None,
         )
         with with_doubts(measurement, mechanism, of=ConvergenceError):
             plan, judged, _ = judged_of(
                 fitted,
                 found,
                 self.horizon,
-                validate=self.validate,
-                progress=self.watch,
-                executor=self.executor,
+                validate=asked.validate,
+                progress=asked.progress,
+                executor=asked.executor,
             )
 
         def told(c: RecordCandidate, error: ModelError | None) -> RecordCandidate:
@@ -143,15 +119,15 @@ class _Asked:
                 [told(c, error) for c in judged],
                 None,
                 plan,
-                self.purpose,
+                asked.purpose or "simulate",
                 checks,
-                self.validate,
+                asked.validate,
                 beside=beside,
             )
             return replace(
                 verdict,
                 settings=self.route.settings,
-                usual=self.laws is None,
+                usual=asked.laws is None,
                 untried=found.untried,
                 why_untried=found.why,
             )

@@ -43,14 +43,11 @@ from stickslip.plots import (
 from stickslip.quantities import fields_of
 from stickslip.report import (
     Block,
-    Cell,
     Column,
     Fact,
     Figure,
     KeyValue,
-    KeyValues,
     LawLine,
-    Math,
     Name,
     Number,
     Origin,
@@ -63,6 +60,7 @@ from stickslip.report import (
     candidates_heading,
     label_of,
     opening,
+    parameters,
     record_and_checks,
     reproduce,
     typeset,
@@ -287,23 +285,6 @@ def parameters_section(verdict: RateStateVerdict) -> Section:
     """Return the section on the parameters of the chosen law."""
     fit = _fit(verdict)
     known = [*fit.estimates, *([fit.rate] if fit.rate.interval != "known" else [])]
-    columns = (
-        Column(head="parameter"),
-        Column(head="estimate, 95 % interval", numeric=True),
-        Column(head="range", numeric=True, phone="label"),
-    )
-    table = Table(
-        columns=columns,
-        rows=tuple(_parameter(e) for e in known),
-        caption="95 % intervals: what leaving out blocks of time changes (jackknife, Student t),"
-        " and every value that fits as well with another $b$.",
-    )
-    blocks: list[Block] = [Math(latex=fit.law.formula), table]
-    if len(fit.windows) > 1:
-        blocks += [Subheading(text="By how much of the record is used"), _windows(fit)]
-    items = tuple(KeyValue(key="Note", value=line) for line in _notes(fit))
-    if items:
-        blocks += [Subheading(text="In words"), KeyValues(items=items)]
     loose = sum(not e.bounded for e in fit.estimates)
     total = in_words(len(fit.estimates))
     heading = (
@@ -313,25 +294,28 @@ def parameters_section(verdict: RateStateVerdict) -> Section:
     )
     if len(fit.estimates) == 1 and not loose:
         heading = "The record bounds the one parameter"
-    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
+    more: list[Block] = [Subheading(text="By how much of the record is used"), _windows(fit)]
+    return parameters(
+        fit.law.formula,
+        known,
+        ("range", lambda e, unit: with_unit(e.range, unit) if e.bounded else e.range),
+        heading=heading,
+        caption="95 % intervals: what leaving out blocks of time changes (jackknife, Student t),"
+        " and every value that fits as well with another $b$.",
+        more=more if len(fit.windows) > 1 else (),
+        remarks=("In words", _notes(fit)),
+        label=_label,
+    )
 
 
 def _notes(fit: RateStateFit) -> tuple[str, ...]:
     return tuple(typeset(line, _symbols(fit)) for line in (*fit.sentences[1:], *fit.remarks))
 
 
-def _parameter(estimate: Estimate) -> Row:
-    value, doubt = estimate.parts
-    unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
+def _label(estimate: Estimate) -> str:
     symbols = estimate.quantity.symbol.split(" - ")
     told = " − ".join(f"${symbol}$" for symbol in symbols)
-    name = f"Rate dependence {told}" if len(symbols) > 1 else label_of(estimate)
-    cells: tuple[Cell, ...] = (
-        Name(text=name, aside="" if estimate.bounded else estimate.reason),
-        Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
-        with_unit(estimate.range, unit) if estimate.bounded else estimate.range,
-    )
-    return Row(cells=cells)
+    return f"Rate dependence {told}" if len(symbols) > 1 else label_of(estimate)
 
 
 def _windows(fit: RateStateFit) -> Table:

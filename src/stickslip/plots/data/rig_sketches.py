@@ -189,5 +189,4 @@ def _head(axes: Axes, tip: tuple[float, float], way: tuple[float, float], colour
 
 
 _SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _cart, "rig": _rig})
-SCHEMATICS: Final = tuple(_SCHEMATICS)
 """What is drawn with the symbols of the source paper."""

@@ -1,14 +1,37 @@
 """The frame of a report: a page, its sections, and the opening with the verdict."""
 
+import platform
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from importlib.metadata import version
 from typing import ClassVar, Final, Generic, TypeAlias, TypeVar, final
 
 from stickslip.errors import InputError
 from stickslip.report.core.blocks import Block, Fact, Note, at_most_three
-from stickslip.report.core.versions import versions
+
+LIBRARIES = ("stickslip", "numpy", "scipy", "symengine")
+
+
+def versions() -> Mapping[str, str]:
+    """Return the versions that a result may depend on."""
+    return {"python": platform.python_version(), **{name: version(name) for name in LIBRARIES}}
+
+
+def colophon(versions: Mapping[str, str]) -> str:
+    """Return the last line of a page: what wrote it, and that it needs nothing else.
+
+    Examples
+    --------
+    >>> colophon({"stickslip": "1.0"})
+    'Written by stickslip 1.0. This file is self-contained: it loads nothing and runs no scripts.'
+    """
+    writer = f"stickslip {versions.get('stickslip', '')}".strip()
+    return (
+        f"Written by {writer}. This file is self-contained: it loads nothing and runs no scripts."
+    )
+
 
 _ID: Final = re.compile(r"[a-z][a-z0-9-]*")
 CAUGHT: tuple[type[Exception], ...] = (Exception,)

@@ -1,15 +1,39 @@
 """Sections that the pages of several kinds of measurement share."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Final, Literal
 
 from stickslip.experiments import Checks
 from stickslip.formatting import in_words
-from stickslip.report.core.blocks import Block, Fact, KeyValue, KeyValues
-from stickslip.report.core.checks import check_items
+from stickslip.identification import Estimate
+from stickslip.report.core.blocks import Block, Fact, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import LawLine, Opening, Section
 from stickslip.report.core.headings import CERTIFICATE, checks_heading
-from stickslip.report.core.markup import typeset
+from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.core.tables import Column, Name, Number, Row, Table
 from stickslip.selection import Wording
+
+MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
+
+
+def check_items(checks: Checks) -> tuple[KeyValue, ...]:
+    """Return a line for each finding of the checks of a record, warnings and errors marked.
+
+    Examples
+    --------
+    >>> from stickslip import Measurement, check
+    >>> [one.mark for one in check_items(check(Measurement(travel=0.2, uncertainty=0.005)))]
+    ['warn']
+    """
+    return tuple(
+        KeyValue(
+            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
+            value=str(finding),
+            mark=MARKS.get(finding.severity, "none"),
+        )
+        for finding in checks.findings
+    )
+
 
 MOST = 3
 """Items of a list of the opening at most."""
@@ -59,6 +83,43 @@ def candidates_heading(count: int, judged_on: str) -> str:
     """
     noun = "candidate" if count == 1 else "candidates"
     return f"{in_words(count).capitalize()} {noun}, scored on {judged_on}"
+
+
+def parameters(
+    formula: str,
+    estimates: Sequence[Estimate],
+    last: tuple[str, Callable[[Estimate, str], str]],
+    *,
+    heading: str,
+    caption: str,
+    more: Sequence[Block] = (),
+    remarks: tuple[str, Sequence[str]],
+    label: Callable[[Estimate], str] = label_of,
+) -> Section:
+    """Return the section on the parameters of a law: its formula, their table, and remarks.
+
+    `last` has the title of the last column, and what it says of an estimate with its unit.
+    """
+    (head, said), (title, lines) = last, remarks
+
+    def row(one: Estimate) -> Row:
+        value, doubt = one.parts
+        unit = "" if one.quantity.unit == "1" else one.quantity.unit
+        shown = Number(value=value, doubt=doubt, unit=unit) if one.bounded else one.plus_minus
+        name = Name(text=label(one), aside="" if one.bounded else one.reason)
+        return Row(cells=(name, shown, said(one, unit)))
+
+    columns = (
+        Column(head="parameter"),
+        Column(head="estimate, 95 % interval", numeric=True),
+        Column(head=head, numeric=True, phone="label"),
+    )
+    table = Table(columns=columns, rows=tuple(map(row, estimates)), caption=caption)
+    blocks: list[Block] = [Math(latex=formula), table, *more]
+    if lines:
+        items = tuple(KeyValue(key="Note", value=line) for line in lines)
+        blocks += [Subheading(text=title), KeyValues(items=items)]
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
 
 
 def record_and_checks(

@@ -18,12 +18,11 @@ from stickslip.plots import (
 )
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
-from stickslip.report.core.documents import Opening, Origin, Page, Section, made_sections
+from stickslip.report.core.documents import Opening, Origin, Page, Section, colophon, made_sections
 from stickslip.report.core.headings import ended_early
 from stickslip.report.core.page import render
 from stickslip.report.core.reproduce import reproduce
 from stickslip.report.core.tables import Column, Row, Table
-from stickslip.report.core.versions import colophon
 from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
 from stickslip.report.runs.motion import event_table
 from stickslip.sweep import Band
