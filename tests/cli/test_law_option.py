@@ -115,6 +115,37 @@ def test_of_an_overridden_value_of_a_composition_no_interval_is_left(tmp_path):
     assert list(rig.estimates.intervals) == ["kinetic_coefficient"]
 
 
+COMPOSED = "level + power + drag"
+VALUES = "kinetic_coefficient = 0.4\nviscous_coefficient = 2\nquadratic_coefficient = 0.1\n"
+
+
+@pytest.mark.parametrize(
+    ("table", "asked"),
+    [
+        (f'[friction.mine]\nlaw = "{COMPOSED}"\n', ("--law", "mine")),
+        (f'[friction.mine]\nlaw = "{COMPOSED}"\n', ("--law", " level+power +drag")),
+        (f'[friction."{COMPOSED}"]\n', ("--law", "level+power+drag")),
+        (f'[friction]\nlaw = "{COMPOSED}"\n', ()),
+    ],
+)
+def test_a_composed_law_is_called_by_its_table_or_its_text(simulated, table, asked):
+    code, law, _, err = simulated(MECHANISM + table + VALUES + "viscous_exponent = 1.0\n", *asked)
+    assert (code, law, err) == (0, COMPOSED, "")
+
+
+def test_a_table_of_a_law_without_values_names_the_law(simulated):
+    code, law, _, err = simulated(MECHANISM + f'[friction]\nlaw = "{COMPOSED}"\n')
+    assert (code, law) == (0, COMPOSED)
+    assert f"has no values for {COMPOSED}; default values are used" in err
+    code, _, _, err = simulated(MECHANISM + f'[friction]\nlaw = "{COMPOSED}"\n{VALUES[:43]}')
+    assert (code, "quadratic_coefficient (c) is missing" in err) == (2, True)
+    code, _, _, err = simulated(MECHANISM + "[friction]\nlaw = 3\n")
+    assert (code, "friction.law must be a text such as 'level + viscous', got 3" in err) == (
+        2,
+        True,
+    )
+
+
 def test_the_override_of_one_law_comes_before_that_of_all(simulated):
     both = ("friction.kinetic_coefficient=0.1", "friction.coulomb-viscous.kinetic_coefficient=0.2")
     found = simulated(ONE, *(part for one in both for part in ("--set", one)))

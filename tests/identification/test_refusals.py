@@ -248,7 +248,7 @@ def test_trials_have_each_their_own_load():
 )
 def test_a_load_that_simulated_segments_cannot_take_is_refused(parts, mechanism, load, message):
     with pytest.raises(InputError, match=message):
-        fit(mechanism, CoulombViscous, Measurement(**parts, load=load))
+        fit(mechanism, CoulombViscous, Measurement(**parts, load=load), route="shooting")
 
 
 def test_a_load_that_is_given_twice_is_refused(parts):

@@ -219,6 +219,7 @@ def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
     if name is None:
         name = rig.named[0] if len(rig.named) == 1 else kind.usual_law
     _refuse_printed(name)
+    name = rig.name_of(name)
     return rig.laws.get(name) or name
 
 
@@ -233,7 +234,7 @@ def _laws_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> dict[str, Law]:
     for contact in contacts:
         known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
         only = known.named[0] if len(known.named) == 1 else kind.usual_law
-        one = names.get(contact) or (only if names or name is None else name)
+        one = known.name_of(names.get(contact) or (only if names or name is None else name))
         found[contact] = None if one == "none" else known.laws.get(one) or one
     return found
 
@@ -397,7 +398,7 @@ def _load(text: str | None) -> float | None:
 
 def _own(rig: Rig, name: str | None) -> ChosenLaw:
     """Return a law of the rig, or one with plain values where the rig does not have it."""
-    name = _name(rig) if name is None else name
+    name = _name(rig) if name is None else rig.name_of(name)
     _refuse_printed(name)
     if name in rig.laws:
         return _of_rig(rig, rig.laws[name], rig.estimates_of(name))

@@ -120,7 +120,7 @@ def laws_of(
     if names is None:
         return rig.laws or None
     asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
-    return [rig.laws.get(name) or name for name in asked]
+    return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
 
 
 def _selected(kind: AnyKind, request: Request, jobs: int) -> Verdict:

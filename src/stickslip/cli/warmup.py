@@ -68,7 +68,8 @@ def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
         own = list(rig.laws.values()) or [starting_law(law) for law in _unasked()]
         return [(rig.mechanism, law) for law in own]
     return [
-        (rig.mechanism, rig.laws.get(name) or starting_law(law_type(name))) for name in _names(laws)
+        (rig.mechanism, rig.laws.get(name) or starting_law(law_type(name)))
+        for name in map(rig.name_of, _names(laws))
     ]
 
 

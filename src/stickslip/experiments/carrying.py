@@ -306,6 +306,7 @@ def _name(rig: Rig, law: str | None) -> str:
             " [friction.coulomb]."
         )
     if law is not None:
+        law = rig.name_of(law)
         if law not in rig.laws:
             raise UnknownNameError(f"law of {rig.path}:", law, rig.laws)
         return law

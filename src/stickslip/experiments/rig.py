@@ -18,6 +18,7 @@ from stickslip.friction import (
     FrictionLaw,
     Laws,
     bristle_names,
+    is_composition,
     law_type,
     laws,
     listed,
@@ -82,6 +83,8 @@ class KnownLaws:
         By law, the fields whose values are assumed and not measured.
     uncertainties : mapping of str to mapping of str to float
         By law, the standard uncertainties that are stated of single parameters.
+    tables : mapping of str to str
+        Names of laws by those of their tables, where these differ.
 
     Examples
     --------
@@ -95,6 +98,34 @@ class KnownLaws:
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tables: Mapping[str, str] = field(default_factory=dict)
+
+    def name_of(self, text: str) -> str:
+        """Return the name of a law that is called by its table, or written in other words.
+
+        Parameters
+        ----------
+        text : str
+            What a user calls the law.
+
+        Returns
+        -------
+        str
+            Its name; the text, where nothing here is called so.
+
+        Raises
+        ------
+        InputError
+            If the text is a composition that no law can be.
+
+        Examples
+        --------
+        >>> known = KnownLaws(tables={"mine": "level + viscous + drag"})
+        >>> known.name_of("mine"), known.name_of("level+viscous"), known.name_of("lugre")
+        ('level + viscous + drag', 'coulomb-viscous', 'lugre')
+        """
+        name = self.tables.get(text, text)
+        return law_type(name).name if is_composition(name) else name
 
     def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
         """Return the law of a contact: that of a name, the only one, or the usual one of several.
@@ -117,6 +148,7 @@ class KnownLaws:
         InputError
             If there is none, or one of several has to be named.
         """
+        name = None if name is None else self.name_of(name)
         for known in (self.named, tuple(self.laws)):
             if name is None and len(known) == 1:
                 name = known[0]
@@ -159,6 +191,8 @@ class Rig:
     law_uncertainties : mapping of str to mapping of str to float
         By law, standard uncertainties that are stated of single parameters; they come before the
         intervals of `estimates`.
+    tables : mapping of str to str
+        Names of laws by those of their tables, where these differ.
     contacts : mapping of str to KnownLaws or None
         Where several contacts have tables of their own: the same for each of them, None where
         nothing rubs. `laws` is then empty.
@@ -215,6 +249,7 @@ class Rig:
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     law_uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tables: Mapping[str, str] = field(default_factory=dict)
     contacts: Mapping[str, KnownLaws | None] = field(default_factory=dict)
     vary: tuple[str, ...] = ()
     parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
@@ -271,6 +306,10 @@ class Rig:
             check_record(self.mechanism, record, label)
             where = record.provenance or label  # its line, in a table of trials
             scale_of(self.mechanism, record, self.t_end, where)
+
+    def name_of(self, text: str) -> str:
+        """Return the name of a law, as `KnownLaws.name_of`."""
+        return KnownLaws(tables=self.tables).name_of(text)
 
     def law_by_contact(
         self, names: str | Mapping[str, str] | None = None

@@ -3,7 +3,6 @@ from stickslip.identification.contact_inputs import check_inputs as check_inputs
 from stickslip.identification.contact_inputs import inputs_text as inputs_text
 from stickslip.identification.contact_inputs import known_inputs as known_inputs
 from stickslip.identification.contact_inputs import with_inputs as with_inputs
-from stickslip.identification.estimation.containment import CONSTANTS as CONSTANTS
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
 from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
 from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
@@ -86,7 +85,6 @@ from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
-from stickslip.identification.terms.composed_laws import ComposedLaw as ComposedLaw
 from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale
 from stickslip.identification.terms.dense_series import without_outliers as without_outliers
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS

@@ -10,9 +10,7 @@ from stickslip.evidence import TERMS, Fit, Structure
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
 from stickslip.identification import (
-    CONSTANTS,
     Asked,
-    ComposedLaw,
     FittedLaw,
     ModelError,
     RecordSettings,
@@ -74,7 +72,7 @@ class Explained:
         return cls(
             asked=asked,
             specs=_compared(asked),
-            starts={name: _start(law, unknown) for name, law in asked.laws.items()},
+            starts={name: law.as_fit(unknown) for name, law in asked.laws.items()},
             errors=model_errors(
                 asked.explanation, measurement, settings.holding, settings.response
             ),
@@ -115,17 +113,6 @@ def explained(
     if asked is None:
         return None
     return Explained.of(asked, measurement, settings, unknown)
-
-
-def _start(law: ComposedLaw, unknown: Sequence[str]) -> FittedLaw:
-    """Return the coefficients of a structure as a fit from which searches begin."""
-    beside = {path: law.inertia for path in unknown if path.endswith(("inertia", "mass"))}
-    beside |= {path: law.known[path] for path in unknown if path in law.known}
-    values = {**law.start, **{path: x for path, x in beside.items() if x is not None}}
-    if not law.specification.law.directional:
-        values |= dict.fromkeys(CONSTANTS, law.constant)
-    assert isinstance(law.specification.law, FrictionLaw)
-    return FittedLaw(law=law.specification.law, values=values, cost=math.inf, rows=0)
 
 
 def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:

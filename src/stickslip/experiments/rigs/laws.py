@@ -82,7 +82,7 @@ def known_laws(
         if stated:
             uncertainties[name] = stated
         missing = [key for key in _required(law) if key not in values]
-        if missing and own is not None:
+        if missing and own is not None and values:  # a table without any names the law to fit
             raise ParameterError(_missing(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
@@ -99,6 +99,11 @@ def known_laws(
         ),
         assumed=assumed,
         uncertainties=uncertainties,
+        tables={
+            table.removeprefix(f"{at}."): law.removeprefix(f"{at}.")
+            for law, table in called.items()
+            if law.removeprefix(f"{at}.") in kinds and law != table
+        },
     )
 
 

@@ -89,6 +89,10 @@ def _composed(
     if not isinstance(friction, dict):
         return
     inner = {f"friction.{key}": one for key, one in friction.items() if isinstance(one, dict)}
+    if "law" in friction:  # its values are shared ones
+        kind = _law(friction.pop("law"), f"{file}: friction", beside)
+        friction.setdefault(kind.name, {})
+        yield "friction", kind.name, kind
     for above, tables in {"friction": friction, **inner}.items():  # one contact, or several
         for name, table in list(tables.items()):
             if not isinstance(table, dict):
@@ -98,14 +102,7 @@ def _composed(
             if text is None:
                 continue
             where = f"{file}: {above}.{name}"
-            if not isinstance(text, str):
-                raise InputError(
-                    f"{where}.law must be a text such as 'level + viscous', got {text!r}."
-                )
-            try:
-                kind = law_type(text if beside is None else curves_beside(text, beside))
-            except InputError as error:
-                raise InputError(f"{where}: {error}") from None
+            kind = _law(text, where, beside)
             other = tables.pop(kind.name, {}) if kind.name != name else {}
             if any(f"{above}.{kind.name}.{key}" not in overridden for key in other):
                 raise InputError(
@@ -113,6 +110,16 @@ def _composed(
                 )
             tables[kind.name] = tables.pop(name) | other
             yield above, name, kind
+
+
+def _law(text: object, where: str, beside: Path | None) -> type[FrictionLaw]:
+    """Return the law of a table."""
+    if not isinstance(text, str):
+        raise InputError(f"{where}.law must be a text such as 'level + viscous', got {text!r}.")
+    try:
+        return law_type(text if beside is None else curves_beside(text, beside))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

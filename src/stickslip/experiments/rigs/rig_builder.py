@@ -128,6 +128,7 @@ def read_rig(
         given=known.given,
         assumed=known.assumed,
         law_uncertainties=known.uncertainties,
+        tables=known.tables,
         contacts=of_contacts,
         vary=_varied(table.mechanism),
         parameter_uncertainties=_doubts(table.mechanism),

@@ -50,6 +50,7 @@ from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
+from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.findings import (
     SHIFTED,
     asked_of,
@@ -283,7 +284,8 @@ class RecordFit(Fit[AnyLaw_co]):
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     known_errors: tuple[ModelError, ...] | None = None
     """What is wrong with model, rig or record, where that is known; None where nobody asked."""
-
+    asked: Asked | None = field(default=None, repr=False)
+    """The laws that the force balance asks for, where the search began at them."""
     left_out: Mapping[str, int] = field(default_factory=dict)
     """How many samples far off those beside were replaced before the fit, by column."""
 
@@ -304,7 +306,8 @@ class RecordFit(Fit[AnyLaw_co]):
             return self._errors_of_joints(self.law)
         hold = self.hold.hold if self.hold else "zero"
         unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
-        asked = asked_of(self.mechanism, self.measurement, hold, unknown, self.problem.response)
+        response = self.problem.response
+        asked = self.asked or asked_of(self.mechanism, self.measurement, hold, unknown, response)
         if asked is None:
             return ()
         found = model_errors(asked.explanation, self.measurement, hold, self.problem.response)

@@ -66,7 +66,9 @@ from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import without_outliers
+from stickslip.identification.terms.findings import asked_of
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
@@ -221,7 +223,14 @@ def _fitted_by(
     rival: float = 0.0,
 ) -> RecordFit:
     """Return a fit by one route."""
-    if contained is None:
+    asked = None
+    if contained is None and _kind_of(wanted.law).states:
+        asked = _asked(choice, wanted, measurement)
+    if asked is not None:  # which has seen what simpler laws with a memory leave
+        contained = [one.as_fit(wanted.unknown) for one in asked.laws.values()]
+        if "starts" not in choice.settings.changed:
+            choice = replace(choice, settings=replace(choice.settings, starts=1))
+    elif contained is None:
         contained = _simpler_fits(choice, wanted, measurement, watch)
     ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
     build = ready.build.at(found.best.values)
@@ -238,7 +247,14 @@ def _fitted_by(
         search_failure=failure,
         route_reason=choice.reason,
         hold=choice.hold,
+        asked=asked,
     )
+
+
+def _asked(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Asked | None:
+    """Return what the force balance of a record asks for."""
+    hold, response = choice.hold.hold if choice.hold else "zero", choice.settings.response
+    return asked_of(wanted.mechanism, measurement, hold, wanted.unknown, response)
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:

@@ -1,7 +1,7 @@
 """Laws of the structures that explain a force balance, with their coefficients as start values."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, final
@@ -19,6 +19,7 @@ from stickslip.friction import (
     Rung,
     law,
 )
+from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
@@ -62,6 +63,17 @@ class ComposedLaw:
         law = self.specification.law
         free = {f"friction.{name}": getattr(law, name) for name in self.specification.free or ()}
         return {path: float(value) for path, value in free.items() if value is not None}
+
+    def as_fit(self, unknown: Sequence[str]) -> FittedLaw:
+        """Return the coefficients of a structure as a fit from which searches begin."""
+        beside = {path: self.inertia for path in unknown if path.endswith(("inertia", "mass"))}
+        beside |= {path: self.known[path] for path in unknown if path in self.known}
+        values = {**self.start, **{path: x for path, x in beside.items() if x is not None}}
+        law = self.specification.law
+        if not law.directional:
+            values |= dict.fromkeys(CONSTANTS, self.constant)
+        assert isinstance(law, FrictionLaw)
+        return FittedLaw(law=law, values=values, cost=math.inf, rows=0)
 
 
 @final

@@ -325,7 +325,8 @@ def _damped(found: Explanation, measurement: Measurement) -> ModelError | None:
         if term.kind != "known" or not pairs:
             continue
         column, v = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
-        if abs(float(column @ v)) < ALIKE * float(np.linalg.norm(column) * np.linalg.norm(v)):
+        size = float(np.linalg.norm(column) * np.linalg.norm(v))
+        if abs(float(column @ v)) <= ALIKE * size:
             continue
         size = quantity(abs(float(value)), _unit("viscous_drift", measurement))
         return ModelError(
