@@ -396,3 +396,24 @@ def test_a_composition_without_a_name_is_called_in_words(fit, said):
     title = composed_law(fit, 1.0).specification.title
     assert title == said
     assert not {"(", "[", "*", "_"} & set(friction_of(title))
+
+
+def test_dahl_with_a_level_that_fades_is_lugre_without_damping():
+    faded = law("dahl(level + stribeck) + viscous")(
+        kinetic_coefficient=2.0,
+        static_coefficient=3.0,
+        stribeck_velocity=0.1,
+        bristle_stiffness=1e3,
+        viscous_coefficient=3.0,
+    )
+    lugre = law("lugre(level + stribeck) + viscous")(
+        kinetic_coefficient=2.0,
+        static_coefficient=3.0,
+        stribeck_velocity=0.1,
+        bristle_stiffness=1e3,
+        viscous_coefficient=3.0,
+        bristle_damping=1.0,
+    )
+    rest = Structure((Term("level"), Term("inertia")))
+    assert structure_of(faded, rest) == structure_of(lugre, rest)
+    assert structure_of(faded, rest).memories[0][1] == pytest.approx((2e-3, 1.0, 0.1, 0.5, 2.0))

@@ -121,9 +121,9 @@ INSIDE = {
     "under_cycles": "travel_model",
     "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",
-    "without_outliers": "terms.dense_series",
     "with_inputs": "contact_inputs",
     "with_known": "estimation.ranges",
+    "without_outliers": "terms.dense_series",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -227,7 +227,7 @@ def _fitted_by(
     if contained is None and _kind_of(wanted.law).states:
         asked = _asked(choice, wanted, measurement)
     if asked is not None:  # which has seen what simpler laws with a memory leave
-        contained = [one.as_fit(wanted.unknown) for one in asked.laws.values()]
+        contained = asked.starts_of(_kind_of(wanted.law), wanted.unknown)
         if "starts" not in choice.settings.changed:
             choice = replace(choice, settings=replace(choice.settings, starts=1))
     elif contained is None:
@@ -280,8 +280,7 @@ def _searched(
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, choice.settings, watch, rival)
     if kind.states and not found.hopeless:
-        rounds = min(CONTINUED, choice.settings.starts)
-        found = _to_the_end(ready, found, watch, rounds=rounds)
+        found = _to_the_end(ready, found, watch, rounds=CONTINUED)
         found = _off_bounds(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(measurement):

@@ -103,6 +103,17 @@ class Asked:
         """The law of the best structure."""
         return next(iter(self.laws.values()))
 
+    def starts_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> tuple[FittedLaw, ...]:
+        """Return fits from which the search of a law begins, one of the best law's values first."""
+        found = [one.as_fit(unknown) for one in self.laws.values()]
+        best = found[0]
+        if type(best.law) is not kind and {*kind.fit_order} <= {*type(best.law).fit_order}:
+            values = {name: getattr(best.law, name) for name in kind.fit_order}
+            kept = {path: x for path, x in best.values.items() if not path.startswith("friction.")}
+            kept |= {f"friction.{name}": value for name, value in values.items()}
+            found.insert(0, replace(best, law=kind(**values), values=kept))
+        return tuple(found)
+
     def rejects(self, own: Fit | None) -> bool:
         """Whether the force balance tells a structure from the best one."""
         best = self.explanation.best
@@ -126,7 +137,17 @@ class Asked:
             structure = made(bristles=False)
         elif name in self.fits:
             return self.fits[name]
-        return None if structure is None else fit(balance, structure)
+        if structure is None:
+            return None
+        alike = [one for one in self.fits.values() if _searched_as(one.structure, structure)]
+        return min(alike, key=lambda one: one.rms) if alike else fit(balance, structure)
+
+
+def _searched_as(one: Structure, own: Structure) -> bool:
+    """Whether a structure has the terms of another, and levels of bristles that fade like it."""
+    kinds = [{(term.kind, term.channel) for term in each.terms} for each in (one, own)]
+    shapes = [[(channel, len(shape)) for channel, shape in each.memories] for each in (one, own)]
+    return kinds[0] == kinds[1] and shapes[0] == shapes[1] and all(n > 2 for _, n in shapes[0])
 
 
 PARTS = {
@@ -166,16 +187,14 @@ def structure_of(
     rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL, "load"}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
     for leaf in leaves:
-        faded = made.memory is not None and made.memory.part.name == "lugre" and bristles
-        if leaf.part.name == "stribeck" and faded:  # the shape has it
-            continue
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
         grows = loaded and kind == "level"
-        terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
+        if kind != "stribeck" or not bristles or not _fades(law, made):  # else the shape has it
+            terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
         both = any(isinstance(one, tuple) for one in leaf.names.values())
         terms += [Term(f"{kind}_dir", par, channel)] if both and kind in TWO_SIDED else []
     if made.directional and not any(one.kind == "offset" for one in terms):
-        terms += [Term("offset", (), channel)]
+        terms += [Term("level_dir" if made.memory and bristles else "offset", (), channel)]
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
     if made.memory is None or not bristles:
         return found
@@ -198,16 +217,26 @@ def _parameters_of(law: FrictionLaw, leaf: Leaf) -> tuple[float, ...]:
     return tuple(_value(law, leaf, name) for name in names)
 
 
+def _fades(law: FrictionLaw, made: Composition) -> bool:
+    """Whether the level to which a bristle goes falls with speed.
+
+    Dahl's with a surplus inside is LuGre's without damping, of which a force balance says nothing.
+    """
+    if made.memory is None or all(leaf.part.name != "stribeck" for leaf in made.inside):
+        return False
+    lugre = made.memory.part.name == "lugre"
+    return lugre or _value(law, made.memory, "yield_exponent") == 1.0
+
+
 def _shape_of(law: FrictionLaw, made: Composition) -> Shape:
     """Return the shape of the bristle of a law."""
     assert made.memory is not None
     inside = {leaf.part.name: leaf for leaf in made.inside}
     level = _value(law, inside["level"], "kinetic_coefficient")
     length = level / _value(law, made.memory, "bristle_stiffness")
-    if made.memory.part.name == "dahl":
-        return (length, _value(law, made.memory, "yield_exponent"))
-    if "stribeck" not in inside:
-        return (length, 1.0)
+    if not _fades(law, made):
+        plain = made.memory.part.name == "lugre"
+        return (length, 1.0 if plain else _value(law, made.memory, "yield_exponent"))
     step = _value(law, inside["stribeck"], "static_coefficient") / level - 1.0
     velocity, fading = _parameters_of(law, inside["stribeck"])
     return (length, 1.0, velocity, step, fading)

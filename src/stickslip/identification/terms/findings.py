@@ -325,8 +325,8 @@ def _damped(found: Explanation, measurement: Measurement) -> ModelError | None:
         if term.kind != "known" or not pairs:
             continue
         column, v = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
-        size = float(np.linalg.norm(column) * np.linalg.norm(v))
-        if abs(float(column @ v)) <= ALIKE * size:
+        product = float(np.linalg.norm(column) * np.linalg.norm(v))
+        if abs(float(column @ v)) <= ALIKE * product:
             continue
         size = quantity(abs(float(value)), _unit("viscous_drift", measurement))
         return ModelError(
