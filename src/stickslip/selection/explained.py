@@ -80,6 +80,16 @@ class Explained:
             decides=decides,
         )
 
+    def starts_of(
+        self, specs: Sequence[CandidateSpec], unknown: Sequence[str]
+    ) -> dict[str, FittedLaw]:
+        """Return where searches of candidates begin, also of those that were named, by name."""
+        kinds = {one.name: one.law if isinstance(one.law, type) else type(one.law) for one in specs}
+        named = {
+            name: self.asked.start_of(kind, unknown) for name, kind in kinds.items() if kind.states
+        }
+        return {name: one for name, one in named.items() if one} | {**self.starts}
+
     def rejects(self, name: str, law: FrictionLaw | None) -> bool:
         """Whether the force balance tells a law from that of the best structure."""
         own = None if law is None else self.asked.fit_of(name, law)

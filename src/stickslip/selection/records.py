@@ -176,7 +176,7 @@ def select_records(
         progress,
         executor,
         usual=usual,
-        starts=asked.starts if asked else {},
+        starts=asked.starts_of(chosen, parameters.unknown) if asked else {},
     )
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         plan, judged, without = judged_of(

@@ -105,14 +105,19 @@ class Asked:
 
     def starts_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> tuple[FittedLaw, ...]:
         """Return fits from which the search of a law begins, one of the best law's values first."""
-        found = [one.as_fit(unknown) for one in self.laws.values()]
-        best = found[0]
-        if type(best.law) is not kind and {*kind.fit_order} <= {*type(best.law).fit_order}:
-            values = {name: getattr(best.law, name) for name in kind.fit_order}
-            kept = {path: x for path, x in best.values.items() if not path.startswith("friction.")}
-            kept |= {f"friction.{name}": value for name, value in values.items()}
-            found.insert(0, replace(best, law=kind(**values), values=kept))
-        return tuple(found)
+        found = tuple(one.as_fit(unknown) for one in self.laws.values())
+        own = self.start_of(kind, unknown)
+        return (own, *found) if own else found
+
+    def start_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> FittedLaw | None:
+        """Return a law of which the best one has all parameters, with the values that it has."""
+        best = self.best.as_fit(unknown)
+        if not {*kind.fit_order} <= {*type(best.law).fit_order}:
+            return None
+        values = {name: getattr(best.law, name) for name in kind.fit_order}
+        kept = {path: x for path, x in best.values.items() if not path.startswith("friction.")}
+        kept |= {f"friction.{name}": value for name, value in values.items()}
+        return replace(best, law=kind(**values), values=kept)
 
     def rejects(self, own: Fit | None) -> bool:
         """Whether the force balance tells a structure from the best one."""
