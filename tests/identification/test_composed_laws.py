@@ -249,6 +249,20 @@ def test_the_textbook_bristle_stands_beside_other_laws_with_one():
     assert len(names) == 4
 
 
+def test_elasto_plastic_friction_stands_beside_a_bristle_that_does_not_yield():
+    stop = fitted(STOP, level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": FADES})
+    asked = Asked(
+        explanation=SimpleNamespace(best=stop, scale=2.0),
+        laws={one.name: one for one in [composed_law(stop, 1.0)]},
+        fits={composed_law(stop, 1.0).name: stop},
+    )
+    assert [one.name for one in _compared(asked)] == [
+        "maxwell[1](level + stribeck) + viscous",
+        "elasto-plastic",
+        "coulomb-viscous",
+    ]
+
+
 def test_a_fit_that_leaves_far_less_than_the_balance_is_not_said_to_lack_a_law():
     best = fitted(level=2.0, viscous=3.0)
     said = [

@@ -33,6 +33,8 @@ TEXTBOOK = "lugre"
 """Law with a bristle that stands beside all others that have one."""
 ONE_MEMORY = "dahl-exponent"
 """Law whose exponent two memories may stand for."""
+ELASTIC = "elasto-plastic"
+"""Law with a bristle that stands beside one that does not yield below break-away."""
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
@@ -145,6 +147,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     if best.structure.memories and TEXTBOOK in fits and asked.best.name != TEXTBOOK:
         # its fit has more to say of a bristle, its damping too, than the balance
         rivals = [*dict.fromkeys([TEXTBOOK, *rivals])][:MOST]
+    if asked.best.text.startswith("maxwell[1](level + stribeck)"):
+        rivals = [*dict.fromkeys([ELASTIC, *rivals])][:MOST]
     if any(term.kind == "second" for term in best.structure.free):
         rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
