@@ -693,6 +693,12 @@ def test_the_schema_is_json_and_knows_every_registry():
         assert f'"{name}"' in text
 
 
+def test_the_schema_takes_a_composed_law_in_a_table_and_alone():
+    friction = rig_schema()["$defs"]["Friction"]
+    assert friction["properties"]["law"]["type"] == "string"
+    assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
+
+
 def test_the_schema_says_units_and_ranges():
     properties = rig_schema()["$defs"]["SpringBlock"]["properties"]
     assert "beta" in str(properties["incline"])

@@ -392,6 +392,8 @@ def json_schema() -> dict[str, Any]:
     schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
+    text = "name or composition of a law, such as dahl(level + lorentz) + power"
+    friction["properties"]["law"] = {"type": "string", "description": text}
     friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
     contact = schema["$defs"]["Contact"]
     contact["additionalProperties"] = {"$ref": "#/$defs/Contact"}
