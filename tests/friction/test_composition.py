@@ -433,7 +433,7 @@ def test_a_composition_of_one_contact_is_never_taken_for_that_of_all(tmp_path):
     ("line", "message"),
     [
         (
-            "",
+            "static_coefficient = 0.4",
             r"friction\.joint\.kinetic_coefficient \(mu_k\) is missing\."
             r" Add kinetic_coefficient under \[friction\.joint\] or \[friction",
         ),
