@@ -369,7 +369,7 @@ def test_bristles_are_resolved_as_finely_as_the_noise_of_positions_allows():
 def test_velocities_of_fast_vibrations_keep_their_size():
     w, dt = 0.2 * math.pi, 1e-3  # ten samples in a period: central differences lose six per cent
     n = np.arange(2000.0)
-    motion = filtered_motion(np.sin(w * n), dt, 0.5, tracked=True)
+    motion = filtered_motion(np.sin(w * n), dt, 0.5, tracked=True, vibrates=True)
     inside = slice(100, -100)
     assert np.allclose(motion.velocity[inside], w / dt * np.cos(w * n[inside]), atol=0.02 * w / dt)
 

@@ -8,6 +8,7 @@ friction there balances the other forces, as far as a law can hold it.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -113,7 +114,8 @@ def balanced(
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
                 band = wider * passed_by_balance(positions_of(piece), resolved=resolved)
-                one = _stretch(set_up, piece, hold, samples, slipping=slipping, band=band)
+                stretch = partial(_stretch, set_up, piece, hold, samples, slipping=slipping)
+                one = stretch(band=band, resolved=resolved)
                 first = max((int(one.segment.max()) + 1 for one in found), default=0)
                 found.extend(_cut(replace(one, record=number), length, first))
     if not found:
@@ -191,13 +193,15 @@ def _stretch(
     *,
     slipping: bool,
     band: float,
+    resolved: bool,
 ) -> MotionSegment:
     """Return friction by inverse dynamics; rows that are not compared have no segment (-1)."""
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
     passed = min(band, HIGHEST)
-    motion = filtered_motion(raw, dt, passed, tracked="position" in record.quantities())
+    tracked = "position" in record.quantities()
+    motion = filtered_motion(raw, dt, passed, tracked=tracked, vibrates=resolved)
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
@@ -337,14 +341,17 @@ class FilteredMotion:
         )
 
 
-def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> FilteredMotion:
+def filtered_motion(
+    raw: Array, dt: float, passed: float, *, tracked: bool, vibrates: bool = False
+) -> FilteredMotion:
     """Return the motion that positions (n,) show.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
-    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. Velocities
+    of what `vibrates` are those of the fourth order, which overshoot where others break away.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
-    v = derivative(x, dt)
+    v = derivative(x, dt) if vibrates else np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:
