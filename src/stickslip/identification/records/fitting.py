@@ -97,6 +97,9 @@ CONTINUED = 4
 """How often at most a search goes on from its best end where a law has a memory ..."""
 LEFT = 1e-3
 """... as long as that takes off this share of the cost."""
+MANY = 5000
+"""Samples from which fits of the simpler laws of one with a memory take minutes: the values that the
+force balance finds stand for them."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -224,12 +227,11 @@ def _fitted_by(
 ) -> RecordFit:
     """Return a fit by one route."""
     asked = None
-    if contained is None and _kind_of(wanted.law).states:
+    samples = sum(len(np.atleast_1d(np.asarray(one.time))) for one in measurement.records())
+    if contained is None and _kind_of(wanted.law).states and samples >= MANY:
         asked = _asked(choice, wanted, measurement)
     if asked is not None:  # which has seen what simpler laws with a memory leave
         contained = asked.starts_of(_kind_of(wanted.law), wanted.unknown)
-        if "starts" not in choice.settings.changed:
-            choice = replace(choice, settings=replace(choice.settings, starts=1))
     elif contained is None:
         contained = _simpler_fits(choice, wanted, measurement, watch)
     ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
