@@ -98,7 +98,7 @@ CONTINUED = 4
 LEFT = 1e-3
 """... as long as that takes off this share of the cost."""
 MANY = 5000
-"""Samples from which fits of the simpler laws of one with a memory take minutes: the values that the
+"""Samples from which fits of the simpler laws of one with a memory take minutes: values that the
 force balance finds stand for them."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
