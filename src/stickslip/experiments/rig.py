@@ -120,9 +120,9 @@ class KnownLaws:
 
         Examples
         --------
-        >>> known = KnownLaws(tables={"mine": "level + viscous + drag"})
+        >>> known = KnownLaws(tables={"mine": "level + power + drag"})
         >>> known.name_of("mine"), known.name_of("level+viscous"), known.name_of("lugre")
-        ('level + viscous + drag', 'coulomb-viscous', 'lugre')
+        ('level + power + drag', 'coulomb-viscous', 'lugre')
         """
         name = self.tables.get(text, text)
         return law_type(name).name if is_composition(name) else name

@@ -187,7 +187,7 @@ def law(composition: str | Term) -> type[FrictionLaw]:
     >>> Thinning.composition
     dahl(level + lorentz) + power
     >>> Thinning.title, Thinning.contained[0].law
-    ('dahl(level + lorentz) + power', 'dahl')
+    ('Dahl + Hess and Soom + power of speed', 'dahl')
     """
     if not isinstance(composition, str | Term):
         raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
