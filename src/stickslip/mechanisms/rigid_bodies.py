@@ -10,7 +10,7 @@ Source: R. Featherstone, "Rigid Body Dynamics Algorithms", 2008, sections 5.3 an
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
 from typing_extensions import override
@@ -87,6 +87,11 @@ def turned(rows: Matrix, tensor: Matrix) -> Matrix:
     return tuple(times(rows, column) for column in transposed(half))
 
 
+def symmetric(xx: Scalar, yy: Scalar, zz: Scalar, xy: Scalar, xz: Scalar, yz: Scalar) -> Matrix:
+    """Return a symmetric tensor of its entries."""
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+
+
 def about(mass: Scalar, moment: Vector, place: Vector) -> Matrix:
     """Return what moving the origin of an inertia by minus `place` adds to it.
 
@@ -125,6 +130,12 @@ def transposed(rows: Matrix) -> Matrix:
 def both(one: Matrix, other: Matrix) -> Matrix:
     """Return the sum of two matrices."""
     return tuple(map(plus, one, other))
+
+
+def _mixed(factors: Sequence[Scalar], values: Sequence[Scalar]) -> Scalar:
+    """Return a sum of multiples, of which those by 0 and 1 leave nothing in the equations."""
+    terms = (x if k == 1.0 else k * x for k, x in zip(factors, values, strict=True) if k != 0.0)
+    return sum(terms, 0.0)
 
 
 class _Place:
@@ -326,10 +337,55 @@ class JointedMechanism(MatrixMechanism, ABC):
             One for each coordinate.
         """
 
+    def transmission(self) -> Sequence[Sequence[float]] | None:
+        """Return the rows of what angles of the joints are of the coordinates; None if the same."""
+        return None
+
+    @final
+    def joint_values(self, values: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return angles of the joints from coordinates, or their rates from rates.
+
+        Parameters
+        ----------
+        values : mapping of str to float or array
+            Coordinates or rates by name of the coordinate.
+
+        Returns
+        -------
+        list
+            One for each joint.
+        """
+        own, rows = [values[name] for name in self.coordinates], self.transmission()
+        return own if rows is None else [_mixed(row, own) for row in rows]
+
+    def _taken(
+        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]
+    ) -> Mapping[str, Scalar]:
+        """Return what each coordinate takes so that no rate changes."""
+        at, rates = self.joint_values(q), self.joint_values(q_dot)
+        needed = taken_by(self.bodies(), at, rates, self.free_fall())
+        rows = self.transmission()
+        if rows is not None:
+            needed = [_mixed(column, needed) for column in transposed(rows)]
+        return dict(zip(self.coordinates, needed, strict=True))
+
     @final
     @override
     def mass_matrix(self, q: Mapping[str, Scalar]) -> Sequence[Sequence[Scalar]]:
-        return mass_matrix_of(self.bodies(), [q[name] for name in self.coordinates])
+        bodies, rows = self.bodies(), self.transmission()
+        if rows is None:
+            return mass_matrix_of(bodies, self.joint_values(q))
+        still = [replace(body, armature=0.0) for body in bodies]
+        half = [
+            [_mixed(column, row) for column in transposed(rows)]
+            for row in mass_matrix_of(still, self.joint_values(q))
+        ]
+        found = [
+            [_mixed(column, other) for other in transposed(half)] for column in transposed(rows)
+        ]
+        for i, body in enumerate(bodies):  # motors turn with the coordinates
+            found[i][i] = found[i][i] + body.armature
+        return found
 
     @final
     @override
@@ -340,11 +396,8 @@ class JointedMechanism(MatrixMechanism, ABC):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        at, rates = ([by[name] for name in self.coordinates] for by in (q, q_dot))
-        needed = taken_by(self.bodies(), at, rates, self.free_fall())
         efforts = self.efforts(q_dot, drives)
-        names = zip(self.coordinates, needed, strict=True)
-        return {name: efforts[name] - taken for name, taken in names}
+        return {name: efforts[name] - taken for name, taken in self._taken(q, q_dot).items()}
 
     @final
     @override
@@ -356,9 +409,7 @@ class JointedMechanism(MatrixMechanism, ABC):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         still = dict.fromkeys(self.coordinates, 0.0)
-        at = [q[name] for name in self.coordinates]
-        carried = taken_by(self.bodies(), at, [*still.values()], self.free_fall())
-        gravity = {name: -1.0 * one for name, one in zip(self.coordinates, carried, strict=True)}
+        gravity = {name: -1.0 * one for name, one in self._taken(q, still).items()}
         motors, efforts = self.efforts(still, drives), self.efforts(q_dot, drives)
         found = {}
         for contact in self.contacts():
@@ -373,8 +424,8 @@ class JointedMechanism(MatrixMechanism, ABC):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         bodies = self.bodies()
-        names = zip(bodies, self.coordinates, strict=True)
-        _, place = _carried(bodies, [_Place(body, q[name]) for body, name in names])
+        joints = zip(bodies, self.joint_values(q), strict=True)
+        _, place = _carried(bodies, [_Place(body, one) for body, one in joints])
         return -1.0 * _dot(self.free_fall(), place)
 
     @final

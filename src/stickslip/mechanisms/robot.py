@@ -1,9 +1,10 @@
 """A robot of rigid links in a tree, with friction in every joint."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, final
+from typing import Annotated, Any, ClassVar, Literal, final
 
 from typing_extensions import override
 
@@ -14,6 +15,7 @@ from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_bet
 from stickslip.mechanisms.lining import checked_parts
 from stickslip.mechanisms.rigid_bodies import (
     BASE,
+    NONE,
     UNIT,
     Body,
     JointedMechanism,
@@ -22,6 +24,8 @@ from stickslip.mechanisms.rigid_bodies import (
     about,
     both,
     mass_matrix_of,
+    plus,
+    symmetric,
     times,
     turned,
 )
@@ -31,6 +35,8 @@ EXACT = 1e-15
 """Entries of rotations this near to -1, 0 or 1 are taken for it, so that terms drop out."""
 COLUMNS = ("t", "mode", "friction", "normal_force")
 """Names that columns of runs have; a coordinate that would have one gets ``_joint`` behind it."""
+ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Entries of an inertia."""
 SMALLEST = 1e-12
 """Share of the largest entry that a pivot of a mass matrix may not fall below."""
 
@@ -83,6 +89,24 @@ class RobotJoint(Parametrised):
     """Product of inertia about the centre of mass, with the sign of the matrix entry."""
     inertia_yz: Annotated[float, Quantity("J_yz", "kg m^2", structural=True)] = 0.0
     """Product of inertia about the centre of mass, with the sign of the matrix entry."""
+    added_moment_x: Annotated[float, Quantity("h_x", "kg m", structural=True)] = 0.0
+    """First moment of mass that a fit of the links adds to mass times centre."""
+    added_moment_y: Annotated[float, Quantity("h_y", "kg m", structural=True)] = 0.0
+    """First moment of mass that a fit of the links adds to mass times centre."""
+    added_moment_z: Annotated[float, Quantity("h_z", "kg m", structural=True)] = 0.0
+    """First moment of mass that a fit of the links adds to mass times centre."""
+    added_inertia_xx: Annotated[float, Quantity("L_xx", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
+    added_inertia_yy: Annotated[float, Quantity("L_yy", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
+    added_inertia_zz: Annotated[float, Quantity("L_zz", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
+    added_inertia_xy: Annotated[float, Quantity("L_xy", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
+    added_inertia_xz: Annotated[float, Quantity("L_xz", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
+    added_inertia_yz: Annotated[float, Quantity("L_yz", "kg m^2", structural=True)] = 0.0
+    """Entry of the inertia about the joint that a fit of the links adds."""
     damping: Annotated[
         float, Quantity("d", "N m s/rad", low=0, or_unit="N s/m", structural=True)
     ] = 0.0
@@ -92,6 +116,10 @@ class RobotJoint(Parametrised):
     )
     """Inertia of motor and gear as it acts on the joint: that of the rotor times the square of the
     gear ratio. What the rotor's spin does to other joints is neglected."""
+    coupling: tuple[tuple[str, float], ...] = ()
+    """Joints before this one that turn its motor too, and how far: the coordinate is the angle of
+    the joint plus these multiples of theirs, as in wrists whose motors sit behind other joints.
+    Friction, effort, damper and armature act along the coordinate."""
     effort: Drive | None = None
     """Torque [N m] or force [N] at the joint, behind the gear."""
     lower_stop: Annotated[float, Quantity("q_l", "rad", or_unit="m")] | None = None
@@ -118,6 +146,12 @@ class RobotJoint(Parametrised):
             object.__setattr__(self, name, _numbers(owner, name, getattr(self, name), count))
         if not sum(x * x for x in self.axis):
             raise ParameterError(f"{owner}: axis must not be (0, 0, 0).")
+        object.__setattr__(self, "coupling", self._coupled())
+        if self.coupling and (self.lower_stop, self.upper_stop) != (None, None):
+            raise ParameterError(
+                f"{owner}: a joint with a coupling takes no lower_stop or upper_stop, which would"
+                " be of its angle and not of the coordinate: leave them out."
+            )
         rows = self.rotation
         gap = max(abs(sum(a * b for a, b in zip(rows[i], rows[j], strict=True)) - (i == j))
                   for i in range(3) for j in range(3))  # fmt: skip
@@ -125,6 +159,21 @@ class RobotJoint(Parametrised):
             raise ParameterError(
                 f"{owner}: orientation must be a rotation matrix, got {self.orientation}."
             )
+
+    def _coupled(self) -> tuple[tuple[str, float], ...]:
+        """Return names and multiples of the coupling, which may be given as a mapping."""
+        given: Any = self.coupling
+        try:
+            pairs = given.items() if isinstance(given, Mapping) else given
+            found = tuple((str(name), float(times)) for name, times in pairs)
+        except (TypeError, ValueError):
+            found = ((self.joint, math.nan),)
+        if not all(name != self.joint and abs(times) < 1e9 for name, times in found):
+            raise ParameterError(
+                f"RobotJoint {self.joint!r}: coupling must be multiples below 1e9 by other joint,"
+                f" such as {{'elbow': 1.0}}, got {given!r}."
+            )
+        return found
 
     @property
     def rotation(self) -> Matrix:
@@ -167,19 +216,20 @@ class RobotJoint(Parametrised):
         axes = self.own_axes
         frame = tuple(times(carrier_axes, times(self.rotation, row)) for row in axes)
         centre = (self.centre_x, self.centre_y, self.centre_z)
-        moment = [self.mass * c for c in centre]
-        inertia = (
-            (self.inertia_xx, self.inertia_xy, self.inertia_xz),
-            (self.inertia_xy, self.inertia_yy, self.inertia_yz),
-            (self.inertia_xz, self.inertia_yz, self.inertia_zz),
+        more = (self.added_moment_x, self.added_moment_y, self.added_moment_z)
+        moment = plus([self.mass * c for c in centre], more)
+        own, added = (
+            symmetric(*(getattr(self, f"{name}_{entry}") for entry in ENTRIES))
+            for name in ("inertia", "added_inertia")
         )
+        inertia = both(both(own, about(self.mass, NONE, centre)), added)
         return Body(
             parent,
             tuple(tuple(map(_exact, row)) for row in frame),
             times(carrier_axes, self.place),
             self.mass,
             times(axes, moment),
-            turned(axes, both(inertia, about(self.mass, (0.0, 0.0, 0.0), centre))),
+            turned(axes, inertia),
             slides=self.kind == "prismatic",
             armature=self.armature,
         )
@@ -267,6 +317,13 @@ class Robot(BoundedMechanism, JointedMechanism):
                     one.parent,
                     seen,
                 )
+            for name, _ in one.coupling:
+                if name not in seen:
+                    raise UnknownNameError(
+                        f"joint in the coupling of {one.joint!r}, which must stand before it:",
+                        name,
+                        seen,
+                    )
             seen[one.joint] = one
         states = (*self.coordinates, *self.rates)
         for names in ([j.joint for j in joints], states, self._names()):
@@ -324,6 +381,18 @@ class Robot(BoundedMechanism, JointedMechanism):
         index[""] = BASE
         axes = {one.joint: one.own_axes for one in self.joints} | {"": UNIT}
         return [one.body(index[one.parent], axes[one.parent]) for one in self.joints]
+
+    @override
+    def transmission(self) -> Sequence[Sequence[float]] | None:
+        if not any(one.coupling for one in self.joints):
+            return None
+        rows: dict[str, list[float]] = {}
+        for i, one in enumerate(self.joints):
+            row = [float(i == j) for j in range(len(self.joints))]
+            for name, times in one.coupling:
+                row = [a - times * b for a, b in zip(row, rows[name], strict=True)]
+            rows[one.joint] = row
+        return list(rows.values())
 
     @override
     def free_fall(self) -> Vector:

@@ -42,7 +42,7 @@ from stickslip.identification.force_map.force_balance import (
     resting_motion,
     second_differences,
 )
-from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.force_map.model import ForceMap, spanned
 from stickslip.identification.series.inverse_dynamics import (
     HIGHEST,
     LEAST,
@@ -154,6 +154,35 @@ def _cut(
             " record longer."
         )
     return tuple(tuple(_renumbered(one, used) for one in stretches) for stretches in found)
+
+
+def regression_of(
+    stretches: Sequence[Sequence[MotionSegment]], slopes: int
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Return columns, forces and joints of the rows of a regression of all joints.
+
+    Columns are the slopes by parameters of the mechanism, then Coulomb friction, viscous friction
+    and a constant force of each joint.
+    """
+    count = len(stretches)
+    tables, wanted = [], []
+    for i, whole in enumerate(stretches):
+        for one in whole:
+            rows = one.segment >= 0
+            v = one.path.velocity
+            table = np.zeros((len(v), slopes + 3 * count))
+            table[:, :slopes] = one.regressors
+            own = np.column_stack([np.sign(v), v, np.ones_like(v)])
+            table[:, slopes + 3 * i : slopes + 3 * i + 3] = one.seen(own)
+            seen, friction = table[rows], one.friction[rows]
+            if one.zeros is not None:
+                basis = spanned(one.zeros[rows])
+                seen = seen - basis @ (basis.T @ seen)
+                friction = friction - basis @ (basis.T @ friction)
+            tables.append(seen)
+            wanted.append((i, friction))
+    joint = np.concatenate([np.full(len(column), i, dtype=np.intp) for i, column in wanted])
+    return np.concatenate(tables), np.concatenate([column for _, column in wanted]), joint
 
 
 def check_joints(record: Measurement, names: Sequence[str]) -> None:

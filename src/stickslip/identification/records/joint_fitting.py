@@ -38,12 +38,14 @@ from stickslip.identification.force_map.joint_balance import (
     check_joints,
     contacts_along,
     joint_stretches,
+    regression_of,
 )
-from stickslip.identification.force_map.model import ForceMap, moved, spanned
+from stickslip.identification.force_map.model import ForceMap, moved
 from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
 from stickslip.identification.records.level_units import OFFSET
+from stickslip.identification.records.links import LINKS, told_links
 from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
@@ -298,9 +300,11 @@ class JointFitter:
         settings = settings or RecordSettings()
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
-        asked = _Asked.of(
-            mechanism, laws, vary, fixed, measurement, zeros=bool(settings.position_zeros)
-        )
+        zeros = bool(settings.position_zeros)
+        if vary is not None and LINKS in names_of(vary):
+            mechanism, told = told_links(mechanism, measurement, settings.holding, zeros=zeros)
+            vary = [*(one for one in names_of(vary) if one != LINKS), *told]
+        asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
@@ -759,25 +763,7 @@ def _start(
     What is left comes twice: by the regression as it is, and with these parameters in bounds.
     """
     count, k = len(torques.coordinates), len(torques.linear)
-    tables, wanted = [], []
-    for i, whole in enumerate(stretches):
-        for one in whole:
-            rows = one.segment >= 0
-            v = one.path.velocity
-            table = np.zeros((len(v), k + 3 * count))
-            table[:, :k] = one.regressors
-            own = np.column_stack([np.sign(v), v, np.ones_like(v)])
-            table[:, k + 3 * i : k + 3 * i + 3] = one.seen(own)
-            seen, friction = table[rows], one.friction[rows]
-            if one.zeros is not None:
-                basis = spanned(one.zeros[rows])
-                seen = seen - basis @ (basis.T @ seen)
-                friction = friction - basis @ (basis.T @ friction)
-            tables.append(seen)
-            wanted.append((i, friction))
-    table = np.concatenate(tables)
-    target = np.concatenate([column for _, column in wanted])
-    joint = np.concatenate([np.full(len(column), i, dtype=np.intp) for i, column in wanted])
+    table, target, joint = regression_of(stretches, k)
     size = np.linalg.norm(table, axis=0)
     scaled = table / np.where(size > 0.0, size, 1.0)
     if torques.bent:

@@ -200,7 +200,7 @@ def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
         return right, sum(a * b for a, b in zip(UPWARDS, point, strict=True))
 
     def points(now: Moment) -> tuple[list[Point], list[Point]]:
-        at = joint_places(bodies, [now[name] for name in mechanism.coordinates])
+        at = joint_places(bodies, mechanism.joint_values(now))
         ends = [
             [p + sum(row[k] * tips[i][k] for k in range(3)) for p, row in zip(*at[i], strict=True)]
             for i in leaves
