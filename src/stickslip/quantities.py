@@ -152,6 +152,8 @@ class Quantity:
         Name of another field of the same object that this one must not fall below.
     structural : bool
         A whole number here shapes the equations (an exponent, say) instead of standing in them.
+    nuisance : bool
+        Fits find it beside what is asked for, as a part of a combination; reports do not list it.
     or_unit : str, optional
         SI unit where the same field is of the other kind of motion: straight, or about an axis.
     scale : str, optional
@@ -187,6 +189,7 @@ class Quantity:
     above: float | None = None
     at_least: str | None = None
     structural: bool = False
+    nuisance: bool = False
     or_unit: str = ""
     scale: str = ""
     bounds: tuple[float, float] | None = None

@@ -124,7 +124,7 @@ def _name(law: Law) -> str:
 def _show(result: Fit, shown: FitSummary) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
-    show_estimates(result.estimates)
+    show_estimates(result.shown)
     for line in shown.limits:
         console.print(f"  {plain(line)}", markup=False)
     console.print()

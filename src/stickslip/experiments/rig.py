@@ -23,7 +23,7 @@ from stickslip.friction import (
     laws,
     listed,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import LINKS, Mechanism
 from stickslip.quantities import Quantity, vary
 
 USUAL = "coulomb"
@@ -293,7 +293,9 @@ class Rig:
         for name in self.law_uncertainties:
             if name in self.laws:
                 self.estimates_of(name)
-        paths = tuple(canonical(self.mechanism, name) for name in self.vary)
+        paths = tuple(
+            name if name == LINKS else canonical(self.mechanism, name) for name in self.vary
+        )
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
         uncertainties = {canonical(self.mechanism, name): one for name, one in stated}

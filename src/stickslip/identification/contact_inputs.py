@@ -34,6 +34,8 @@ SAME = 1e-9
 """Relative change of an input that is none: rounding of its unit."""
 MOVED = 1.001
 """Factor on a parameter by which it is seen what depends on it."""
+LOOKED_AT = 50
+"""Samples of a record at which this is seen."""
 
 
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
@@ -170,28 +172,32 @@ def joint_inputs(
     """
     names = mechanism.coordinates
 
-    def told_by(one: Mechanism, offset: float = 0.0) -> list[dict[str, Array]]:
+    def told_by(one: Mechanism, every: int = 1, offset: float = 0.0) -> list[dict[str, Array]]:
+        t = time[::every]
         given = {
-            name: np.array([drive.value(float(t)) for t in time])
+            name: np.array([drive.value(float(now)) for now in t])
             for name, drive in one.drives().items()
             if name in told_fields(one)
         }
-        drives = defaultdict(lambda: np.zeros_like(time), given)
-        q, q_dot = (dict(zip(names, rows.T, strict=True)) for rows in (places + offset, rates))
-        told = one.contact_inputs(time, q, q_dot, drives)
+        drives = defaultdict(lambda: np.zeros_like(t), given)
+        q, q_dot = (
+            dict(zip(names, rows[::every].T, strict=True)) for rows in (places + offset, rates)
+        )
+        told = one.contact_inputs(t, q, q_dot, drives)
         found = []
-        for name, force in zip(names, applied.T, strict=True):
-            own = _known(one, contacts.get(name, ""), told, record, time)
+        for name, force in zip(names, applied[::every].T, strict=True):
+            own = _known(one, contacts.get(name, ""), told, record, t)
             computed = own.keys() - given_names(one, contacts.get(name, ""))
             own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
             found.append(own)
         return found
 
     found = told_by(mechanism)
-    moved = [told_by(_nudged(mechanism, path)) for path in fitted]
-    moved += [told_by(mechanism, 1.0)] if zeros else []
+    every = max(1, len(time) // LOOKED_AT)
+    moved = [told_by(_nudged(mechanism, path), every) for path in fitted]
+    moved += [told_by(mechanism, every, 1.0)] if zeros else []
     return [
-        {k: x for k, x in own.items() if all(np.array_equal(x, one[i][k]) for one in moved)}
+        {k: x for k, x in own.items() if all(np.array_equal(x[::every], m[i][k]) for m in moved)}
         for i, own in enumerate(found)
     ]
 
@@ -200,7 +206,8 @@ def _nudged(mechanism: Mechanism, path: str) -> Mechanism:
     """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit."""
     value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
     try:
-        return vary(mechanism, "mechanism", {path: value * MOVED or SAME})
+        larger = value * MOVED if abs(value) > SAME else 2.0 * SAME
+        return vary(mechanism, "mechanism", {path: larger})
     except ParameterError:
         return vary(mechanism, "mechanism", {path: value / MOVED})
 

@@ -173,6 +173,12 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     """Whether the search was ended before its end."""
 
     @final
+    @property
+    def shown(self) -> tuple[Estimate, ...]:
+        """The estimates that reports list: all but those of nuisances."""
+        return tuple(one for one in self.estimates if not one.quantity.nuisance)
+
+    @final
     def to_law(self) -> AnyLaw_co:
         """Return the fitted law."""
         return self.law
@@ -273,7 +279,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
                 e.range,
                 e.interval,
             )
-            for e in self.estimates
+            for e in self.shown
         ]
         head = ("parameter", "symbol", "value", "unit", "range", "interval")
         return Summary(

@@ -91,7 +91,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             rows=rows,
             notes=notes,
             checks=verdict.checks,
-            fitted=(title_of(verdict), closest.fit.estimates) if closest.fit else None,
+            fitted=(title_of(verdict), closest.fit.shown) if closest.fit else None,
         )
 
     @override

@@ -51,6 +51,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "LINKS": "base",
     "LinearOrRotary": "base",
     "WHOLE": "drive_period",
     "as_rotary": "base",

@@ -2,6 +2,7 @@
 from dataclasses import dataclass
 from typing import final
 
+from collections.abc import Mapping as _Mapping
 from stickslip.drives import Drive as _Drive
 from stickslip.drives import Profile as _Profile
 from stickslip.mechanisms.actuators import MOTORS as MOTORS
@@ -14,6 +15,7 @@ from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
 from stickslip.mechanisms.base import Contact as Contact
 from stickslip.mechanisms.base import ContactInputs as ContactInputs
 from stickslip.mechanisms.base import Guide as Guide
+from stickslip.mechanisms.base import LINKS as LINKS
 from stickslip.mechanisms.base import LinearOrRotary as LinearOrRotary
 from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
@@ -242,8 +244,18 @@ class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
         inertia_xy: _Given = ...,
         inertia_xz: _Given = ...,
         inertia_yz: _Given = ...,
+        added_moment_x: _Given = ...,
+        added_moment_y: _Given = ...,
+        added_moment_z: _Given = ...,
+        added_inertia_xx: _Given = ...,
+        added_inertia_yy: _Given = ...,
+        added_inertia_zz: _Given = ...,
+        added_inertia_xy: _Given = ...,
+        added_inertia_xz: _Given = ...,
+        added_inertia_yz: _Given = ...,
         damping: _Given = ...,
         armature: _Given = ...,
+        coupling: _Mapping[str, float] | tuple[tuple[str, float], ...] = ...,
         effort: _Drive | None = ...,
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,

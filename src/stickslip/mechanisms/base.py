@@ -22,6 +22,8 @@ ContactInputs: TypeAlias = Mapping[str, Scalar | Mapping[str, Scalar]]
 """Inputs of a contact by name; those of one of several contacts under the name of the contact."""
 
 
+LINKS = "links"
+"""What ``vary`` calls all that fits find of the inertial parameters of a robot's links."""
 _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 

@@ -358,9 +358,7 @@ class JointedMechanism(MatrixMechanism, ABC):
         own, rows = [values[name] for name in self.coordinates], self.transmission()
         return own if rows is None else [_mixed(row, own) for row in rows]
 
-    def _taken(
-        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]
-    ) -> Mapping[str, Scalar]:
+    def _taken(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
         """Return what each coordinate takes so that no rate changes."""
         at, rates = self.joint_values(q), self.joint_values(q_dot)
         needed = taken_by(self.bodies(), at, rates, self.free_fall())

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, final
+from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
@@ -39,6 +39,11 @@ ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Entries of an inertia."""
 SMALLEST = 1e-12
 """Share of the largest entry that a pivot of a mass matrix may not fall below."""
+
+
+def _added(symbol: str, unit: str, of_slides: str = "") -> Quantity:
+    """Return the quantity of what fits of links find."""
+    return Quantity(symbol, unit, structural=True, nuisance=True, or_unit=of_slides)
 
 
 @final
@@ -89,24 +94,26 @@ class RobotJoint(Parametrised):
     """Product of inertia about the centre of mass, with the sign of the matrix entry."""
     inertia_yz: Annotated[float, Quantity("J_yz", "kg m^2", structural=True)] = 0.0
     """Product of inertia about the centre of mass, with the sign of the matrix entry."""
-    added_moment_x: Annotated[float, Quantity("h_x", "kg m", structural=True)] = 0.0
+    added_moment_x: Annotated[float, _added("h_x", "kg m")] = 0.0
     """First moment of mass that a fit of the links adds to mass times centre."""
-    added_moment_y: Annotated[float, Quantity("h_y", "kg m", structural=True)] = 0.0
+    added_moment_y: Annotated[float, _added("h_y", "kg m")] = 0.0
     """First moment of mass that a fit of the links adds to mass times centre."""
-    added_moment_z: Annotated[float, Quantity("h_z", "kg m", structural=True)] = 0.0
+    added_moment_z: Annotated[float, _added("h_z", "kg m")] = 0.0
     """First moment of mass that a fit of the links adds to mass times centre."""
-    added_inertia_xx: Annotated[float, Quantity("L_xx", "kg m^2", structural=True)] = 0.0
+    added_inertia_xx: Annotated[float, _added("L_xx", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
-    added_inertia_yy: Annotated[float, Quantity("L_yy", "kg m^2", structural=True)] = 0.0
+    added_inertia_yy: Annotated[float, _added("L_yy", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
-    added_inertia_zz: Annotated[float, Quantity("L_zz", "kg m^2", structural=True)] = 0.0
+    added_inertia_zz: Annotated[float, _added("L_zz", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
-    added_inertia_xy: Annotated[float, Quantity("L_xy", "kg m^2", structural=True)] = 0.0
+    added_inertia_xy: Annotated[float, _added("L_xy", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
-    added_inertia_xz: Annotated[float, Quantity("L_xz", "kg m^2", structural=True)] = 0.0
+    added_inertia_xz: Annotated[float, _added("L_xz", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
-    added_inertia_yz: Annotated[float, Quantity("L_yz", "kg m^2", structural=True)] = 0.0
+    added_inertia_yz: Annotated[float, _added("L_yz", "kg m^2")] = 0.0
     """Entry of the inertia about the joint that a fit of the links adds."""
+    added_armature: Annotated[float, _added("I_a", "kg m^2", "kg")] = 0.0
+    """Inertia that a fit of the links adds to the armature."""
     damping: Annotated[
         float, Quantity("d", "N m s/rad", low=0, or_unit="N s/m", structural=True)
     ] = 0.0
@@ -116,7 +123,7 @@ class RobotJoint(Parametrised):
     )
     """Inertia of motor and gear as it acts on the joint: that of the rotor times the square of the
     gear ratio. What the rotor's spin does to other joints is neglected."""
-    coupling: tuple[tuple[str, float], ...] = ()
+    coupling: Mapping[str, float] | tuple[tuple[str, float], ...] = ()
     """Joints before this one that turn its motor too, and how far: the coordinate is the angle of
     the joint plus these multiples of theirs, as in wrists whose motors sit behind other joints.
     Friction, effort, damper and armature act along the coordinate."""
@@ -162,13 +169,12 @@ class RobotJoint(Parametrised):
 
     def _coupled(self) -> tuple[tuple[str, float], ...]:
         """Return names and multiples of the coupling, which may be given as a mapping."""
-        given: Any = self.coupling
+        given = self.coupling
         try:
-            pairs = given.items() if isinstance(given, Mapping) else given
-            found = tuple((str(name), float(times)) for name, times in pairs)
+            found = tuple((str(name), float(factor)) for name, factor in dict(given).items())
         except (TypeError, ValueError):
             found = ((self.joint, math.nan),)
-        if not all(name != self.joint and abs(times) < 1e9 for name, times in found):
+        if not all(name != self.joint and abs(factor) < 1e9 for name, factor in found):
             raise ParameterError(
                 f"RobotJoint {self.joint!r}: coupling must be multiples below 1e9 by other joint,"
                 f" such as {{'elbow': 1.0}}, got {given!r}."
@@ -231,7 +237,7 @@ class RobotJoint(Parametrised):
             times(axes, moment),
             turned(axes, inertia),
             slides=self.kind == "prismatic",
-            armature=self.armature,
+            armature=self.armature + self.added_armature,
         )
 
 
@@ -317,7 +323,7 @@ class Robot(BoundedMechanism, JointedMechanism):
                     one.parent,
                     seen,
                 )
-            for name, _ in one.coupling:
+            for name in dict(one.coupling):
                 if name not in seen:
                     raise UnknownNameError(
                         f"joint in the coupling of {one.joint!r}, which must stand before it:",
@@ -389,8 +395,8 @@ class Robot(BoundedMechanism, JointedMechanism):
         rows: dict[str, list[float]] = {}
         for i, one in enumerate(self.joints):
             row = [float(i == j) for j in range(len(self.joints))]
-            for name, times in one.coupling:
-                row = [a - times * b for a, b in zip(row, rows[name], strict=True)]
+            for name, factor in dict(one.coupling).items():
+                row = [a - factor * b for a, b in zip(row, rows[name], strict=True)]
             rows[one.joint] = row
         return list(rows.values())
 

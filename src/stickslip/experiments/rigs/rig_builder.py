@@ -55,6 +55,7 @@ from stickslip.experiments.units import read_number
 from stickslip.formatting import joined
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
+    LINKS,
     LinearOrRotary,
     Mechanism,
     as_rotary,
@@ -274,6 +275,8 @@ def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mecha
 
 def _varied(mechanism: Table) -> tuple[str, ...]:
     """Return the paths of the parameters that are marked to be fitted."""
+    if isinstance(mechanism, UrdfTable) and mechanism.links == "unknown":
+        return (LINKS,)
     return tuple(
         f"{PREFIX}.{name}"
         for name, value in mechanism.given().items()

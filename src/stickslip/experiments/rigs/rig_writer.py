@@ -106,10 +106,22 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
         elif isinstance(value, tuple) and all(isinstance(x, float) for x in value):
             table[field.name] = list(value)
         elif isinstance(value, tuple):
-            table[field.name] = [_table(x, "") for x in value if isinstance(x, Parametrised)]
+            table[field.name] = [
+                _differing(x) if isinstance(x, Parametrised) else list(x) for x in value
+            ]
         elif isinstance(value, Parametrised):
             table[field.name] = _table(value, "")
     return table
+
+
+def _differing(part: Parametrised) -> dict[str, object]:
+    """Return the plain values of a part that are not its defaults."""
+    defaults = {field.name: field.default for field in dataclasses.fields(part)}
+    return {
+        name: value
+        for name, value in _table(part, "").items()
+        if getattr(part, name) != defaults[name]
+    }
 
 
 def _is_profile(root: Parametrised, name: str) -> bool:

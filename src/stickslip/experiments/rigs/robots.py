@@ -15,7 +15,9 @@ from stickslip.quantities import Quantity, fields_of
 
 URDF = "urdf"
 """``type`` of a mechanism that a robot description gives."""
-ADDED = ("damping", "armature", "effort", "mass", "lower_stop", "upper_stop", "restitution")
+ADDED = (
+    "damping", "armature", "coupling", "effort", "mass", "lower_stop", "upper_stop", "restitution",
+)  # fmt: skip
 """What a rig file may say of a joint beside its description."""
 ANGLE, DISTANCE = Quantity("q", "rad"), Quantity("q", "m")
 Added = table_of(RobotJoint, "joint", only=ADDED)
@@ -37,7 +39,11 @@ class UrdfTable(Table):
     """Acceleration of free fall [m/s^2]."""
     joints: dict[str, Added] = Field(  # type: ignore[valid-type]  # made at run time
         default={},
-        description="joint: damping, armature, mass, effort or stops of its own",
+        description="joint: damping, armature, mass, coupling, effort or stops of its own",
+    )
+    links: Literal["known", "unknown"] = Field(
+        default="known",
+        description="unknown: fits find what motion tells of masses and inertias of the links",
     )
 
 
@@ -64,10 +70,17 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
     try:
-        joints = tuple(replace(one, **added.get(one.joint, {})) for one in robot.joints)
+        joints = tuple(_with(one, added.get(one.joint, {})) for one in robot.joints)
         return replace(robot, joints=joints)
     except ParameterError as error:
         raise ParameterError(f"{file}: mechanism.joints: {error}") from None
+
+
+def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
+    """Return a joint with what a rig file adds; limits are of its angle, not of a motor's."""
+    if added.get("coupling"):
+        joint = replace(joint, lower_stop=None, upper_stop=None)
+    return replace(joint, **added)
 
 
 def fill_friction(

@@ -195,7 +195,7 @@ def sentences_of(
         f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is not identified:"
         f" {estimate.reason}."
         for estimate in estimates
-        if estimate.reason
+        if estimate.reason and not estimate.quantity.nuisance
     ]
     for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
         if path not in at_bounds and low <= 0.0:
@@ -209,7 +209,9 @@ def sentences_of(
             )
     lines += _together(free_parameters, inference, at_bounds)
     if inference.condition > SEPARABLE:
-        symbols = ", ".join(item.quantity.symbol for item in free_parameters.items)
+        symbols = ", ".join(
+            item.quantity.symbol for item in free_parameters.items if not item.quantity.nuisance
+        )
         lines.append(
             f"This record cannot separate {symbols}: the condition number is"
             f" {number(inference.condition, 2)}, above the limit of {number(SEPARABLE)}."
@@ -249,7 +251,8 @@ def _together(
     for i, one in enumerate(free_parameters.items):
         for j, other in enumerate(free_parameters.items[:i]):
             free = one.path not in at_bounds and other.path not in at_bounds
-            if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
+            told = not (one.quantity.nuisance or other.quantity.nuisance)
+            if free and told and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(
                     f"{other.quantity.symbol} and {one.quantity.symbol} are strongly correlated"
                     f" ({fixed(table[i, j], 2)}): a combination of them is known better than"

@@ -283,15 +283,16 @@ class ForceMap(RecordProblem):
         residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
         if own.constant is not None and balanced.any():
             slopes[:, own.constant] -= one.seen(balanced.astype(float))
-        for k, path in enumerate(self.linear):
+        if self.linear:
             assert one.regressors is not None
-            column = one.regressors[:, k]
-            residual = residual - change_of[k] * column
+            residual = residual - one.regressors @ change_of
+            columns = one.regressors
             if one.held_regressors is not None and balanced.any():
-                column = column - one.seen(balanced * one.held_regressors[:, k])
+                columns = columns - one.seen(balanced[:, None] * one.held_regressors)
             if weighed:
-                column = column + one.seen(by_weight) / linear[k]
-            slopes[:, self.free_parameters.paths.index(path)] = column
+                columns = columns + one.seen(by_weight)[:, None] / linear[0]
+            paths = self.free_parameters.paths
+            slopes[:, [paths.index(path) for path in self.linear]] = columns
         basis, inverse = _inverted(local, rows)
         if one.zeros is not None:
             free = one.zeros * ~balanced[:, None]  # at rest friction balances whatever there is

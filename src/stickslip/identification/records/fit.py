@@ -414,7 +414,7 @@ class RecordFit(Fit[AnyLaw_co]):
         findings = (one.finding.removesuffix(".") for one in self.model_errors)
         fitted = (
             f"{self.law.title} fitted to {self.problem.quantity}:"
-            f" {', '.join(map(str, self.estimates))}; residual {error}"
+            f" {', '.join(map(str, self.shown))}; residual {error}"
         )
         return ". ".join((fitted, *findings))
 

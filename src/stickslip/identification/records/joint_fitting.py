@@ -45,7 +45,7 @@ from stickslip.identification.force_map.problem import SENSOR, ConstantForce, ma
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
 from stickslip.identification.records.level_units import OFFSET
-from stickslip.identification.records.links import LINKS, told_links
+from stickslip.identification.records.links import told_links
 from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
@@ -59,7 +59,7 @@ from stickslip.identification.validation import (
     names_of,
     varied_paths,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import LINKS, Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
 Array = NDArray[np.float64]
@@ -302,8 +302,8 @@ class JointFitter:
             check_joints(record, mechanism.coordinates)
         zeros = bool(settings.position_zeros)
         if vary is not None and LINKS in names_of(vary):
-            mechanism, told = told_links(mechanism, measurement, settings.holding, zeros=zeros)
-            vary = [*(one for one in names_of(vary) if one != LINKS), *told]
+            mechanism, links = told_links(mechanism, measurement, settings.holding, zeros=zeros)
+            vary = [*(one for one in names_of(vary) if one != LINKS), *links]
         asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)

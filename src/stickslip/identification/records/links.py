@@ -1,6 +1,6 @@
 """Inertial parameters of a robot's links, of which a motion tells only combinations apart."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,18 +12,12 @@ from stickslip.experiments import Measurement
 from stickslip.formulation import JointTorques
 from stickslip.identification.force_map.joint_balance import joint_stretches, regression_of
 from stickslip.identification.settings import Hold
-from stickslip.mechanisms import Mechanism, Robot
-from stickslip.quantities import parameters
+from stickslip.mechanisms import LINKS, Mechanism, Robot, RobotJoint
+from stickslip.quantities import fields_of, parameters
 
 Array = NDArray[np.float64]
 
-LINKS = "links"
-"""What ``vary`` calls the inertial parameters of all links."""
-ADDED = (
-    *(f"added_moment_{axis}" for axis in "xyz"),
-    *(f"added_inertia_{entry}" for entry in ("xx", "yy", "zz", "xy", "xz", "yz")),
-    "armature",
-)
+SOUGHT = tuple(name for name, one in fields_of(RobotJoint).items() if one.nuisance)
 """Fields of a joint that forces are linear in."""
 NOTHING = 1e-12
 """Value of a field that is looked for from 0 [SI]: 0 is no parameter of equations."""
@@ -47,19 +41,26 @@ def told_links(
             f" {type(robot).__name__}: name its parameters, such as"
             f" {next(path for path, _, _ in parameters(robot, 'mechanism'))}."
         )
-    joints = tuple(
-        replace(one, **{name: getattr(one, name) or NOTHING for name in ADDED})
-        for one in robot.joints
-    )
-    free = replace(robot, joints=joints)
-    paths = [f"mechanism.joints.{i}.{name}" for i in range(len(joints)) for name in ADDED]
+    paths = [f"mechanism.joints.{i}.{name}" for i in range(len(robot.joints)) for name in SOUGHT]
+    free = _with_parameters(robot, paths)
     torques = JointTorques.of(free, paths, by_position=zeros)
     (stretches,) = joint_stretches(torques, free, measurement, hold=hold, slipping=True)
     table, _, joint = regression_of(stretches, len(paths))
     spread = [np.std(np.concatenate([one.applied for one in own])) for own in stretches]
     table = table / np.maximum(spread, 1e-300)[joint, None]
     told = [paths[i] for i in _independent(table[:, : len(paths)], table[:, len(paths) :])]
-    return free, tuple(path for path in paths if path in told)
+    told = tuple(path for path in paths if path in told)
+    return _with_parameters(robot, told), told
+
+
+def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
+    """Return a robot with parameters of its equations where some fields are 0."""
+    found: dict[int, dict[str, float]] = {}
+    for path in paths:
+        _, _, index, name = path.split(".")
+        found.setdefault(int(index), {})[name] = getattr(robot.joints[int(index)], name) or NOTHING
+    joints = [replace(one, **found.get(i, {})) for i, one in enumerate(robot.joints)]
+    return replace(robot, joints=tuple(joints))
 
 
 def _independent(columns: Array, others: Array) -> Sequence[int]:

@@ -52,6 +52,7 @@ from stickslip.identification.terms.dense_series import (
     loads_of,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
 
 NAMES: Final[Mapping[str, str]] = {
     "loose": "backlash",
@@ -155,9 +156,14 @@ def asked_of_joints(
 
     Each joint is explained alone, beside columns by which the parameters of the mechanism that are
     looked for may differ for it: of several joints in one problem, the terms of one whose forces
-    are small would not earn their place. The band is the least of all, as each balance has the
-    accelerations of all joints, but not below that of the filter of their fits.
+    are small would not earn their place. Links are held as all joints together tell them: a block
+    of one balance does not. The band is the least of all, as each balance has the accelerations of
+    all joints, but not below that of the filter of their fits.
     """
+    together = {path for path, one, _ in parameters(mechanism, "mechanism") if one.nuisance}
+    if together.intersection(torques.linear):
+        alone = [path for path in torques.linear if path not in together]
+        torques = JointTorques.of(mechanism, alone, by_position=torques.by_position)
     every, loads, passed = joints_series(torques, mechanism, measurement, hold)
     own = {
         name: (series, load)

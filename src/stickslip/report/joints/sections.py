@@ -161,7 +161,7 @@ def _apart(block: Block, number: int) -> Block:
 def mechanism_section(verdict: JointVerdict) -> Section | None:
     """Return the section on the parameters of the mechanism, None where none was fitted."""
     fit = verdict.closest.fit
-    found = [e for e in fit.estimates if e.path.startswith("mechanism.")] if fit else []
+    found = [e for e in fit.shown if e.path.startswith("mechanism.")] if fit else []
     if not found:
         return None
     rows = []
