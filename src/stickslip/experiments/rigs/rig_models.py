@@ -293,6 +293,8 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
     if typing.get_origin(hint) is tuple and issubclass(typing.get_args(hint)[0], Parametrised):
         table: Any = _alone(typing.get_args(hint)[0])
         return Annotated[list[table], Field(min_length=1)]
+    if Mapping[str, float] in typing.get_args(hint):
+        return dict[str, float]
     is_union = typing.get_origin(hint) in (Union, types.UnionType)
     parts: list[type] = [
         part

@@ -105,10 +105,10 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
             table[field.name] = float(value)
         elif isinstance(value, tuple) and all(isinstance(x, float) for x in value):
             table[field.name] = list(value)
+        elif isinstance(value, tuple) and isinstance(value[0], Parametrised):
+            table[field.name] = [_differing(x) for x in value]
         elif isinstance(value, tuple):
-            table[field.name] = [
-                _differing(x) if isinstance(x, Parametrised) else list(x) for x in value
-            ]
+            table[field.name] = dict(value)
         elif isinstance(value, Parametrised):
             table[field.name] = _table(value, "")
     return table

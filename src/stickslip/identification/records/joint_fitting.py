@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, cast, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
@@ -379,6 +379,13 @@ class JointFitter:
         )
         with with_doubts(self.measurement, asked.mechanism):
             ready, found = self._searched(asked, near, changed, contained, progress)
+        paths = ready.problem.free_parameters.paths
+        known = dict(zip(paths, found.best.values.tolist(), strict=True))
+        if not _allows(ready.mechanism, {path: known[path] for path in self.motion.torques.linear}):
+            raise ConvergenceError(
+                "the links that explain the forces best have no positive mass matrix: record a"
+                " motion that moves them more, or leave 'links' out of vary."
+            )
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
         fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
@@ -786,6 +793,8 @@ def _start(
                 path=path, quantity=quantity, start=start, low=low, high=high, guessed=True
             )
         )
+    if not _allows(asked.mechanism, {item.path: item.start for item in items}):
+        items = [replace(item, start=values[item.path][1]) for item in items]
     change = np.array([item.start - values[item.path][1] for item in items])
     held = target - table[:, :k] @ change
     rest = scaled[:, k:]
@@ -793,6 +802,15 @@ def _start(
     within = _by_joint(residual, joint, count)
     least = 1e-12 * max(force, 1e-300)
     return tuple(items), np.maximum(left, least), np.maximum(within, least)
+
+
+def _allows(mechanism: Mechanism, values: Mapping[str, float]) -> bool:
+    """Whether a mechanism takes parameters together, as links with mass."""
+    try:
+        vary(mechanism, "mechanism", values)
+    except ParameterError:
+        return False
+    return True
 
 
 def _refuse_alike(names: Sequence[str], slopes: Array) -> None:

@@ -1,19 +1,20 @@
-"""Inertial parameters of a robot's links, of which a motion tells only combinations apart."""
+"""Inertial parameters of a robot's links, of which a motion tells only combinations."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.formulation import JointTorques
 from stickslip.identification.force_map.joint_balance import joint_stretches, regression_of
+from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import LINKS, Mechanism, Robot, RobotJoint
-from stickslip.quantities import fields_of, parameters
+from stickslip.quantities import fields_of, parameters, vary
 
 Array = NDArray[np.float64]
 
@@ -23,17 +24,23 @@ NOTHING = 1e-12
 """Value of a field that is looked for from 0 [SI]: 0 is no parameter of equations."""
 TOLD = 1e-2
 """Share of a slope that others do not span, from which a motion tells it apart."""
+ESSENTIAL = 3.0
+"""Standard errors from 0 below which a parameter stays as it is described."""
+POSES = 50
+"""Poses of a record in which a mass matrix is looked at."""
 
 
 def told_links(
     robot: Mechanism, measurement: Measurement, hold: Hold, *, zeros: bool
 ) -> tuple[Mechanism, tuple[str, ...]]:
-    """Return a robot and the paths of its links' parameters that records tell apart.
+    """Return a robot, and the paths of its links' parameters that records tell, at their values.
 
-    The largest set of independent slopes, by pivoted QR behind friction and a constant force of
-    each joint; what the others would do to the forces, these do.
+    First the largest set of independent slopes, by pivoted QR; what the others would do to the
+    forces, these do. Then those that are hardly other than described are left as they are, the
+    least certain first, until all are certain and the mass matrix is positive in all poses.
 
-    Source: M. Gautier, "Numerical calculation of the base inertial parameters of robots", 1991.
+    Sources: M. Gautier, "Numerical calculation of the base inertial parameters of robots", 1991;
+    C. M. Pham, M. Gautier, "Essential parameters of robots", 1991.
     """
     if not isinstance(robot, Robot):
         raise InputError(
@@ -45,12 +52,26 @@ def told_links(
     free = _with_parameters(robot, paths)
     torques = JointTorques.of(free, paths, by_position=zeros)
     (stretches,) = joint_stretches(torques, free, measurement, hold=hold, slipping=True)
-    table, _, joint = regression_of(stretches, len(paths))
-    spread = [np.std(np.concatenate([one.applied for one in own])) for own in stretches]
-    table = table / np.maximum(spread, 1e-300)[joint, None]
-    told = [paths[i] for i in _independent(table[:, : len(paths)], table[:, len(paths) :])]
-    told = tuple(path for path in paths if path in told)
-    return _with_parameters(robot, told), told
+    table, forces, joint = regression_of(stretches, len(paths))
+    told = _independent(table, len(paths))
+    table = table[:, [*told, *range(len(paths), table.shape[1])]]
+    residual = forces - table @ np.linalg.lstsq(table, forces, rcond=None)[0]
+    rows = np.bincount(joint, minlength=len(stretches))
+    left = np.sqrt(np.bincount(joint, residual**2, minlength=len(stretches)) / np.maximum(rows, 1))
+    weighed = np.column_stack([table, forces]) / np.maximum(left, 1e-300)[joint, None]
+    triangle = np.linalg.qr(weighed, mode="r")
+    passed = min((one.passed or 1.0 for own in stretches for one in own), default=1.0)
+    poses = _poses(robot, measurement)
+    kept, values = list(range(len(told))), dict[str, float]()
+    while kept:
+        found, errors = _solved(triangle, kept, len(told))
+        certain = np.abs(found) * np.sqrt(passed) / errors
+        least = int(np.argmin(certain))
+        values = dict(zip((paths[told[i]] for i in kept), found.tolist(), strict=True))
+        if certain[least] > ESSENTIAL and _is_consistent(robot, values, poses):
+            break
+        del values[paths[told[kept[least]]]], kept[least]
+    return _moved(robot, values), tuple(path for path in paths if path in values)
 
 
 def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
@@ -63,11 +84,51 @@ def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def _independent(columns: Array, others: Array) -> Sequence[int]:
-    """Return which columns are independent of others and of each other."""
+def _moved(robot: Robot, changes: Mapping[str, float]) -> Robot:
+    """Return a robot with parameters changed by so much."""
+    free = _with_parameters(robot, list(changes))
+    before = {path: value for path, _, value in parameters(free, "mechanism")}
+    after = {path: before[path] + change for path, change in changes.items()}
+    return vary(free, "mechanism", after)
+
+
+def _independent(table: Array, count: int) -> Sequence[int]:
+    """Return which of the first columns are independent of each other and of all later ones."""
+    size = np.linalg.norm(table, axis=0)
+    scaled = table / np.where(size > 0.0, size, 1.0)
+    basis = np.linalg.qr(scaled[:, count:])[0]
+    columns = scaled[:, :count]
+    _, triangle, order = qr(columns - basis @ (basis.T @ columns), mode="economic", pivoting=True)
+    found = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TOLD))
+    return sorted(int(i) for i in order[:found])
+
+
+def _solved(triangle: Array, kept: Sequence[int], count: int) -> tuple[Array, Array]:
+    """Return values of parameters and their standard errors, by noise of 1 in every row."""
+    columns = triangle[:, [*kept, *range(count, triangle.shape[1] - 1)]]
     size = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(size > 0.0, size, 1.0)
-    basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
-    _, triangle, order = qr(scaled - basis @ (basis.T @ scaled), mode="economic", pivoting=True)
-    count = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TOLD))
-    return [int(i) for i in order[:count]]
+    inverse = np.linalg.pinv(columns / np.where(size > 0.0, size, 1.0), rcond=1e-10)
+    found = (inverse @ triangle[:, -1])[: len(kept)] / size[: len(kept)]
+    return found, np.linalg.norm(inverse[: len(kept)], axis=1) / size[: len(kept)]
+
+
+def _poses(robot: Robot, measurement: Measurement) -> Mapping[str, Array]:
+    """Return some coordinates of records (n,), by name."""
+    every = [
+        np.concatenate([positions_of(one.joints[name]) for one in measurement.records()])
+        for name in robot.coordinates
+    ]
+    step = max(1, len(every[0]) // POSES)
+    return {name: q[::step] for name, q in zip(robot.coordinates, every, strict=True)}
+
+
+def _is_consistent(robot: Robot, values: Mapping[str, float], poses: Mapping[str, Array]) -> bool:
+    """Whether accelerations take force with parameters of links: the mass matrix is positive."""
+    try:
+        moved = _moved(robot, values)
+    except ParameterError:
+        return False
+    count = len(next(iter(poses.values())))
+    rows = [[np.broadcast_to(x, count) for x in row] for row in moved.mass_matrix(poses)]
+    sizes = np.linalg.eigvalsh(np.moveaxis(np.array(rows, dtype=float), -1, 0))
+    return bool(sizes.min() > 0.0)
