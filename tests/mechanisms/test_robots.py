@@ -335,3 +335,82 @@ def test_a_joint_whose_stops_exclude_0_begins_in_the_middle_between_them():
     )
     run = simulate(Robot(joints=(hinge,)), Coulomb(kinetic_coefficient=3.0), t_end=1.0)
     assert run["Hinge"][0] == -1.75
+
+
+def coupled(robot, multiples):
+    """Return a robot whose motors turn with joints before them: by joint, multiples by joint."""
+    joints = [
+        dataclasses.replace(
+            one,
+            lower_stop=None,
+            upper_stop=None,
+            armature=0.02,
+            coupling=multiples.get(one.joint, {}),
+        )
+        for one in robot.joints
+    ]
+    return dataclasses.replace(robot, joints=tuple(joints))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_coupled_motors_have_the_energies_of_the_joints(tmp_path, seed):
+    """T(x) = T(q) + armatures' and V(x) = V(q), and virtual work, with x = q + c q_before."""
+    robot = read(tmp_path, random_urdf(seed, count=4, kinds=("revolute", "prismatic"))).robot
+    names = [one.joint for one in robot.joints]
+    factors = {names[2]: {names[0]: 0.7}, names[3]: {names[2]: -1.3, names[1]: 0.4}}
+    plain, other = coupled(robot, {}), coupled(robot, factors)
+    mix = np.eye(4)
+    for name, by in factors.items():
+        for before, factor in by.items():
+            mix[names.index(name), names.index(before)] = factor
+    dice = np.random.default_rng(seed)
+    q, v = dice.uniform(-2.0, 2.0, 4), dice.normal(size=4)
+    own = 0.02 * np.eye(4)
+    mass, taken = equations_of(plain, q, v)
+    taken_there = equations_of(other, mix @ q, mix @ v)
+    back = np.linalg.inv(mix)
+    scale = np.abs(mass).max()
+    expected = back.T @ (mass - own) @ back + own
+    np.testing.assert_allclose(taken_there[0], expected, atol=1e-12 * scale, rtol=0)
+    # dampers act along the coordinates, and equations_of leaves them out
+    np.testing.assert_allclose(taken_there[1], back.T @ taken, atol=1e-11 * scale, rtol=0)
+    heights = [
+        one.potential_energy(0.0, dict(zip(one.coordinates, at, strict=True)))
+        for one, at in ((plain, q), (other, mix @ q))
+    ]
+    assert heights[0] == pytest.approx(heights[1], rel=1e-12)
+
+
+def test_a_coupled_arm_with_friction_balances_its_energy():
+    arm = coupled(read_urdf(DESK).robot, {"elbow": {"shoulder": 1.0}})
+    arm = dataclasses.replace(
+        arm, joints=tuple(dataclasses.replace(one, damping=0.0) for one in arm.joints)
+    )
+    run = simulate(
+        arm,
+        Coulomb(kinetic_coefficient=0.05),
+        t_end=2.0,
+        y0={"shoulder": 0.5, "turret_dot": 1.0, "elbow": 0.8},
+    )
+    assert run.certificate.certified
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"coupling": {"wrist": 1.0}}, "joint in the coupling of 'elbow'.*'wrist'"),
+        ({"coupling": {"elbow": 1.0}}, "coupling must be multiples"),
+        ({"coupling": {"shoulder": math.inf}}, "coupling must be multiples"),
+        ({"coupling": 3.0}, "coupling must be multiples"),
+        ({"coupling": {"shoulder": 1.0}, "upper_stop": 1.0}, "takes no lower_stop or upper_stop"),
+    ],
+)
+def test_couplings_that_are_refused(change, message):
+    arm = coupled(read_urdf(DESK).robot, {})
+
+    def changed():
+        last = dataclasses.replace(arm.joints[2], **change)
+        return dataclasses.replace(arm, joints=(*arm.joints[:2], last))
+
+    with pytest.raises((ParameterError, UnknownNameError), match=message):
+        changed()
