@@ -295,6 +295,31 @@ def test_a_law_whose_bristles_creep_is_at_rest_within_the_scatter_of_unrounded_r
     assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=0.1)
 
 
+def test_a_stiffness_of_bristles_is_found_from_a_guess_decades_off():
+    # each stiffness has a level of its own: stiff bristles have no slope that leads to soft ones
+    true = Dahl(kinetic_coefficient=0.25, bristle_stiffness=7.5, static_switch=True)
+    trials = []
+    for compression in (0.06, 0.085, 0.12):
+        block = SpringBlock(mass=0.82, stiffness=145.0, compression=compression)
+        trials.append(
+            Measurement(
+                name=f"{compression}", uncertainty=1e-3,
+                travel=float(simulate(block, true, t_end=5.0)["x"][-1]),
+                overrides={"mechanism.compression": compression},
+            )
+        )  # fmt: skip
+    rig = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
+    found = fit(
+        rig,
+        replace(true, kinetic_coefficient=0.3, bristle_stiffness=1200.0),
+        Measurement(trials=tuple(trials)),
+        vary=["friction.kinetic_coefficient", "friction.bristle_stiffness"],
+        t_end=5.0,
+    )
+    assert found.law.bristle_stiffness == pytest.approx(7.5, rel=1e-3)
+    assert found.law.kinetic_coefficient == pytest.approx(0.25, rel=1e-3)
+
+
 def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
     ways = {}
     for x in (0.06, 0.08, 0.1):

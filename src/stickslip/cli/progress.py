@@ -187,7 +187,7 @@ class _ByLaw(_Shown):
         if name not in self._met:
             self._begun[len(self._met) :] = [time.monotonic()]
             self._met.append(name)
-        place, total = self._met.index(name) + 1, len(self._names)
+        place, total = self._met.index(name) + 1, max(len(self._names), len(self._met))
         step = f"{verb} {name}"
         self._say(step, place, total)
         text = f"{step} (law {place} {self._of} {total})"

@@ -182,30 +182,38 @@ class _Race:
                 self.ends.append(None)
                 self._go(start, _start(free_parameters, start, self.tried, random), EARLY)
         limit = HOPELESS * min(self.costs)
-        goal = 0.0
+        goal: ResidualJacobian | None = None
         for start in sorted(range(len(self.ends)), key=self.costs.__getitem__):
             end = self.ends[start]
             if self.hopeless or not end or end.cost > limit:
                 break
             self._go(start, end.values, ROUNDS, goal)
             # ends of five rounds are on their way: only where one has arrived can others agree
-            goal = min(self.costs[start], goal or math.inf)
-            self.hopeless = goal > 0.0 and self._far_above_rival()
+            goal = self._best
+            self.hopeless = self._far_above_rival()
         while self.starts > 1 and not self.hopeless and not self.cancelled:
             number = len(self.ends)
             if _agreeing(self.costs) > 1 or number >= FURTHER + count:
                 break
             self.ends.append(None)
             values = _start(free_parameters, number, self.tried, random)
-            self._go(number, values, ROUNDS, min(self.costs))
+            self._go(number, values, ROUNDS, self._best)
+
+    @property
+    def _best(self) -> ResidualJacobian | None:
+        """The end of least cost; None if there is none."""
+        return min((one for one in self.ends if one), key=lambda one: one.cost, default=None)
 
     def _far_above_rival(self) -> bool:
         """Whether the best of several starts leaves far more than the rival."""
-        best = min((one for one in self.ends if one), key=lambda one: one.cost)
-        return not self.cancelled and len(self.ends) > 1 and best.rms**2 > HOPELESS * self.rival > 0
+        best = self._best
+        far = best is not None and best.rms**2 > HOPELESS * self.rival > 0
+        return far and not self.cancelled and len(self.ends) > 1
 
-    def _go(self, number: int, values: Array, rounds: int, goal: float = 0.0) -> None:
-        """Go on with a start for some rounds, or until it agrees with a goal."""
+    def _go(
+        self, number: int, values: Array, rounds: int, goal: ResidualJacobian | None = None
+    ) -> None:
+        """Go on with a start for some rounds, or until it comes to a goal."""
         if not self.cancelled:
             self.ends[number], self.cancelled = _improved(
                 self.problem, values, self.ends[number], self.counter, rounds, goal
@@ -218,7 +226,7 @@ def _improved(
     near: ResidualJacobian | None,
     counter: Counter,
     rounds: int,
-    goal: float = 0.0,
+    goal: ResidualJacobian | None = None,
 ) -> tuple[ResidualJacobian | None, bool]:
     """Return where a start leads, None if nothing is predicted there; and whether to stop."""
     try:
@@ -261,14 +269,14 @@ def improve(
     near: ResidualJacobian | None = None,
     counter: Callable[[ResidualJacobian], None] | None = None,
     rounds: int = ROUNDS,
-    goal: float = 0.0,
+    goal: ResidualJacobian | None = None,
     flat: float = FLAT,
 ) -> tuple[ResidualJacobian, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
-    A descent that ended at these values, `near`, is continued. It ends early where its cost agrees
-    with a `goal`, and where a step promises to lower it by less than the share `flat`; a share that
-    is not the usual one never stops the first step.
+    A descent that ended at these values, `near`, is continued. It ends early where it comes to a
+    `goal`, another end, and where a step promises to lower it by less than the share `flat`; a
+    share that is not the usual one never stops the first step.
     """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
@@ -301,12 +309,27 @@ def improve(
                 break  # nor did initial states, which follow one step behind, gain anything
             if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
                 break
-            arrived = gained < AGREE * here.cost and _agree(here.cost, goal)
-            if arrived or damping > MOST_DAMPING:
+            if damping > MOST_DAMPING:
+                break
+            if gained < AGREE * here.cost and goal and _leads_to(free_parameters, here, goal):
                 break
     except _StoppedError:
         return here, True
     return here, False
+
+
+def _leads_to(
+    free_parameters: FreeParameters, here: ResidualJacobian, goal: ResidualJacobian
+) -> bool:
+    """Whether a descent comes to an end: their costs agree, and slopes predict that of the end.
+
+    One that passes the same cost on its way to another valley must go on.
+    """
+    if not _agree(here.cost, goal.cost):
+        return False
+    at, end = map(free_parameters.coordinates, (here.values, goal.values))
+    there = here.residual - here.slopes @ free_parameters.slopes(at) @ (end - at)
+    return _agree(float(there @ there), goal.cost)
 
 
 def _eased(gained: float, promised: float) -> float:

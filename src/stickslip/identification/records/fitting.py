@@ -53,6 +53,7 @@ from stickslip.identification.records.problems import (
     RecordRouteName,
     RouteChoice,
     Wanted,
+    as_recorded,
     prepared,
 )
 from stickslip.identification.records.propagation import displacements
@@ -100,6 +101,8 @@ LEFT = 1e-3
 MANY = 5000
 """Samples from which fits of the simpler laws of one with a memory take minutes: values that the
 force balance finds stand for them."""
+SHIFT = 0.1
+"""Way over a standard error from which an estimate is said to move: less leaves it as sure."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -235,6 +238,9 @@ def _fitted_by(
     elif contained is None:
         contained = _simpler_fits(choice, wanted, measurement, watch)
     ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
+    if first is found and not (found.cancelled or found.hopeless):
+        ready, found = _under_each_sample(ready, found, measurement, watch)
+        first = found
     build = ready.build.at(found.best.values)
     if build is not ready.build:
         ready = replace(ready, build=build, problem=build.fitted(measurement, None))
@@ -426,6 +432,44 @@ def _off_bounds(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> 
                 evaluations=found.evaluations + again.evaluations,
             )
     return found
+
+
+def _under_each_sample(
+    ready: FitSetup, found: OptimizeResult, measurement: Measurement, watch: Watch | None
+) -> tuple[FitSetup, OptimizeResult]:
+    """Return a search that ends under the force of each sample, if that moves an estimate.
+
+    Searches take a piece of the force a row. What that shifts is little beside the noise of a row,
+    but not always beside the errors of estimates, which hold nothing of it.
+    """
+    best, unknowns = found.best, ready.problem.free_parameters
+    fewer = isinstance(ready.problem, Shooting) and ready.problem.fewer_pieces
+    build = as_recorded(ready.build) if fewer and driven(measurement) else None
+    if build is None:
+        return ready, found
+    problem = build(measurement, ready.length).with_free_parameters(unknowns)
+    here = problem.linearise(best.values, best)
+    errors = infer(best, scale_of(unknowns, best.values, bounds_met(unknowns, best.values))).errors
+    shift = np.abs(_step(unknowns, here) - _step(unknowns, best)) if here.finite else 0.0 * errors
+    exact = replace(ready, problem=problem, build=build)
+    again = _from(exact, best.values, watch) if np.any(shift > SHIFT * errors) else None
+    if again is None:
+        return ready, found
+    return exact, replace(
+        again,
+        costs=found.costs,
+        values=found.values + (again.best.values - best.values),
+        evaluations=found.evaluations + again.evaluations,
+    )
+
+
+def _step(unknowns: FreeParameters, here: ResidualJacobian) -> Array:
+    """Return how far one step moves the values (p,) at which a problem was linearised."""
+    at, (low, high) = unknowns.coordinates(here.values), unknowns.limits()
+    step, _ = step_of(
+        here.slopes @ unknowns.slopes(at), here.residual, at, low, high, FIRST_DAMPING
+    )
+    return np.asarray(unknowns.values(at + step) - here.values)
 
 
 def _best_of(
@@ -633,11 +677,7 @@ def _moved(fit: RecordFit, problem: ForceMap) -> Array | None:
     """Return how far one step moves the estimates (p,) in another problem of the same record."""
     free = fit.free_parameters
     here = problem.with_free_parameters(free).linearise(fit.values)
-    if not here.finite:
-        return None
-    at, (low, high) = free.coordinates(fit.values), free.limits()
-    step, _ = step_of(here.slopes @ free.slopes(at), here.residual, at, low, high, FIRST_DAMPING)
-    return np.asarray(free.values(at + step) - fit.values)
+    return _step(free, here) if here.finite else None
 
 
 def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:

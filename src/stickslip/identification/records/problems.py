@@ -134,6 +134,8 @@ class _ShootingBuilder:
     settings: RecordSettings
     quantity: str
     """What runs are compared with, in every record alike."""
+    exact: bool = False
+    """Whether the force is that of each sample, where rows are fewer."""
 
     def __call__(self, record: Measurement, length: float | None) -> Shooting:
         return Shooting(
@@ -148,6 +150,7 @@ class _ShootingBuilder:
                 hold=self.settings.holding,
                 quantity=self.quantity,
                 zeros=self.settings.position_zeros is not False,
+                exact=self.exact,
             ),
             quantity_=self.quantity,
         )
@@ -177,6 +180,11 @@ class _ShootingBuilder:
 
     def at(self, _values: Array) -> "_ShootingBuilder":
         return self
+
+
+def as_recorded(build: ProblemBuilder) -> ProblemBuilder | None:
+    """Return what simulates under the force of each sample; None if nothing is simulated."""
+    return replace(build, exact=True) if isinstance(build, _ShootingBuilder) else None
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.drives import PiecewiseAffine
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
@@ -121,6 +122,12 @@ class Shooting(RecordProblem):
     @override
     def quantity(self) -> str:
         return self.quantity_
+
+    @property
+    def fewer_pieces(self) -> bool:
+        """Whether a piece of the force, with its impulse and moment, stands for several samples."""
+        drives = (getattr(one.mechanism, "drive", None) for one in self.segments)
+        return any(isinstance(one, PiecewiseAffine) for one in drives)
 
     @property
     @override

@@ -61,13 +61,14 @@ def try_law(
     )  # fmt: skip
     names = payable(law, trials) if free is None else free
     several = len({trial.setting for trial in trials}) > 1
+    guessed = any(f"friction.{name}" in names for name in marked)
     known = () if ordinary else [name for name in fields_of(type(law)) if getattr(law, name)]
     unknown = nuisances_of(type(law), names, known) if several else []
     needed = [f"friction.{one}" for one in required_of(type(law)) if f"friction.{one}" not in names]
     invented = tuple(path.rpartition(".")[2] for path in (unknown or needed) if ordinary)
 
     def fitted(nuisances: Sequence[str]) -> TravelFit:
-        starts = _starts(law, names, nuisances, trials, simpler, t_end)
+        starts = _starts(law, names, nuisances, trials, simpler, t_end, guessed=guessed)
         return fit_trials(
             law, trials, free=names, starts=starts, nuisances=nuisances, t_end=t_end, watch=report
         )
@@ -125,10 +126,14 @@ def _starts(
     trials: Sequence[Trial],
     simpler: Sequence[TravelCandidate],
     t_end: float,
+    *,
+    guessed: bool,
 ) -> list[Start] | None:
     """Return where searches on several trials begin, the richest first: at simpler laws' fits.
 
-    A law of few parameters is scanned too, and one without a simpler law.
+    A law of few parameters is scanned too, and one without a simpler law. One with bristles is not,
+    as its runs take long, unless one of its values was guessed: a stiffness decades too large has
+    no slope that leads from there.
     """
     if len(trials) < 2:
         return None
@@ -152,7 +157,7 @@ def _starts(
             found.append([row[path] for path in every])
     if not found:
         return None
-    if not nuisances and len(names) <= SCANNED and not law.states:
+    if not nuisances and len(names) <= SCANNED and (guessed or not law.states):
         found += starting_points(TravelModel(law, names, t_end), trials)
     return found
 

@@ -90,6 +90,10 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
             # the level that fits alone may be of a branch with a fraction of the friction
             rests += [[FRACTION * value for value in rest] for rest in rests]
         return _dense(model, trials, levels, [idle, *rests])
+    if [quantities[path].scale for path in others] == ["stiffness"]:
+        # soft bristles give back what they took: each stiffness has a level of its own
+        rests = [[factor * centre[others[0]]] for factor in DECADES]
+        return _valleys(model, trials, levels, rests)
     rows = _rows(model, levels, idle)
     if not others:
         return _best(rows, costs)
@@ -341,13 +345,20 @@ def _dense(
     if len(beside) > BESIDE:
         chosen = np.linspace(0, len(beside) - 1, BESIDE).astype(int)
         beside = [beside[i] for i in chosen]
-    found: list[tuple[float, Start]] = []
-    rows = [row for rest in beside for row in _rows(model, fine, rest)]
-    costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), dense)
+    return _valleys(model, trials, fine, beside)
+
+
+def _valleys(
+    model: TravelModel, trials: Sequence[Trial], levels: Array, beside: Sequence[Sequence[float]]
+) -> list[Start]:
+    """Return the levels where travels are explained best, with each of the values beside them."""
+    count, found = len(levels), list[tuple[float, Start]]()
+    rows = [row for rest in beside for row in _rows(model, levels, rest)]
+    costs = _costs(_table(model, trials, rows), trials).reshape(len(beside), count)
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     valleys = (costs <= padded[:, :-2]) & (costs <= padded[:, 2:]) & np.isfinite(costs)
     for i, j in zip(*np.nonzero(valleys), strict=True):
-        found.append((float(costs[i, j]), rows[int(i) * dense + int(j)]))
+        found.append((float(costs[i, j]), rows[int(i) * count + int(j)]))
     found.sort(key=lambda one: one[0])
     return [row for _, row in found[:MANY]]
 
