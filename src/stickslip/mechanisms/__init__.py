@@ -55,6 +55,7 @@ INSIDE = {
     "WHOLE": "drive_period",
     "as_rotary": "base",
     "checked_contacts": "contacts",
+    "coordinate_of": "robot",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "given_names": "told_inputs",

@@ -50,6 +50,7 @@ from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.rigid_bodies import joint_places as joint_places
 from stickslip.mechanisms.robot import Robot as _Robot
 from stickslip.mechanisms.robot import RobotJoint as _RobotJoint
+from stickslip.mechanisms.robot import coordinate_of as coordinate_of
 from stickslip.mechanisms.serial_arm import Link as _Link
 from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock

@@ -35,6 +35,18 @@ SMALLEST = 1e-12
 """Share of the largest entry that a pivot of a mass matrix may not fall below."""
 
 
+def coordinate_of(joint: str) -> str:
+    """Return the name of the coordinate of a joint.
+
+    Examples
+    --------
+    >>> coordinate_of("left/elbow-joint"), coordinate_of("mode")
+    ('left_elbow_joint', 'mode_joint')
+    """
+    name = re.sub(r"\W+", "_", joint, flags=re.ASCII).strip("_")
+    return f"{name}_joint" if name in COLUMNS else name
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class RobotJoint(Parametrised):
@@ -135,8 +147,7 @@ class RobotJoint(Parametrised):
     @property
     def coordinate(self) -> str:
         """Name of the joint's coordinate."""
-        name = re.sub(r"\W+", "_", self.joint, flags=re.ASCII).strip("_")
-        return f"{name}_joint" if name in COLUMNS else name
+        return coordinate_of(self.joint)
 
     @property
     def contact_name(self) -> str:

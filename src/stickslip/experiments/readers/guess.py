@@ -21,10 +21,11 @@ from stickslip.experiments.readers.condition_columns import (
     conditions_in,
 )
 from stickslip.experiments.readers.csv_reader import refuse_numbers
+from stickslip.experiments.readers.formats import TEXT, data_file
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope
-from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
+from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.toml import check_file
@@ -285,11 +286,13 @@ def guess_data(
     >>> guess.reasons["position"]
     "column 'Weg' in µm, by its name"
     """
+    path = data_file(Path(path)) if isinstance(path, str | Path) else path
     check_file(path)
-    _look_ahead(Path(path), columns or {}, units or {})
-    layout, reasons = _layout(Path(path))
+    _look_ahead(path, columns or {}, units or {})
+    layout, reasons = _layout(path)
     given = dict(columns or {})
-    frame = read_frame(path, columns={}, units={}, layout=layout)
+    named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
     found = _assigned(frame, given, units or {})
     _check_enough(frame, found)
     trial = _trial_column(frame, given, found)
@@ -339,6 +342,7 @@ def guess_data(
         turning=turning,
         reasons=reasons,
         doubts=(
+            *frame.remarks,
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
         ),
