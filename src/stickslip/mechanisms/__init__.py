@@ -72,6 +72,7 @@ INSIDE = {
     "slipping": "contacts",
     "slips_by_angle": "contacts",
     "told_fields": "told_inputs",
+    "urdf_joints": "urdf",
     "without_given": "told_inputs",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -58,3 +58,17 @@ def data_file(path: Path) -> Path:
     """Return the file to read of a folder that holds a log; a file as it is."""
     inside = (path / one.within for one in FORMATS if one.within)
     return next((file for file in inside if file.is_file()), path)
+
+
+def log_name(path: Path) -> str:
+    """Return what a file is called without its ending; a log in a folder is called like that.
+
+    Examples
+    --------
+    >>> log_name(Path("run.csv")), log_name(Path("monday/metadata.yaml"))
+    ('run', 'monday')
+    """
+    known = format_of(path)
+    if known is None or not known.within:
+        return path.stem
+    return path.absolute().parents[len(Path(known.within).parts) - 1].name

@@ -182,9 +182,9 @@ def read_frame(
     if layout is not None and path.suffix.lower() not in TEXT:
         raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
     if known is None:
-        endings = ", ".join(dict.fromkeys(one.endings[0] for one in FORMATS))
+        *endings, last = (one.endings[0] for one in FORMATS)
         raise InputError(
-            f"{file}: must be a file of one of the kinds {endings}, got"
+            f"{file}: must be a {', '.join(endings)} or {last} file, got"
             f" {path.suffix or 'no file extension'}. Save a spreadsheet as CSV."
         )
     wanted = [*dict.fromkeys((*single.values(), *also))]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.table import Table
-from stickslip.formatting import count, joined
+from stickslip.formatting import count, joined, number
 from stickslip.mechanisms import coordinate_of
 from stickslip.units import shown
 
@@ -30,7 +30,7 @@ COMMANDED: Final = re.compile(
 """Names of topics whose joint states are wanted and not measured."""
 LONGEST: Final = 64
 """Elements up to which an array in a message has a column each."""
-HOLE: Final = 3.5
+HOLE: Final = 3.0
 """Usual steps of a clock beyond which nothing is interpolated between two of its samples."""
 MOST_TOPICS: Final = 12
 """Topics that a message lists."""
@@ -185,6 +185,7 @@ class _Joined:
         begin = int(clock.times[0])
         data: dict[str, Any] = {"time [s]": (clock.times - begin) * 1e-9}
         apart: dict[tuple[str, str], list[str]] = {}
+        rates: dict[str, str] = {}
         said = []
         for name, one in wanted.items():
             if (
@@ -202,7 +203,11 @@ class _Joined:
             data[name] = values
             if how:
                 apart.setdefault((one.topic, how), []).append(name)
-        said += [_apart(topic, how, found, clock) for (topic, how), found in apart.items()]
+                rates.setdefault(one.topic, _rate(one))
+        said += [
+            _apart(f"{topic}{rates[topic]}", how, found, clock)
+            for (topic, how), found in apart.items()
+        ]
         return Table(
             data=pd.DataFrame(data),
             remarks=(*remarks, *said, *self._told(data), *self._left(wanted)),
@@ -302,6 +307,12 @@ def _apart(topic: str, how: str, names: Sequence[str], clock: _Signal) -> str:
     verb = "is" if len(names) == 1 else "are"
     what = "the last value before" if how == "held" else "interpolated at"
     return f"{listed} of {topic} {verb} {what} each sample of {clock.topic}."
+
+
+def _rate(one: _Signal) -> str:
+    """Return the rate of a signal, in brackets."""
+    step = float(np.median(np.diff(one.times))) * 1e-9 if one.times.size > 1 else 0.0
+    return f" ({number(1.0 / step, 3)} Hz)" if step > 0.0 else ""
 
 
 def _clock_remarks(found: Mapping[str, _Collected], stamped: bool) -> list[str]:
