@@ -12,6 +12,7 @@ from typing import Final
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
+from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.layout import (
     Layout,
     bare_cells,
@@ -21,10 +22,9 @@ from stickslip.experiments.readers.layout import (
     labview_units,
     unit_in,
 )
-from stickslip.experiments.readers.scope_channels import is_scope, read_scope
 from stickslip.experiments.readers.table import Table
 from stickslip.experiments.readers.toml import decode
-from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
+from stickslip.experiments.readers.video_tracks import header_of, is_named
 from stickslip.units import shown
 
 HEAD: Final = 65_536
@@ -61,10 +61,10 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     if layout is not None:
         return _read_as(path, data, layout)
     text, encoding = _decoded(path, data)
-    read_own = read_blocks if is_blocks(text) else read_scope if is_scope(text) else None
-    if read_own is not None:
+    dialect = dialect_of(text)
+    if dialect is not None:
         try:
-            table, line = read_own(text)
+            table, line = dialect.read(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
         return Table(data=table, first_row=line)

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Final, final
 
 from stickslip.experiments.readers.csv_reader import read_text
+from stickslip.experiments.readers.lerobot import INFO, read_lerobot
 from stickslip.experiments.readers.matlab import read_mat
 from stickslip.experiments.readers.mcap_log import MCAP, read_mcap
 from stickslip.experiments.readers.mdf import MDF, read_mdf
 from stickslip.experiments.readers.parquet import PARQUET, read_parquet
 from stickslip.experiments.readers.ros_bags import BAGS, METADATA, read_bag
+from stickslip.experiments.readers.servo_json import read_servo
 from stickslip.experiments.readers.table import Table
 
 TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
@@ -38,6 +40,8 @@ FORMATS: Final = (
     Format(endings=MCAP, read=read_mcap),
     Format(endings=BAGS, read=read_bag),
     Format(endings=(METADATA,), read=read_bag, within=METADATA),
+    Format(endings=("info.json",), read=read_lerobot, within=INFO),
+    Format(endings=(".json",), read=read_servo),
 )
 """Formats by the ends of the names of their files."""
 

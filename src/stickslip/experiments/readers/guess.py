@@ -21,15 +21,14 @@ from stickslip.experiments.readers.condition_columns import (
     conditions_in,
 )
 from stickslip.experiments.readers.csv_reader import refuse_numbers
+from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
-from stickslip.experiments.readers.scope_channels import SCOPE, is_scope
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.toml import check_file
-from stickslip.experiments.readers.video_tracks import is_blocks
 from stickslip.formatting import count, number
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
@@ -55,7 +54,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "velocity": (
         *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "v", "n", "ω"),
+        *("omega", "vel", "velo", "dq", "qd", "v", "n", "ω"),
     ),
     "force": (
         *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
@@ -116,12 +115,16 @@ OTHER: Final = (
     "beschleunigung",
     "power",
     "leistung",
+    "enable",
+    "freigabe",
 )
 """What names of columns contain that none of the quantities has."""
 OTHER_WORDS: Final = ("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta")
 """The same as words of their own."""
 VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
+SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
+"""Words in names of voltages that drive no axis by themselves."""
 PREFERRED: Final = (
     *("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor"),
     *("motor", "drive", "antrieb"),
@@ -367,7 +370,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
     with path.open("rb") as file:
         top = file.read(TOP)
     text, encoding = decoded(top)
-    if encoding.startswith("utf-16") or is_scope(text) or is_blocks(text):
+    if encoding.startswith("utf-16") or dialect_of(text) is not None:
         return
     with TemporaryDirectory() as folder:
         part = Path(folder, path.name)
@@ -385,8 +388,9 @@ def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
     if path.suffix.lower() not in TEXT:
         return None, {}
     text, encoding = decoded(path.read_bytes())
-    if is_scope(text):
-        return None, {"cells": SCOPE}
+    dialect = dialect_of(text)
+    if dialect is not None:
+        return None, {"cells": dialect.title}
     found = layout_of(text, encoding)
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
@@ -575,7 +579,9 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     wanted = _is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
-        if any(word in joined for word in NAMES["position"] if len(word) > 2) or joined in words:
+        bare = "".join(part for part in parts if part not in WANTED)
+        moves = any(word in joined for word in NAMES["position"] if len(word) > 2)
+        if moves or joined in words or bare in NAMES["position"]:
             return WHOLE + 0.5, "by its name"
         return 0.0, ""
     if wanted and quantity not in ("force", "time"):
@@ -666,7 +672,9 @@ def _turns(found: Mapping[str, Found]) -> bool:
                 return turns
     still = ("time", "load", "temperature")
     moving = [one.name.casefold() for q, one in found.items() if q not in still]
-    return any(word in name or joint_in(name)[1] for name in moving for word in TURNING)
+    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in _parts(name)) for name in moving):
+        return True  # coordinates of the joints of a robot
+    return any(word in name for name in moving for word in TURNING)
 
 
 def column_text(one: Found) -> str:
@@ -885,6 +893,8 @@ def _may_drive(frame: Frame, name: str) -> bool:
     volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)
+    if any(part in SUPPLIES for part in _parts(name)):
+        return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 
 

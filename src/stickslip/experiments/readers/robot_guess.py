@@ -114,7 +114,7 @@ def guess_robot(
     times = next((one for q, one in assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
-    found, doubts = _matched(frame, kinds, units or {}, Path(urdf).name)
+    found, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
     joints = [replace(one, numbers=dict(_numbers(frame, one, units or {}))) for one in found]
     driven = any(one.driven for one in joints)
     moving = [one for one in joints if one.moves and (one.driven or not driven)]
@@ -160,10 +160,10 @@ def guess_robot(
 
 
 def _matched(
-    frame: Frame, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
+    frame: Frame, clock: str, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
 ) -> tuple[list[_Joint], list[str]]:
     """Return the joints of a description that a log has, and what is said of the others."""
-    logged = dict(_logged(frame, units))
+    logged = dict(_logged(frame, clock, units))
     if not logged:
         listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
         raise InputError(
@@ -173,11 +173,10 @@ def _matched(
     own = {coordinate_of(name): name for name in kinds}
     doubts = []
     pairs = {key: own[key] for key in logged if key in own}
-    if not pairs and all(key.isdigit() for key in logged) and len(logged) == len(own):
-        order = sorted(logged, key=int)
-        pairs = dict(zip(order, own.values(), strict=True))
+    if not pairs and all(key.isdigit() for key in logged):
+        pairs = _numbered(sorted(logged, key=int), [*own.values()])
         told = joined([f"{key} is {name!r}" for key, name in pairs.items()])
-        doubts.append(f"The log numbers its joints, and the order of {urdf} is assumed: {told}.")
+        doubts += [f"The log numbers its joints, so that it is assumed: {told}."] * bool(pairs)
     if not pairs:
         raise InputError(
             f"{frame.file}: has the joints {joined([*logged])}, and {urdf} has"
@@ -198,7 +197,27 @@ def _matched(
     ], doubts
 
 
-def _logged(frame: Frame, units: Mapping[str, str]) -> Iterator[tuple[str, dict[str, Found]]]:
+def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
+    """Return the joints that numbers stand for: by the numbers in their names, or in their order.
+
+    Examples
+    --------
+    >>> _numbered(["0", "1"], ["panda_joint1", "panda_joint2", "finger"])
+    {'0': 'panda_joint1', '1': 'panda_joint2'}
+    >>> _numbered(["1", "2"], ["pan", "lift"])
+    {'1': 'pan', '2': 'lift'}
+    """
+    own = {numbered(name)[1]: name for name in names if numbered(name)[1]}
+    for first in (0, 1):  # counted alike, or from 0 and from 1
+        found = {key: own.get(str(int(key) + first), "") for key in keys}
+        if all(found.values()) and len(own) == len(keys):
+            return found
+    return dict(zip(keys, names, strict=True)) if len(keys) == len(names) else {}
+
+
+def _logged(
+    frame: Frame, clock: str, units: Mapping[str, str]
+) -> Iterator[tuple[str, dict[str, Found]]]:
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
     named: dict[str, dict[str, Found]] = {}
@@ -213,9 +232,12 @@ def _logged(frame: Frame, units: Mapping[str, str]) -> Iterator[tuple[str, dict[
         yield from ((key, one) for key, one in named.items() if {"position", "velocity"} & {*one})
         return
     for key in joints_in(names):
-        # The columns of this joint and those of none, from which times are known.
-        part = {name: at for name, at in frame.names.items() if numbered(name)[1] == key}
-        found = assigned(replace(frame, names=part), {}, {})
+        part = {
+            name: at
+            for name, at in frame.names.items()
+            if name == clock or numbered(name)[1] == key
+        }
+        found = assigned(replace(frame, names=part), {"time": clock}, {})
         own = {what: one for what, one in found.items() if what in (*_WITH_CURRENT, "reference")}
         if {"position", "velocity"} & {*own}:
             yield (
