@@ -102,6 +102,31 @@ def write_bag(
     return folder
 
 
+def write_ros1(file: Path, topics: Mapping[str, Iterable[State]]) -> Path:
+    """Write a bag of ROS 1 with joint states."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    types, kind = store.types, "sensor_msgs/msg/JointState"
+    with Writer(file) as writer:
+        for topic, messages in topics.items():
+            connection = writer.add_connection(topic, kind, typestore=store)
+            for seq, one in enumerate(messages):
+                time = types["builtin_interfaces/msg/Time"](
+                    sec=one["stamp"] // NANO, nanosec=one["stamp"] % NANO
+                )
+                message = types[kind](
+                    header=types["std_msgs/msg/Header"](seq=seq, stamp=time, frame_id=""),
+                    name=one["name"],
+                    **{
+                        k: np.array(one[k], dtype=float) for k in ("position", "velocity", "effort")
+                    },
+                )
+                writer.write(connection, one["logged"], store.serialize_ros1(message, kind))
+    return file
+
+
 def write_mcap(
     file: Path, topics: Mapping[str, Iterable[State]], *, compression: str = "ZSTD"
 ) -> Path:

@@ -1,6 +1,7 @@
 """Logs of robots: bags of ROS and MCAP, written by the libraries that write them."""
 
 import math
+import sys
 from importlib.resources import files
 
 import numpy as np
@@ -12,6 +13,7 @@ from tests.experiments.log_cases import (
     write_bag,
     write_json,
     write_mcap,
+    write_ros1,
 )
 
 from stickslip import check, load_measurement, load_rig
@@ -67,6 +69,10 @@ def test_a_bag_is_read_as_it_was_written(tmp_path, storage, compression):
 def test_a_bare_file_of_a_bag_is_read_too(tmp_path):
     bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
     assert same(load_measurement(bag / "bag.db3"))
+
+
+def test_a_bag_of_ros_1_is_read_as_it_was_written(tmp_path):
+    assert same(load_measurement(write_ros1(tmp_path / "a.bag", {TOPIC: states(TIME, ARM)})))
 
 
 @pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
@@ -271,6 +277,35 @@ def test_messages_that_contradict_themselves_are_refused_by_topic(tmp_path):
         load_measurement(write_json(tmp_path / "a.mcap", {TOPIC: text}))
     with pytest.raises(InputError, match="contains no messages"):
         load_measurement(write_mcap(tmp_path / "none.mcap", {TOPIC: []}))
+
+
+def test_messages_of_another_encoding_are_named(tmp_path):
+    from mcap.writer import Writer
+
+    for encoding, schema, message in (
+        ("protobuf", "protobuf", r"/joint_states \(protobuf\) cannot be decoded"),
+        ("cdr", "ros2idl", "described in IDL"),
+    ):
+        file = tmp_path / f"{encoding}.mcap"
+        with file.open("wb") as stream:
+            writer = Writer(stream)
+            writer.start()
+            number = writer.register_schema("sensor_msgs/msg/JointState", schema, b"struct A {};")
+            channel = writer.register_channel(TOPIC, encoding, number)
+            writer.add_message(channel, BEGIN, b"0000", publish_time=BEGIN)
+            writer.finish()
+        with pytest.raises(InputError, match=message):
+            load_measurement(file)
+
+
+def test_the_packages_that_are_missing_are_named(tmp_path, monkeypatch):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
+    file = write_mcap(tmp_path / "a.mcap", {TOPIC: states(TIME, ARM)})
+    for name in ("rosbags.highlevel", "mcap.reader"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for path in (bag, file):
+        with pytest.raises(InputError, match=r"pip install.*'stickslip\[logs\]'"):
+            load_measurement(path)
 
 
 def test_a_log_of_another_robot_is_refused_by_name(tmp_path, urdf):

@@ -28,6 +28,8 @@ class Format:
     """Endings of its files, in lower case, or the ends of their names."""
     read: Callable[[Path, Collection[str]], Table]
     """Reads a file; what it is told are the columns that are wanted by name."""
+    streamed: bool = False
+    """Whether a file may be of any size, because only parts of it are kept."""
     within: str = ""
     """Path of such a file in a folder that may be given instead."""
 
@@ -37,8 +39,8 @@ FORMATS: Final = (
     Format(endings=PARQUET, read=read_parquet),
     Format(endings=(".mat",), read=read_mat),
     Format(endings=MDF, read=read_mdf),
-    Format(endings=MCAP, read=read_mcap),
-    Format(endings=BAGS, read=read_bag),
+    Format(endings=MCAP, read=read_mcap, streamed=True),
+    Format(endings=BAGS, read=read_bag, streamed=True),
     Format(endings=(METADATA,), read=read_bag, within=METADATA),
     Format(endings=("info.json",), read=read_lerobot, within=INFO),
     Format(endings=(".json",), read=read_servo),

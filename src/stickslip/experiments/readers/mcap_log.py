@@ -19,7 +19,7 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
     """Return the states of joints in a log."""
     try:
         from mcap.decoder import DecoderFactory
-        from mcap.exceptions import McapError
+        from mcap.exceptions import DecoderNotFoundError, McapError
         from mcap.reader import make_reader
         from mcap_ros2.decoder import DecoderFactory as Ros2
     except ImportError:
@@ -38,6 +38,11 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
             return table_of(_Mcap(str(path), reader), str(path), names)
     except InputError:
         raise
+    except DecoderNotFoundError:
+        raise InputError(
+            f"{path}: its messages of ROS 2 are described in IDL, which is not decoded: convert it"
+            " with `ros2 bag convert`."
+        ) from None
     except McapError as error:
         reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
         raise InputError(

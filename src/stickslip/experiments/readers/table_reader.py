@@ -176,9 +176,10 @@ def read_frame(
     path = data_file(Path(path)) if isinstance(path, str | Path) else path
     check_file(path)
     file = str(path)
-    check_size(file, path.stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS)
-    single = dict(_single(columns))
     known = format_of(path)
+    if known is None or not known.streamed:
+        check_size(file, path.stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS)
+    single = dict(_single(columns))
     if layout is not None and path.suffix.lower() not in TEXT:
         raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
     if known is None:

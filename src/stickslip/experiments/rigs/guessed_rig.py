@@ -5,11 +5,14 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from stickslip.experiments.readers.formats import log_name
 from stickslip.experiments.readers.guess import Guess
 from stickslip.experiments.readers.layout import Layout
+
+LONGEST: Final = 8
+"""Entries of a table that stand on one line."""
 
 
 def guessed_rig(
@@ -112,12 +115,10 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
         yield '# "zero" (keeps its value, as a command does) or "first" (straight lines).'
     if guess.repair:
         yield f"repair = {_toml(list(guess.repair))}"
-    if guess.columns:
-        yield f"columns = {_inline(guess.columns)}"
+    yield from _entries("columns", guess.columns)
     if guess.conditions:
         yield f"conditions = {_toml(list(guess.conditions))}"
-    if guess.units:
-        yield f"units = {_inline(guess.units)}"
+    yield from _entries("units", guess.units)
     if guess.motor_constant:
         cure = "assumed: replace it by that of the data sheet, times the gear ratio"
         given = guess.motor_constant
@@ -133,6 +134,14 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
             value = getattr(guess.layout, one.name)
             if value != one.default:
                 yield f"{one.name} = {_toml(value)}"
+
+
+def _entries(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table on one line, or a long one with a line for each entry."""
+    if len(table) > LONGEST:
+        yield from (f"{name}.{_key(key)} = {_toml(value)}" for key, value in table.items())
+    elif table:
+        yield f"{name} = {_inline(table)}"
 
 
 def _inline(table: Mapping[str, Any]) -> str:
