@@ -328,3 +328,20 @@ def test_a_lag_is_found_in_noise_and_under_held_commands(seed):
     measured = path(time - lag) + random.normal(0.0, 1e-3, time.size)
     # a line between commands 20 ms apart is late by nothing, and a tenth of a step is noise
     assert lag_of(time, held, measured) == pytest.approx(lag, abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_lag_of_a_periodic_motion_is_the_smallest(seed):
+    time = np.arange(0.0, 10.0, 0.005)
+    noise = np.random.default_rng(seed).normal(0.0, 1e-3, time.size)
+    measured = np.sin(15.0 * (time - 0.06)) + noise
+    assert lag_of(time, np.sin(15.0 * time), measured) == pytest.approx(0.06, abs=1e-3)
+
+
+def test_motions_that_differ_have_no_lag():
+    time = np.arange(0.0, 10.0, 0.004)
+    random = np.random.default_rng(1)
+    walks = np.cumsum(random.normal(0.0, 1.0, (2, time.size)), axis=1)
+    assert lag_of(time, *walks) is None
+    assert lag_of(time, np.zeros(time.size), walks[0]) is None
+    assert lag_of(time[:20], walks[0][:20], walks[0][:20]) is None

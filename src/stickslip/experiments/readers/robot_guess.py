@@ -43,6 +43,8 @@ LONG: Final = 3.0
 """Usual steps of a command beyond which it is taken to stay on purpose."""
 ALIKE: Final = 0.9
 """Correlation of commanded and measured motions from which a lag is told."""
+EQUAL: Final = 0.005
+"""Difference of correlations that noise makes."""
 _WITH_CURRENT: Final = (*BY_JOINT, "current")
 
 
@@ -334,7 +336,11 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     of_u = energy[0][u.size - late] - energy[0][early]
     of_x = energy[1][x.size - early] - energy[1][late]
     found = correlate(x, u)[near] / np.sqrt(np.maximum(of_u * of_x, np.finfo(float).tiny))
-    best = int(np.argmax(found))
+    # Periodic motions are alike after each period: of equal peaks, that of the smallest lag.
+    high = np.flatnonzero(found >= found.max() - EQUAL)
+    peaks = np.split(high, np.flatnonzero(np.diff(high) > 1) + 1)
+    tops = [int(peak[np.argmax(found[peak])]) for peak in peaks]
+    best = min(tops, key=lambda place: abs(lags[near][place]))
     if found[best] < ALIKE or best in (0, found.size - 1):
         return None
     left, top, right = found[best - 1 : best + 2]
