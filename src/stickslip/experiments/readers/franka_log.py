@@ -5,7 +5,7 @@ from typing import Final
 
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.experiments.readers.table import unequal_rows
 
 HEAD: Final = "time, success_rate, state.q[0]"
 """How such a text begins: times are in milliseconds and say so nowhere."""
@@ -36,6 +36,5 @@ def read_franka(text: str) -> tuple[pd.DataFrame, int]:
             io.StringIO(text.lstrip("\ufeff")), skipinitialspace=True, index_col=False
         )
     except (pd.errors.ParserError, ValueError) as error:
-        reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
-        raise InputError(f"has rows of different lengths ({reason}).") from None
+        raise unequal_rows(error) from None
     return table.rename(columns={"time": "time [ms]"}), 2

@@ -339,8 +339,7 @@ def guess_data(
     reasons["motion"] = "about an axis" if turning else "along a line"
     repair = repairs_of(frame, found, times, trial)
     if repair:
-        why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
-        reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
+        reasons["repair"] = repair_text(repair)
     return Guess(
         file=str(given_path),
         layout=layout,
@@ -733,6 +732,12 @@ def repairs_of(
         late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
+
+
+def repair_text(repair: Sequence[Repair]) -> str:
+    """Return what is repaired, in words."""
+    why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
+    return " and ".join(f"{one}: {why[one]}" for one in repair)
 
 
 def _is_raw(unit: str | None) -> bool:

@@ -1,6 +1,5 @@
 """Data sets of LeRobot, versions 2.0 to 3.0: episodes of a robot's states and actions."""
 
-import json
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -10,6 +9,7 @@ import pandas as pd
 
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
+from stickslip.experiments.readers.json_file import read_json
 from stickslip.experiments.readers.table import Table
 from stickslip.formatting import count, number
 from stickslip.mechanisms import coordinate_of
@@ -71,10 +71,7 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
 
 def _info(path: Path) -> Mapping[str, Any]:
     """Return the description of a data set, what is used of it checked."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is not JSON, or is damaged: {error}.") from None
+    found = read_json(path)
     if not isinstance(found, dict) or not isinstance(found.get("features"), dict):
         raise InputError(f"{path}: has no features: is it the info.json of a LeRobot data set?")
     fps = found.get("fps")
@@ -88,6 +85,7 @@ def _info(path: Path) -> Mapping[str, Any]:
 def _part(path: Path, names: Collection[str]) -> dict[str, Array]:
     """Return the columns of one file: (n,), and of a list in each row (n, k)."""
     import pyarrow as pa
+    import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
     try:
@@ -101,20 +99,13 @@ def _part(path: Path, names: Collection[str]) -> dict[str, Array]:
         found = {}
         for name in names:
             column = table.column(name).combine_chunks()
-            kind = column.type
-            if (
-                pa.types.is_list(kind)
-                or pa.types.is_large_list(kind)
-                or pa.types.is_fixed_size_list(kind)
-            ):
+            rows = len(column)
+            if name in FEATURES and pa.types.is_nested(column.type):
                 flat = column.flatten().to_numpy(zero_copy_only=False)
-                if not len(column) or len(flat) % len(column) or column.null_count:
+                sizes = {*pc.list_value_length(column).to_pylist()}
+                if len(sizes) != 1 or sizes & {None, 0}:
                     raise InputError(f"{path}: the lists of {name!r} have different lengths.")
-                if not pa.types.is_fixed_size_list(kind):
-                    lengths = np.diff(column.offsets.to_numpy())
-                    if np.ptp(lengths):
-                        raise InputError(f"{path}: the lists of {name!r} have different lengths.")
-                found[name] = flat.reshape(len(column), -1).astype(float)
+                found[name] = flat.reshape(rows, -1).astype(float)
             else:
                 values = column.to_numpy(zero_copy_only=False).astype(float)
                 found[name] = values[:, None] if name in FEATURES else values

@@ -23,6 +23,7 @@ from stickslip.experiments.readers.guess import (
     layout_and_reasons,
     numbered,
     rate_text,
+    repair_text,
     repairs_of,
     times_of,
     trial_column,
@@ -134,8 +135,7 @@ def guess_robot(
     reasons["time"] = column_text(times) + (rate_text(seconds) if seconds is not None else "")
     reasons |= {one.coordinate: _joint_text(one, delays) for one in joints}
     if repair:
-        why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
-        reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
+        reasons["repair"] = repair_text(repair)
     current = [one.coordinate for one in moving if "current" in one.columns]
     return Guess(
         file=str(path),

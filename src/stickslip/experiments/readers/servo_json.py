@@ -1,6 +1,5 @@
 """Logs of servos with a pendulum in JSON, as Rhoban/bam and K-Scale's sysid write them."""
 
-import json
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -9,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
+from stickslip.experiments.readers.json_file import read_json
 from stickslip.experiments.readers.table import Table
 from stickslip.formatting import joined, number
 from stickslip.units import shown
@@ -34,10 +34,7 @@ SETTINGS: Final = {
 
 def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
     """Return the entries of a log as rows, what is no number left out."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is not JSON, or is damaged: {error}.") from None
+    found = read_json(path)
     entries = found.get("entries") if isinstance(found, dict) else None
     if not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
         raise InputError(
