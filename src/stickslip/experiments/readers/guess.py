@@ -28,7 +28,7 @@ from stickslip.experiments.readers.reader_options import Column, Reading, motor_
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
-from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import count, number
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
@@ -299,8 +299,8 @@ def guess_data(
     >>> guess.reasons["position"]
     "column 'Weg' in µm, by its name"
     """
-    given_path = path
-    path = data_file(Path(path)) if isinstance(path, str | Path) else path
+    check_path(path)
+    given_path, path = path, data_file(Path(path))
     check_file(path)
     look_ahead(path, columns or {}, units or {})
     layout, reasons = layout_and_reasons(path)

@@ -28,9 +28,10 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
             " 'stickslip[logs]'."
         ) from None
 
-    class Json(DecoderFactory):  # type: ignore[misc]  # published without types
-        def decoder_for(self, encoding: str, _schema: Any) -> Callable[[bytes], Any] | None:
-            return json.loads if encoding == "json" else None
+    class Json(DecoderFactory):
+        @override
+        def decoder_for(self, message_encoding: str, schema: Any) -> Callable[[bytes], Any] | None:
+            return json.loads if message_encoding == "json" else None
 
     try:
         with path.open("rb") as file:

@@ -29,7 +29,7 @@ from stickslip.experiments.readers.guess import (
     trial_column,
 )
 from stickslip.experiments.readers.table_reader import Frame, read_frame
-from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import joined, number, quantity
 from stickslip.mechanisms import coordinate_of, urdf_joints
 from stickslip.units import factor, shown
@@ -44,6 +44,8 @@ LONG: Final = 3.0
 """Usual steps of a command beyond which it is taken to stay on purpose."""
 ALIKE: Final = 0.9
 """Correlation of commanded and measured motions from which a lag is told."""
+SPARSE: Final = 10.0
+"""Span over the time that the samples take at their usual step, beyond which nothing is told."""
 EQUAL: Final = 0.005
 """Difference of correlations that noise makes."""
 _WITH_CURRENT: Final = (*BY_JOINT, "current")
@@ -109,6 +111,7 @@ def guess_robot(
     InputError
         If the log or the description cannot be read, or no joint is in both.
     """
+    check_path(path)
     kinds = urdf_joints(urdf)
     file = data_file(Path(path))
     check_file(file)
@@ -319,6 +322,8 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
         return None
     times, first = np.unique(times[good], return_index=True)
     step = float(np.median(np.diff(times)))
+    if times[-1] - times[0] > SPARSE * step * times.size:
+        return None  # gaps, or times that cannot be
     even = np.arange(times[0], times[-1], step)
     over = max(1, round(WINDOW / step))
     own = _between_commands(times, wanted[good][first]), (times, measured[good][first])
@@ -326,8 +331,10 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     if even.size < 4 * over:
         return None
     u, x = (one[over:] - one[:-over] for one in places)
-    if not (np.ptp(u) > 0.0 and np.ptp(x) > 0.0):
+    sizes = [float(np.max(np.abs(one))) for one in (u, x)]
+    if not all(0.0 < size < np.inf for size in sizes):
         return None
+    u, x = u / sizes[0], x / sizes[1]
     lags = correlation_lags(x.size, u.size)
     near = np.abs(lags) <= min(int(LATEST / step) + 1, u.size // 2)
     # Of each lag, the energy of both where they overlap.

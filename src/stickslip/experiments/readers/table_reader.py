@@ -22,7 +22,7 @@ from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, form
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.time_stamps import seconds_of
-from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
 
@@ -173,7 +173,8 @@ def read_frame(
 
     `also` names columns that are wanted whatever they hold, of files that have more than a table.
     """
-    path = data_file(Path(path)) if isinstance(path, str | Path) else path
+    check_path(path)
+    path = data_file(Path(path))
     check_file(path)
     file = str(path)
     known = format_of(path)

@@ -4,6 +4,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Final, final
 
 import numpy as np
@@ -358,6 +359,7 @@ def _get(message: Any, *names: str) -> Any:
     raise KeyError(names[0])
 
 
+@cache
 def joint_name(name: object) -> str:
     """Return the name of a joint as robots made from URDF have it."""
     found = coordinate_of(name) if isinstance(name, str) else ""
