@@ -345,3 +345,17 @@ def test_motions_that_differ_have_no_lag():
     assert lag_of(time, *walks) is None
     assert lag_of(time, np.zeros(time.size), walks[0]) is None
     assert lag_of(time[:20], walks[0][:20], walks[0][:20]) is None
+
+
+def test_the_digest_of_a_rig_covers_the_messages_of_a_bag(tmp_path, urdf):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
+    (tmp_path / "rig.toml").write_text(
+        '[mechanism]\ntype = "urdf"\nfile = "arm.urdf"\nmoving = ["shoulder", "elbow"]\n'
+        '[data]\nfile = "bag"\n'
+    )
+    first = load_rig(tmp_path / "rig.toml")
+    assert [one.name for one in first.files] == ["arm.urdf", "metadata.yaml", "bag.db3"]
+    changed = ARM | {"elbow": (-ELBOW[0], *ELBOW[1:])}
+    other = write_bag(tmp_path / "other", {TOPIC: states(TIME, changed)})
+    (bag / "bag.db3").write_bytes((other / "other.db3").read_bytes())
+    assert load_rig(tmp_path / "rig.toml").digest != first.digest

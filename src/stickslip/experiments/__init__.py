@@ -57,6 +57,7 @@ INSIDE = {
     "is_narrow": "checking.mains",
     "levels_at": "estimates",
     "lines_of": "checking.mains",
+    "log_files": "readers.formats",
     "motion_of": "checking.motion",
     "motor_constants": "readers.reader_options",
     "noise_of": "differentiation",

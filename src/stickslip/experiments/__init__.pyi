@@ -51,6 +51,7 @@ from stickslip.experiments.preconditions import refuse_same as refuse_same
 from stickslip.experiments.preconditions import refuse_unused as refuse_unused
 from stickslip.experiments.preconditions import with_doubts as with_doubts
 from stickslip.experiments.readers.formats import data_file as data_file
+from stickslip.experiments.readers.formats import log_files as log_files
 from stickslip.experiments.readers.guess import Guess as Guess
 from stickslip.experiments.readers.guess import guess_data as guess_data
 from stickslip.experiments.readers.layout import Layout as Layout

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Final, final
 
 from stickslip.experiments.readers.csv_reader import read_text
-from stickslip.experiments.readers.lerobot import INFO, read_lerobot
+from stickslip.experiments.readers.lerobot import EPISODES, INFO, read_lerobot
 from stickslip.experiments.readers.matlab import read_mat
 from stickslip.experiments.readers.mcap_log import MCAP, read_mcap
 from stickslip.experiments.readers.mdf import MDF, read_mdf
 from stickslip.experiments.readers.parquet import PARQUET, read_parquet
-from stickslip.experiments.readers.ros_bags import BAGS, METADATA, read_bag
+from stickslip.experiments.readers.ros_bags import BAGS, METADATA, PARTS, read_bag
 from stickslip.experiments.readers.servo_json import read_servo
 from stickslip.experiments.readers.table import Table
 
@@ -32,6 +32,8 @@ class Format:
     """Whether a file may be of any size, because only parts of it are kept."""
     within: str = ""
     """Path of such a file in a folder that may be given instead."""
+    beside: tuple[str, ...] = ()
+    """Patterns of the files in that folder that hold the data."""
 
 
 FORMATS: Final = (
@@ -41,8 +43,8 @@ FORMATS: Final = (
     Format(endings=MDF, read=read_mdf),
     Format(endings=MCAP, read=read_mcap, streamed=True),
     Format(endings=BAGS, read=read_bag, streamed=True),
-    Format(endings=(METADATA,), read=read_bag, within=METADATA),
-    Format(endings=("info.json",), read=read_lerobot, within=INFO),
+    Format(endings=(METADATA,), read=read_bag, within=METADATA, beside=PARTS),
+    Format(endings=("info.json",), read=read_lerobot, within=INFO, beside=(EPISODES,)),
     Format(endings=(".json",), read=read_servo),
 )
 """Formats by the ends of the names of their files."""
@@ -78,3 +80,13 @@ def log_name(path: Path) -> str:
     if known is None or not known.within:
         return path.stem
     return path.absolute().parents[len(Path(known.within).parts) - 1].name
+
+
+def log_files(path: Path) -> list[Path]:
+    """Return the files that hold what one stands for: several of a log in a folder."""
+    file = data_file(path)
+    known = format_of(file)
+    if known is None or not known.within:
+        return [file]
+    folder = file.parents[len(Path(known.within).parts) - 1]
+    return [file, *(one for pattern in known.beside for one in sorted(folder.glob(pattern)))]

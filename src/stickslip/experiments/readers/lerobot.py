@@ -16,6 +16,8 @@ from stickslip.mechanisms import coordinate_of
 
 INFO: Final = "meta/info.json"
 """File in the folder of a data set that describes it."""
+EPISODES: Final = "data/*/*.parquet"
+"""Files in that folder that hold the episodes."""
 FEATURES: Final = {
     "observation.state": "position",
     "observation.velocity": "velocity",
@@ -50,9 +52,9 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
         raise InputError(
             f"{path}: has no observation.state; the features are {', '.join(features) or 'none'}."
         )
-    parts = sorted(path.parent.parent.glob("data/*/*.parquet"))
+    parts = sorted(path.parent.parent.glob(EPISODES))
     if not parts:
-        raise InputError(f"{path}: there is no file data/*/*.parquet beside the folder of it.")
+        raise InputError(f"{path}: there is no file {EPISODES} beside the folder of it.")
     tables = [_part(part, ["episode_index", "frame_index", "timestamp", *wanted]) for part in parts]
     rows = sum(one["episode_index"].shape[0] for one in tables)
     width = sum(next(iter(tables))[name].shape[-1] for name in wanted)

@@ -12,6 +12,8 @@ from stickslip.experiments.readers.topics import Log, Topic, table_of
 
 BAGS: Final = (".db3", ".bag")
 """Endings of files of bags."""
+PARTS: Final = ("*.db3*", "*.mcap*")
+"""Files in the folder of a bag of ROS 2 that hold its messages, compressed or not."""
 METADATA: Final = "metadata.yaml"
 """File in the folder of a bag of ROS 2 that lists the others."""
 
