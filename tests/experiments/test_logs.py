@@ -275,6 +275,12 @@ def test_messages_that_contradict_themselves_are_refused_by_topic(tmp_path):
     text = [(BEGIN, {"name": ["a"], "position": ["high"]})]
     with pytest.raises(InputError, match=r"message 1 of /joint_states is no JointState.*high"):
         load_measurement(write_json(tmp_path / "a.mcap", {TOPIC: text}))
+    for number, messages in enumerate((states(TIME[:1], ARM), [states(TIME, ARM)[0]] * 50)):
+        with pytest.raises(InputError, match=r"samples of /joint_states have one time"):
+            guess_data(write_bag(tmp_path / f"still{number}", {TOPIC: messages}))
+    commands = {"/joint_commands": states(TIME, ARM)}
+    with pytest.raises(InputError, match=r"no joint has a position.*/joint_commands/reference.elb"):
+        guess_data(write_mcap(tmp_path / "commands.mcap", commands))
     with pytest.raises(InputError, match="contains no messages"):
         load_measurement(write_mcap(tmp_path / "none.mcap", {TOPIC: []}))
 

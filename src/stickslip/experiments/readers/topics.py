@@ -181,6 +181,10 @@ class _Joined:
                 f"{self.file}: no joint has a position or a velocity; there is {listed}."
             )
         clock = self._clock([*wanted.values()])
+        if np.ptp(clock.times) == 0:
+            raise InputError(
+                f"{self.file}: all samples of {clock.topic} have one time: a record needs several."
+            )
         wanted |= self._commands(wanted)
         wanted |= {_full(one): one for one in self.signals if _full(one) in self.names}
         begin = int(clock.times[0])
