@@ -172,8 +172,14 @@ def demo(
 def init(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Record (CSV, Parquet, MATLAB, MDF)."),
+        typer.Argument(metavar="FILE", help="Record (CSV, Parquet, MATLAB, MDF, MCAP, ROS bag)."),
     ],
+    urdf: Annotated[
+        Path | None,
+        typer.Option(
+            "--urdf", metavar="FILE", help="Description of the robot whose joints were recorded."
+        ),
+    ] = None,
     columns: Columns = None,
     units: Units = None,
     gain: Gain = None,
@@ -192,12 +198,15 @@ def init(
     Finds out code page, separators, decimal comma, lines above the header, a row of units, time
     stamps, and which column holds what, in English or German. Nothing is asked; what the file does
     not tell is assumed, printed, and marked in the rig file, which `stickslip select` then takes.
+
+    With --urdf, joints of the log are found by the names of the description, and the rig file is
+    that of the robot: joints that stood still are locked where they were.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
     reading = reading_of(columns=columns, units=units, gain=gain, repair=None)
-    run(file, reading, output, force=force, as_json=as_json)
+    run(file, reading, output, urdf=urdf, force=force, as_json=as_json)
 
 
 @command(app, "fit")

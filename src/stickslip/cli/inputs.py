@@ -81,11 +81,11 @@ def measured(
             f"{rig.path} has no measurement: add a [[trial]] with a travel or [data] with a file,"
             " or give --data FILE."
         )
-    files = list(data)
+    files = _hashed(data)
     if validate is not None:
         # a second record is predicted, whatever its conditions
         second = read_data([validate], replace(own, conditions=()), mechanism=rig.mechanism)
-        files.append(validate)
+        files += _hashed([validate])
     kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
@@ -119,6 +119,15 @@ def measured(
     request = replace(kind.resolved(request), law=chosen)
     refuse_unused(kind, {name: how for name, how in typed.items() if name != "validate"}, request)
     return kind, request, files
+
+
+def _hashed(given: Sequence[Path]) -> list[Path]:
+    """Return the files that hold the data of options."""
+    if not given:
+        return []
+    from stickslip.experiments import log_files  # with pandas, which other rigs do without
+
+    return [one for path in given for one in log_files(path)]
 
 
 def _parameters(

@@ -50,6 +50,8 @@ from stickslip.experiments.preconditions import refuse_lack as refuse_lack
 from stickslip.experiments.preconditions import refuse_same as refuse_same
 from stickslip.experiments.preconditions import refuse_unused as refuse_unused
 from stickslip.experiments.preconditions import with_doubts as with_doubts
+from stickslip.experiments.readers.formats import data_file as data_file
+from stickslip.experiments.readers.formats import log_files as log_files
 from stickslip.experiments.readers.guess import Guess as Guess
 from stickslip.experiments.readers.guess import guess_data as guess_data
 from stickslip.experiments.readers.layout import Layout as Layout
@@ -57,6 +59,7 @@ from stickslip.experiments.readers.reader_options import Column as Column
 from stickslip.experiments.readers.reader_options import Reading as Reading
 from stickslip.experiments.readers.reader_options import column_of as column_of
 from stickslip.experiments.readers.reader_options import motor_constants as motor_constants
+from stickslip.experiments.readers.robot_guess import guess_robot as guess_robot
 from stickslip.experiments.readers.table_reader import is_data_file as is_data_file
 from stickslip.experiments.records import load_measurement as load_measurement
 from stickslip.experiments.records import read_data as read_data
@@ -96,6 +99,7 @@ __all__ = [
     "check",
     "extrapolations",
     "guess_data",
+    "guess_robot",
     "guessed_rig",
     "load_measurement",
     "load_rig",

@@ -240,11 +240,12 @@ class _Files:
         """Return the measurement of one file, or of one table, which must have a name."""
         # Imported here so that measurements built in Python do without pandas.
         from stickslip.experiments.readers.condition_columns import by_trial
+        from stickslip.experiments.readers.formats import data_file, log_name
         from stickslip.experiments.readers.table_reader import frame_of, read_frame
         from stickslip.experiments.trial_tables import read_trials, travelled
 
         file = path if isinstance(path, str | PathLike) else name
-        name = name or Path(file).stem
+        name = name or log_name(data_file(Path(file)))
         columns, units = self.reading.columns, self.reading.units
         try:
             frame = (
@@ -279,7 +280,7 @@ class _Files:
 
         reading = self.reading
         frame, stated = with_motors(frame, reading.gain, reading.motor_constant)
-        joints = [name for name in frame.names if _of_joint(name)]
+        joints = [*self._joint_columns(frame)]
         wanted = ("time", *SAMPLED, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
             if key not in (*wanted, TRIAL, *BESIDE, *reading.motor_constant):
@@ -330,6 +331,18 @@ class _Files:
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),
         )
+
+    def _joint_columns(self, frame: "Frame") -> Iterator[str]:
+        """Yield the columns by joint that are read: those that are named, and those that fit.
+
+        A log of a robot has more joints than a mechanism of some of them, or than one axis.
+        """
+        found = [name for name in frame.names if _of_joint(name)]
+        chosen = self.reading.columns
+        own = () if self.mechanism is None else self.mechanism.coordinates
+        fitting = [name for name in found if name.partition(".")[2] in own] or found
+        single = any(name in chosen for name in BY_JOINT)
+        yield from (name for name in found if name in chosen or (name in fitting and not single))
 
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""

@@ -56,6 +56,7 @@ INSIDE = {
     "WHOLE": "drive_period",
     "as_rotary": "base",
     "checked_contacts": "contacts",
+    "coordinate_of": "robot",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "given_names": "told_inputs",
@@ -72,6 +73,7 @@ INSIDE = {
     "slipping": "contacts",
     "slips_by_angle": "contacts",
     "told_fields": "told_inputs",
+    "urdf_joints": "urdf",
     "without_given": "told_inputs",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -52,6 +52,7 @@ from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.rigid_bodies import joint_places as joint_places
 from stickslip.mechanisms.robot import Robot as _Robot
 from stickslip.mechanisms.robot import RobotJoint as _RobotJoint
+from stickslip.mechanisms.robot import coordinate_of as coordinate_of
 from stickslip.mechanisms.serial_arm import Link as _Link
 from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
@@ -68,6 +69,7 @@ from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as _TwoMassAxis
 from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
 from stickslip.mechanisms.urdf import read_urdf as read_urdf
+from stickslip.mechanisms.urdf import urdf_joints as urdf_joints
 from stickslip.quantities import Given as _Given
 from typing import Literal as _Literal
 

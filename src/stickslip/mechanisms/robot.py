@@ -46,6 +46,18 @@ def _added(symbol: str, unit: str, of_slides: str = "") -> Quantity:
     return Quantity(symbol, unit, structural=True, nuisance=True, or_unit=of_slides)
 
 
+def coordinate_of(joint: str) -> str:
+    """Return the name of the coordinate of a joint.
+
+    Examples
+    --------
+    >>> coordinate_of("left/elbow-joint"), coordinate_of("mode")
+    ('left_elbow_joint', 'mode_joint')
+    """
+    name = re.sub(r"\W+", "_", joint, flags=re.ASCII).strip("_")
+    return f"{name}_joint" if name in COLUMNS else name
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class RobotJoint(Parametrised):
@@ -190,8 +202,7 @@ class RobotJoint(Parametrised):
     @property
     def coordinate(self) -> str:
         """Name of the joint's coordinate."""
-        name = re.sub(r"\W+", "_", self.joint, flags=re.ASCII).strip("_")
-        return f"{name}_joint" if name in COLUMNS else name
+        return coordinate_of(self.joint)
 
     @property
     def contact_name(self) -> str:

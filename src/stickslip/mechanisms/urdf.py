@@ -219,6 +219,20 @@ def read_urdf(
     )
 
 
+def urdf_joints(path: str | Path) -> dict[str, str]:
+    """Return the kinds of the joints in a file that may move by themselves, by name.
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> urdf_joints(files("stickslip.mechanisms") / "desk_arm.urdf")
+    {'turret': 'continuous', 'shoulder': 'revolute', 'elbow': 'revolute'}
+    """
+    file = str(path)
+    given = [_joint(one, file) for one in _parsed(path, file).findall("joint")]
+    return {one.name: one.kind for one in given if one.kind in MOVES}
+
+
 def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump) -> RobotJoint:
     """Return a joint with the link that it carries and all that is fixed to that."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = lump.inertia

@@ -12,6 +12,7 @@ from typing import Final
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
+from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.layout import (
     Layout,
     bare_cells,
@@ -21,9 +22,9 @@ from stickslip.experiments.readers.layout import (
     labview_units,
     unit_in,
 )
-from stickslip.experiments.readers.scope_channels import is_scope, read_scope
+from stickslip.experiments.readers.table import Table
 from stickslip.experiments.readers.toml import decode
-from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
+from stickslip.experiments.readers.video_tracks import header_of, is_named
 from stickslip.units import shown
 
 HEAD: Final = 65_536
@@ -51,8 +52,8 @@ def ambiguous(file: str | Path, name: str) -> InputError:
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
-def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, int]:
-    """Return a CSV table and the line of its first row; lines before the header may be comments."""
+def read_text(path: Path, layout: Layout | None = None) -> Table:
+    """Return a CSV table; lines before the header may be comments."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -60,12 +61,13 @@ def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, i
     if layout is not None:
         return _read_as(path, data, layout)
     text, encoding = _decoded(path, data)
-    read_own = read_blocks if is_blocks(text) else read_scope if is_scope(text) else None
-    if read_own is not None:
+    dialect = dialect_of(text)
+    if dialect is not None:
         try:
-            return read_own(text)
+            table, line = dialect.read(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+        return Table(data=table, first_row=line)
     lines, start = _head(path, text)
     named = _tracks(lines)
     lines, start = (lines[1:], start + 1) if named else (lines, start)
@@ -79,7 +81,7 @@ def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, i
     return _parsed(path, data, names, sample, found)
 
 
-def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int]:
+def _read_as(path: Path, data: bytes, layout: Layout) -> Table:
     """Return the table of a file that holds it in a known way."""
     try:
         text = data.decode(layout.encoding)
@@ -110,8 +112,8 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int
 
 def _parsed(
     path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
-) -> tuple[pd.DataFrame, int]:
-    """Return the table below a header, and the line of its first row."""
+) -> Table:
+    """Return the table below a header."""
     twice = [name for name in names if names.count(name) > 1 and name.strip()]
     if twice:
         raise ambiguous(path, twice[0])
@@ -149,7 +151,7 @@ def _parsed(
             f" separated by {layout.separator!r}."
         ) from None
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
-    return table.dropna(how="all"), above + 1
+    return Table(data=table.dropna(how="all"), first_row=above + 1)
 
 
 def _decoded(path: Path, data: bytes) -> tuple[str, str]:

@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array
+from stickslip.experiments.measurement import BY_JOINT, QUANTITIES, TRAVELS, Array
 from stickslip.experiments.readers.condition_columns import (
     KELVINS,
     TRIAL,
@@ -21,14 +21,14 @@ from stickslip.experiments.readers.condition_columns import (
     conditions_in,
 )
 from stickslip.experiments.readers.csv_reader import refuse_numbers
+from stickslip.experiments.readers.dialects import dialect_of
+from stickslip.experiments.readers.formats import TEXT, data_file
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
-from stickslip.experiments.readers.scope_channels import SCOPE, is_scope
-from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
+from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
-from stickslip.experiments.readers.toml import check_file
-from stickslip.experiments.readers.video_tracks import is_blocks
+from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import count, number
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
@@ -54,7 +54,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "velocity": (
         *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "v", "n", "ω"),
+        *("omega", "vel", "velo", "dq", "qd", "v", "n", "ω"),
     ),
     "force": (
         *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
@@ -115,12 +115,16 @@ OTHER: Final = (
     "beschleunigung",
     "power",
     "leistung",
+    "enable",
+    "freigabe",
 )
 """What names of columns contain that none of the quantities has."""
 OTHER_WORDS: Final = ("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta")
 """The same as words of their own."""
 VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
+SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
+"""Words in names of voltages that drive no axis by themselves."""
 PREFERRED: Final = (
     *("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor"),
     *("motor", "drive", "antrieb"),
@@ -151,6 +155,8 @@ TURNING: Final = (
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
+GAP: Final = 3.0
+"""Usual steps of time from which a step is called a gap."""
 LONG: Final = 4_000_000
 """Bytes of a text from which its top is looked at first."""
 TOP: Final = 250_000
@@ -189,14 +195,22 @@ class Guess(metaclass=Described):
     """Quantity -> unit of its column, where the header has none in brackets."""
     gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> size of a count or of a volt, assumed where it was not given."""
-    motor_constant: str = ""
-    """Assumed force or torque per current, where the file has a current and no force."""
+    motor_constant: str | Mapping[str, str] = ""
+    """Assumed force or torque per current, where the file has a current and no force; by joint."""
     repair: tuple[Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
     conditions: tuple[str, ...] = ()
     """Columns that seem to hold a condition, such as a temperature."""
     turning: bool = False
     """Whether the axis turns."""
+    robot: str = ""
+    """Description in URDF of the robot whose joints were recorded; empty for a single axis."""
+    moving: tuple[str, ...] = ()
+    """Joints of the description that move in the record."""
+    locked: Mapping[str, float] = field(default_factory=dict)
+    """Joints that do not move, or whose torque is not known, and where they stand [rad] or [m]."""
+    delays: Mapping[str, float] = field(default_factory=dict)
+    """Coordinate -> how far its motion lags behind the commanded one [s]."""
     reasons: Mapping[str, str] = field(default_factory=dict)
     """Layout, quantity or setting -> what was found, and why."""
     doubts: tuple[str, ...] = ()
@@ -223,7 +237,7 @@ class Guess(metaclass=Described):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Found:
+class Found:
     """A column that may hold a quantity."""
 
     score: float
@@ -285,14 +299,17 @@ def guess_data(
     >>> guess.reasons["position"]
     "column 'Weg' in µm, by its name"
     """
+    check_path(path)
+    given_path, path = path, data_file(Path(path))
     check_file(path)
-    _look_ahead(Path(path), columns or {}, units or {})
-    layout, reasons = _layout(Path(path))
+    look_ahead(path, columns or {}, units or {})
+    layout, reasons = layout_and_reasons(path)
     given = dict(columns or {})
-    frame = read_frame(path, columns={}, units={}, layout=layout)
-    found = _assigned(frame, given, units or {})
+    named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
+    found = assigned(frame, given, units or {})
     _check_enough(frame, found)
-    trial = _trial_column(frame, given, found)
+    trial = trial_column(frame, given, found)
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, by its name"
@@ -315,17 +332,16 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
-    reasons |= {q: _column_text(one) for q, one in found.items()}
-    times = _times(frame, found["time"]) if "time" in found else None
+    reasons |= {q: column_text(one) for q, one in found.items()}
+    times = times_of(frame, found["time"]) if "time" in found else None
     if times is not None:
-        reasons["time"] += _rate_text(times)
+        reasons["time"] += rate_text(times)
     reasons["motion"] = "about an axis" if turning else "along a line"
-    repair = _repairs(frame, found, times, trial)
+    repair = repairs_of(frame, found, times, trial)
     if repair:
-        why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
-        reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
+        reasons["repair"] = repair_text(repair)
     return Guess(
-        file=str(path),
+        file=str(given_path),
         layout=layout,
         columns={
             **{q: given.get(q, one.name) for q, one in found.items()},
@@ -339,39 +355,41 @@ def guess_data(
         turning=turning,
         reasons=reasons,
         doubts=(
+            *frame.remarks,
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
         ),
     )
 
 
-def _look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
+def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
     """Refuse a long text by its top, if that holds no record, before all of it is read."""
     if path.suffix.lower() not in TEXT or path.stat().st_size <= LONG:
         return
     with path.open("rb") as file:
         top = file.read(TOP)
     text, encoding = decoded(top)
-    if encoding.startswith("utf-16") or is_scope(text) or is_blocks(text):
+    if encoding.startswith("utf-16") or dialect_of(text) is not None:
         return
     with TemporaryDirectory() as folder:
         part = Path(folder, path.name)
         part.write_bytes(top[: top.rfind(b"\n") + 1])
         try:
-            layout, _ = _layout(part)
+            layout, _ = layout_and_reasons(part)
             frame = read_frame(part, columns={}, units={}, layout=layout)
-            _check_enough(frame, _assigned(frame, columns, units))
+            _check_enough(frame, assigned(frame, columns, units))
         except InputError as error:
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
-def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
+def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
     """Return how a text file holds its table, and what was found in words."""
     if path.suffix.lower() not in TEXT:
         return None, {}
     text, encoding = decoded(path.read_bytes())
-    if is_scope(text):
-        return None, {"cells": SCOPE}
+    dialect = dialect_of(text)
+    if dialect is not None:
+        return None, {"cells": dialect.title}
     found = layout_of(text, encoding)
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
@@ -394,11 +412,11 @@ def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
     return layout, reasons
 
 
-def _assigned(
+def assigned(
     frame: Frame, given: Mapping[str, Column], units: Mapping[str, str]
-) -> dict[str, _Found]:
+) -> dict[str, Found]:
     """Return the column of each quantity, those for which most speaks first."""
-    taken: dict[str, _Found] = {}
+    taken: dict[str, Found] = {}
     left = _of_one_joint(frame, given)
     for quantity, column in given.items():
         names = (column,) if isinstance(column, str) else column
@@ -406,7 +424,7 @@ def _assigned(
         left = [name for name in left if name not in own]
         stated = frame.units.get(own[0]) if own else None
         unit = units.get(quantity, stated)
-        taken[quantity] = _Found(
+        taken[quantity] = Found(
             score=9.0, name=str(names[0]), unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
@@ -421,8 +439,8 @@ def _assigned(
 
 
 def _by_kind(
-    frame: Frame, left: Sequence[str], given: Mapping[str, _Found], turning: bool
-) -> dict[str, _Found]:
+    frame: Frame, left: Sequence[str], given: Mapping[str, Found], turning: bool
+) -> dict[str, Found]:
     """Return the column of each quantity, if all units are those of one kind of motion."""
     taken = dict(given)
     offers = [
@@ -444,14 +462,14 @@ def _by_kind(
     return taken
 
 
-def _is_of_kind(found: _Found, quantity: str, turning: bool) -> bool:
+def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
     kinds = UNITS[quantity]
     if found.unit is None or len(kinds) < 2 or is_of(found.unit, "count"):
         return True
     return not is_of(found.unit, kinds[not turning])
 
 
-def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
+def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     column = frame.data[frame.names[name]]
     numeric = pd.api.types.is_numeric_dtype(column.dtype)
@@ -471,7 +489,7 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
         score, why = BY_VALUES, "because it increases"
     if score:
         stamps = "" if numeric else "time stamps, "
-        yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
+        yield Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
 
 
 def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
@@ -548,6 +566,9 @@ def _last_says(name: str, quantity: str) -> bool:
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:
     """Return how well a name fits a quantity, and that in words."""
+    first, joint = joint_in(name)
+    if joint:
+        return (WHOLE, "by its name") if first == quantity else (0.0, "")
     parts = _parts(name)
     joined = "".join(parts)
     if any(word in joined for word in OTHER) or any(part in OTHER_WORDS for part in parts):
@@ -557,7 +578,9 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     wanted = _is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
-        if any(word in joined for word in NAMES["position"] if len(word) > 2) or joined in words:
+        bare = "".join(part for part in parts if part not in WANTED)
+        moves = any(word in joined for word in NAMES["position"] if len(word) > 2)
+        if moves or joined in words or bare in NAMES["position"]:
             return WHOLE + 0.5, "by its name"
         return 0.0, ""
     if wanted and quantity not in ("force", "time"):
@@ -614,7 +637,7 @@ def _increases(column: "pd.Series[Any]") -> bool:
     return bool(np.all(steps > 0.0) and np.ptp(steps) < 0.1 * np.median(steps))
 
 
-def _check_enough(frame: Frame, found: Mapping[str, _Found]) -> None:
+def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
     """Refuse what is neither a motion in time nor friction at velocities."""
     listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
     for name in frame.names if "time" not in found else ():
@@ -638,7 +661,7 @@ def _check_enough(frame: Frame, found: Mapping[str, _Found]) -> None:
         )
 
 
-def _turns(found: Mapping[str, _Found]) -> bool:
+def _turns(found: Mapping[str, Found]) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, one in found.items():
         kinds = UNITS.get(quantity, ())
@@ -648,21 +671,33 @@ def _turns(found: Mapping[str, _Found]) -> bool:
                 return turns
     still = ("time", "load", "temperature")
     moving = [one.name.casefold() for q, one in found.items() if q not in still]
+    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in _parts(name)) for name in moving):
+        return True  # coordinates of the joints of a robot
     return any(word in name for name in moving for word in TURNING)
 
 
-def _column_text(one: _Found) -> str:
+def column_text(one: Found) -> str:
+    """Return where a quantity was found, in words."""
     return f"column {one.name!r}{f' in {one.unit}' if one.unit else ''}, {one.why}"
 
 
-def _rate_text(times: Array) -> str:
-    """Return number and rate of the samples in words."""
-    step = float(np.median(np.diff(times[np.isfinite(times)])))
+def rate_text(times: Array) -> str:
+    """Return number and rate of the samples in words, and what gaps there are."""
+    steps = np.diff(times[np.isfinite(times)])
+    step = float(np.median(steps))
     samples = count(len(times), "sample")
-    return f"; {samples}, {number(1.0 / step, 4)} Hz" if step > 0.0 else f"; {samples}"
+    if not step > 0.0:
+        return f"; {samples}"
+    wide = steps[steps > GAP * step]
+    gaps = (
+        f", {count(wide.size, 'gap')} of up to {number(float(wide.max()), 3)} s"
+        if wide.size
+        else ""
+    )
+    return f"; {samples}, {number(1.0 / step, 4)} Hz{gaps}"
 
 
-def _times(frame: Frame, one: _Found) -> Array | None:
+def times_of(frame: Frame, one: Found) -> Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
     if key is None:
@@ -674,8 +709,8 @@ def _times(frame: Frame, one: _Found) -> Array | None:
     return values * (factor(one.unit, "s") if one.unit else 1.0)
 
 
-def _repairs(
-    frame: Frame, found: Mapping[str, _Found], times: Array | None, trial: str
+def repairs_of(
+    frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
 ) -> tuple[Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     headers = [
@@ -699,6 +734,12 @@ def _repairs(
     return tuple(name for name, needed in steps.items() if needed)
 
 
+def repair_text(repair: Sequence[Repair]) -> str:
+    """Return what is repaired, in words."""
+    why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
+    return " and ".join(f"{one}: {why[one]}" for one in repair)
+
+
 def _is_raw(unit: str | None) -> bool:
     """Whether a unit is one of a sensor, of which only its gain makes a quantity."""
     return unit is not None and (is_of(unit, "count") or is_of(unit, "V"))
@@ -715,22 +756,41 @@ def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
     names = [name for name in frame.names if name]
     known = [one for one in given.values() if isinstance(one, str)]
-    wanted = next((_numbered(one)[1] for one in known if _numbered(one)[1]), "")
-    joint = wanted or next(iter(_joints(names)), "")
+    wanted = next((numbered(one)[1] for one in known if numbered(one)[1]), "")
+    joint = wanted or next(iter(joints_in(names)), "")
     if not joint:
         return names
-    numbers = {_numbered(name)[1] for name in names}
-    families = {_numbered(name)[0] for name in names if _numbered(name)[1] == joint}
+    numbers = {numbered(name)[1] for name in names}
+    families = {numbered(name)[0] for name in names if numbered(name)[1] == joint}
     others = numbers - {"", joint}
     return [
         name
         for name in names
-        if name in known or not (_numbered(name)[1] in others and _numbered(name)[0] in families)
+        if name in known
+        or not (
+            numbered(name)[1] in others and (joint_in(name)[1] or numbered(name)[0] in families)
+        )
     ]
 
 
-def _numbered(name: str) -> tuple[str, str]:
-    """Return a name without its number, and the number, which is that of a joint."""
+def joint_in(name: str) -> tuple[str, str]:
+    """Return quantity and joint of a column called by both; empty texts if it is not.
+
+    Examples
+    --------
+    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("q2")
+    (('position', 'elbow'), ('', ''), ('', ''))
+    """
+    first, _, joint = name.partition(".")
+    known = first in (*BY_JOINT, "reference", "current") and "." not in joint
+    return (first, joint) if known and joint.casefold() not in ("", *NAMES["time"]) else ("", "")
+
+
+def numbered(name: str) -> tuple[str, str]:
+    """Return a name without the number or name of its joint, and that."""
+    first, joint = joint_in(name)
+    if joint:
+        return f"{first}.#", joint
     bare = _unit_in_name(name, "position")[0] or name
     found = re.search(r"(?<!\d)(\d{1,2})(?!\d)(?=[^\d]*$)", bare)
     if found is None:
@@ -738,14 +798,19 @@ def _numbered(name: str) -> tuple[str, str]:
     return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
 
 
-def _joints(names: Sequence[str]) -> dict[str, None]:
-    """Return the numbers of joints, if positions or speeds of several have their columns."""
-    numbered: dict[str, dict[str, None]] = {}
+def joints_in(names: Sequence[str]) -> dict[str, None]:
+    """Return the numbers or names of joints, if positions or speeds of several have columns."""
+    named = dict.fromkeys(
+        joint for first, joint in map(joint_in, names) if first in ("position", "velocity")
+    )
+    if len(named) > 1:
+        return named
+    stems: dict[str, dict[str, None]] = {}
     for name in names:
-        stem, number_ = _numbered(name)
+        stem, number_ = numbered(name)
         if number_ and not _is_other(stem):
-            numbered.setdefault(stem, {})[number_] = None
-    several = [(stem, found) for stem, found in numbered.items() if len(found) > 1]
+            stems.setdefault(stem, {})[number_] = None
+    several = [(stem, found) for stem, found in stems.items() if len(found) > 1]
     for stem, found in several:
         moves = any(_named_score(stem, q)[0] > 0.0 for q in ("position", "velocity"))
         driven = any(
@@ -757,7 +822,7 @@ def _joints(names: Sequence[str]) -> dict[str, None]:
     return {}
 
 
-def _trial_column(frame: Frame, given: Mapping[str, Column], found: Mapping[str, _Found]) -> str:
+def trial_column(frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found]) -> str:
     """Return the column that numbers trials; empty if none does."""
     if "trial" in given:
         return str(given["trial"])
@@ -771,7 +836,7 @@ def _trial_column(frame: Frame, given: Mapping[str, Column], found: Mapping[str,
     return ""
 
 
-def _conditions(frame: Frame, found: Mapping[str, _Found], trial: str) -> tuple[str, ...]:
+def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
     """Return the columns that seem to hold a condition."""
     taken = {*(one.name for one in found.values()), trial}
     return tuple(
@@ -794,10 +859,10 @@ def _of_trials(frame: Frame, trial: str) -> list[Frame]:
     return [part for _, part in by_trial(replace(frame, names=names))]
 
 
-def _temperature(parts: Sequence[Frame], names: Iterable[str]) -> Iterator[tuple[str, _Found]]:
+def _temperature(parts: Sequence[Frame], names: Iterable[str]) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
     found = [
-        _Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+        Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
         for name in names
         if _is_named(name, TEMPERATURES)
         for cells in [[part.data[part.names[name]] for part in parts]]
@@ -833,10 +898,12 @@ def _may_drive(frame: Frame, name: str) -> bool:
     volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)
+    if any(part in SUPPLIES for part in _parts(name)):
+        return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 
 
-def _offered(conditions: Sequence[str], found: Mapping[str, _Found]) -> Iterable[str]:
+def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is said of conditions and of a temperature that were found by their names."""
     warm = found.get("temperature")
     if warm is not None and warm.why != "as given":
@@ -853,17 +920,17 @@ def _offered(conditions: Sequence[str], found: Mapping[str, _Found]) -> Iterable
 
 
 def _doubts(
-    frame: Frame, found: Mapping[str, _Found], turning: bool, units: Collection[str]
+    frame: Frame, found: Mapping[str, Found], turning: bool, units: Collection[str]
 ) -> Iterable[str]:
     """Yield what was assumed."""
-    joints = _joints([name for name in frame.names if name])
+    joints = joints_in([name for name in frame.names if name])
     if len(joints) > 1:
         moving = next((one.name for q, one in found.items() if q in ("position", "velocity")), "")
-        own = _numbered(moving)[1] or next(iter(joints))
+        own = numbered(moving)[1] or next(iter(joints))
         yield (
             f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
-            " another, name its position as --columns position=...; all of them together need a"
-            " rig file of the robot, made from its URDF."
+            " another, name its position as --columns position=...; all of them together need the"
+            " URDF of the robot, as --urdf robot.urdf."
         )
     for quantity, one in found.items():
         if quantity != "time" and one.why == "by its unit":
@@ -902,7 +969,7 @@ def _doubts(
     yield from _driving_doubts(frame, found)
 
 
-def _driving_doubts(frame: Frame, found: Mapping[str, _Found]) -> Iterable[str]:
+def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
         taken = {one.name for one in found.values()}

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.mat5_validator import CURE, check_structure, is_level_5
+from stickslip.experiments.readers.table import Table
 
 Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
@@ -45,7 +46,7 @@ CHANNELS: Final = (
 )
 
 
-def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
+def read_mat(path: Path, names: Collection[str] = ()) -> Table:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
@@ -62,13 +63,12 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
     sizes = Counter(value.size for value in vectors.values())
     named = Counter(value.size for name, value in vectors.items() if name in names)
     size = max(sizes, key=lambda size: (named[size], sizes[size], size))
-    return pd.DataFrame(
-        {
-            name: np.asarray(value, dtype=float).ravel()
-            for name, value in vectors.items()
-            if value.size == size
-        }
-    )
+    columns = {
+        name: np.asarray(value, dtype=float).ravel()
+        for name, value in vectors.items()
+        if value.size == size
+    }
+    return Table(data=pd.DataFrame(columns))
 
 
 def _split(found: Mapping[str, Any]) -> Iterator[Found]:

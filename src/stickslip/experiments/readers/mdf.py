@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
+from stickslip.experiments.readers.table import Table
 
 MDF: Final = (".mf4", ".mdf")
 """Endings of MDF files."""
@@ -24,7 +25,7 @@ _DEFLATED: Final = {0, 1}
 """Kinds of compression that are zlib's."""
 
 
-def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
+def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
     """Return the channels of one group as columns, with their units in brackets."""
     try:
         with warnings.catch_warnings():
@@ -59,7 +60,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
     for one in own:
         unit = f" [{one.unit.strip()}]" if one.unit and one.unit.strip() else ""
         columns.setdefault(f"{one.name}{unit}", np.asarray(one.samples, dtype=float))
-    return pd.DataFrame(columns)
+    return Table(data=pd.DataFrame(columns))
 
 
 def _check_blocks(path: Path) -> None:

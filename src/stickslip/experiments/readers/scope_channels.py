@@ -10,6 +10,7 @@ import pandas as pd
 
 from stickslip.errors import InputError
 from stickslip.experiments.readers.layout import cells_of, is_number
+from stickslip.experiments.readers.table import unequal_rows
 from stickslip.formatting import count
 from stickslip.units import is_unit, shown
 
@@ -93,8 +94,7 @@ def _parsed(lines: Sequence[str], separator: str, decimal: str, width: int) -> p
                 low_memory=False,
             )
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
-        reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
-        raise InputError(f"has rows of different lengths ({reason}).") from None
+        raise unequal_rows(error) from None
 
 
 def _channel(rows: pd.DataFrame, head: Mapping[str, Sequence[str]], place: int) -> pd.DataFrame:

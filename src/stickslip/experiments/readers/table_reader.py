@@ -1,8 +1,8 @@
 """Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,19 +18,13 @@ from stickslip.errors import (
     check_size,
 )
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
+from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, format_of
 from stickslip.experiments.readers.layout import Layout
-from stickslip.experiments.readers.matlab import read_mat
-from stickslip.experiments.readers.mdf import MDF, read_mdf
 from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.time_stamps import seconds_of
-from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
-
-TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
-"""Endings of text files."""
-DATA: Final = (*TEXT, *MDF, ".parquet", ".pq", ".mat")
-"""Endings of all files that are read."""
 
 SECOND: Final = "position, second coordinate"
 """What the second column of a position in a plane is known by."""
@@ -69,6 +63,8 @@ class Frame:
     """Unit by the same names; None where numbers are in SI."""
     first_row: int
     """Line of the first row in the file, or 1 where there are no lines."""
+    remarks: tuple[str, ...] = ()
+    """What the reader decided and a user should know."""
 
     def line(self, row: int) -> str:
         """Return where a row stands in the file."""
@@ -162,7 +158,7 @@ def is_data_file(path: Path) -> bool:
     >>> is_data_file(Path("run.CSV")), is_data_file(Path("rig.toml"))
     (True, False)
     """
-    return path.suffix.lower() in DATA
+    return format_of(data_file(path)) is not None
 
 
 def read_frame(
@@ -171,31 +167,38 @@ def read_frame(
     columns: Mapping[str, Column],
     units: Mapping[str, str],
     layout: Layout | None = None,
+    also: Collection[str] = (),
 ) -> Frame:
-    """Read a file and find out what its columns hold."""
+    """Read a file and find out what its columns hold.
+
+    `also` names columns that are wanted whatever they hold, of files that have more than a table.
+    """
+    check_path(path)
+    path = data_file(Path(path))
     check_file(path)
-    check_size(
-        str(path), Path(path).stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS
-    )
+    file = str(path)
+    known = format_of(path)
+    if known is None or not known.streamed:
+        check_size(file, path.stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS)
     single = dict(_single(columns))
-    file, suffix = str(path), Path(path).suffix.lower()
-    first_row = 1
-    if layout is not None and suffix not in TEXT:
+    if layout is not None and path.suffix.lower() not in TEXT:
         raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
-    if suffix in TEXT:
-        data, first_row = read_text(Path(path), layout)
-    elif suffix in MDF:
-        data = read_mdf(Path(path), set(single.values()))
-    elif suffix in {".parquet", ".pq"}:
-        data = _parquet(Path(path))
-    elif suffix == ".mat":
-        data = read_mat(Path(path), set(single.values()))
-    else:
+    if known is None:
+        *endings, last = (one.endings[0] for one in FORMATS)
         raise InputError(
-            f"{file}: must be a .csv, .tsv, .txt, .parquet, .mat or .mf4 file, got"
-            f" {suffix or 'no file extension'}. Save a spreadsheet as CSV."
+            f"{file}: must be a {', '.join(endings)} or {last} file, got"
+            f" {path.suffix or 'no file extension'}. Save a spreadsheet as CSV."
         )
-    return frame_of(data, file, columns=single, units=units, first_row=first_row)
+    wanted = [*dict.fromkeys((*single.values(), *also))]
+    table = known.read(path, wanted) if layout is None else read_text(path, layout)
+    return frame_of(
+        table.data,
+        file,
+        columns=single,
+        units=units,
+        first_row=table.first_row,
+        remarks=table.remarks,
+    )
 
 
 def frame_of(
@@ -205,11 +208,13 @@ def frame_of(
     columns: Mapping[str, Column],
     units: Mapping[str, str],
     first_row: int = 1,
+    remarks: Sequence[str] = (),
 ) -> Frame:
     """Find out what the columns of a table hold."""
     if data.empty:
         raise InputError(f"{file}: has no rows.")
-    return _named(file, data, first_row, dict(_single(columns)), units)
+    found = _named(file, data, first_row, dict(_single(columns)), units)
+    return replace(found, remarks=tuple(remarks))
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
@@ -219,45 +224,6 @@ def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
             yield quantity, column
         else:
             yield from zip((quantity, SECOND), column, strict=True)
-
-
-def _parquet(path: Path) -> pd.DataFrame:
-    import pyarrow.parquet as pq
-
-    try:
-        with pq.ParquetFile(path) as file:
-            _check_parquet(str(path), file)
-            # Texts stay references to the few that differ: each is written once and repeated.
-            texts = [field.name for field in file.schema_arrow if _is_text(field.type)]
-        data = pd.read_parquet(path, engine="pyarrow", read_dictionary=texts)
-        repeated = [name for name in texts if isinstance(data.get(name), pd.Series)]
-        data = data.astype(dict.fromkeys(repeated, object))
-        return data.reset_index(drop=True)
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}.") from None
-    except Exception as error:
-        # pyarrow has an exception tree of its own.
-        raise InputError(f"{path}: is not a Parquet file: {error}.") from None
-
-
-def _check_parquet(path: str, file: Any) -> None:
-    """Refuse a file whose footer announces too much, lists within cells included."""
-    footer = file.metadata
-    size = 0.0
-    for i in range(footer.num_row_groups):
-        group = footer.row_group(i)
-        for k in range(group.num_columns):
-            column = group.column(k)
-            size += max(column.num_values, column.total_uncompressed_size / 8)
-    check_size(path, max(size, footer.num_rows * footer.num_columns), "split the file")
-
-
-def _is_text(kind: Any) -> bool:
-    from pyarrow import types
-
-    return bool(types.is_string(kind) or types.is_large_string(kind))
 
 
 def _named(

@@ -29,10 +29,15 @@ def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
 
 
-def check_file(path: str | Path, *, largest: int | None = None) -> None:
-    """Check that a file is there, is a file, and is neither empty nor too large."""
+def check_path(path: object) -> None:
+    """Check that something may name a file."""
     if not isinstance(path, str | Path):
         raise InputError(f"A path must be text or a Path, got {path!r}.")
+
+
+def check_file(path: str | Path, *, largest: int | None = None) -> None:
+    """Check that a file is there, is a file, and is neither empty nor too large."""
+    check_path(path)
     try:
         size = Path(path).stat().st_size
         regular, folder = Path(path).is_file(), Path(path).is_dir()

@@ -1,18 +1,27 @@
 """Writes the rig file of a record of which only the data file is known."""
 
+import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from stickslip.experiments.readers.formats import log_name
 from stickslip.experiments.readers.guess import Guess
 from stickslip.experiments.readers.layout import Layout
 
+LONGEST: Final = 8
+"""Entries of a table that stand on one line."""
 
-def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
+
+def guessed_rig(
+    guess: Guess, file: str | Path, *, inertia: float = 1.0, robot: str | Path = ""
+) -> str:
     """Return the text of a commented rig file for what a file seems to hold.
 
-    The mechanism is an `Axis` whose inertia is fitted. What is assumed is marked "assumed".
+    The mechanism is an `Axis` whose inertia is fitted, or a robot with the joints that move. What
+    is assumed is marked "assumed".
 
     Parameters
     ----------
@@ -22,6 +31,8 @@ def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
         The data file as the rig file should name it: relative to the rig file, or absolute.
     inertia : float
         Mass [kg] or moment of inertia [kg m^2] from which a fit begins.
+    robot : str or Path
+        The robot description as the rig file should name it; `Guess.robot` if not given.
 
     Returns
     -------
@@ -42,11 +53,12 @@ def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
     units = { force = "kN" }
     <BLANKLINE>
     """
-    return "\n".join([*_head(guess, file), *_mechanism(guess, inertia), *_data(guess, file), ""])
+    mechanism = _robot(guess, robot) if guess.robot else _mechanism(guess, inertia)
+    return "\n".join([*_head(guess, file), *mechanism, *_data(guess, file), ""])
 
 
 def _head(guess: Guess, file: str | Path) -> Iterator[str]:
-    name = Path(file).name
+    name = Path(guess.file).name
     yield f"# Written by `stickslip init` from what {name} seems to hold:"
     yield "#"
     yield from (f"#   {line}" for line in str(guess).replace("\t", " ").splitlines())
@@ -54,7 +66,7 @@ def _head(guess: Guess, file: str | Path) -> Iterator[str]:
     yield "# Numbers are in SI units, or text with a unit. Correct what is wrong; then run"
     yield "# `stickslip check` and `stickslip select` with this file."
     yield ""
-    yield f"title = {_toml(Path(file).stem)}"
+    yield f"title = {_toml(log_name(Path(file)))}"
     yield ""
 
 
@@ -75,9 +87,24 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     yield ""
 
 
+def _robot(guess: Guess, file: str | Path) -> Iterator[str]:
+    """Yield the table of a robot: its description, which joints move, and where others stand."""
+    yield "[mechanism]"
+    yield 'type = "urdf"'
+    yield f"file = {_toml(str(file) or guess.robot)}"
+    yield f"moving = {_toml(list(guess.moving))}"
+    if guess.locked:
+        yield f"locked = {_inline(guess.locked)}  # where they stood"
+    yield "# Rotors of motors are not in a description; their inertias, behind the gear, are large:"
+    yield "# [mechanism.joints.NAME]"
+    yield '# armature = "0.1 kg m^2"'
+    yield ""
+
+
 def _drive(guess: Guess) -> str:
     """Return what drives the axis: a force, a current, or nothing that was recorded."""
-    return next((name for name in ("force", "current") if name in guess.columns), "")
+    known = {name.partition(".")[0] for name in guess.columns}
+    return next((name for name in ("force", "current") if name in known), "")
 
 
 def _data(guess: Guess, file: str | Path) -> Iterator[str]:
@@ -88,14 +115,15 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
         yield '# "zero" (keeps its value, as a command does) or "first" (straight lines).'
     if guess.repair:
         yield f"repair = {_toml(list(guess.repair))}"
-    yield f"columns = {_inline(guess.columns)}"
+    yield from _entries("columns", guess.columns)
     if guess.conditions:
         yield f"conditions = {_toml(list(guess.conditions))}"
-    if guess.units:
-        yield f"units = {_inline(guess.units)}"
+    yield from _entries("units", guess.units)
     if guess.motor_constant:
         cure = "assumed: replace it by that of the data sheet, times the gear ratio"
-        yield f"motor_constant = {_toml(guess.motor_constant)}  # {cure}"
+        given = guess.motor_constant
+        text = _toml(given) if isinstance(given, str) else _inline(given)
+        yield f"motor_constant = {text}  # {cure}"
     if guess.gain:
         cure = "where assumed: replace it by the sensitivity of the sensor, or of the encoder"
         yield f"gain = {_inline(guess.gain)}  # {cure}"
@@ -108,8 +136,21 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
                 yield f"{one.name} = {_toml(value)}"
 
 
+def _entries(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table on one line, or a long one with a line for each entry."""
+    if len(table) > LONGEST:
+        yield from (f"{name}.{_key(key)} = {_toml(value)}" for key, value in table.items())
+    elif table:
+        yield f"{name} = {_inline(table)}"
+
+
 def _inline(table: Mapping[str, Any]) -> str:
-    return f"{{ {', '.join(f'{key} = {_toml(value)}' for key, value in table.items())} }}"
+    return f"{{ {', '.join(f'{_key(key)} = {_toml(value)}' for key, value in table.items())} }}"
+
+
+def _key(name: str) -> str:
+    """Return a key: a quantity with its joint stays dotted, any other name is quoted if needed."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)?", name) else json.dumps(name)
 
 
 def _toml(value: Any) -> str:

@@ -467,15 +467,15 @@ def _paths(table: RigTable, file: str) -> list[Path]:
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
     swings = (node.file for node in _tables(table.mechanism) if node.target is SampledSwing)
-    names = (
-        own,
-        *swings,
-        data.file,
-        *data.files,
-        *(trial.file for trial in table.trial),
-        data.second,
-    )
-    return [Path(file).parent / name for name in names if name]
+    measured = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    folder = Path(file).parent
+    paths = [folder / name for name in (own, *swings) if name]
+    logs = [folder / name for name in measured if name]
+    if logs:  # imported here so that rigs without data do without pandas
+        from stickslip.experiments.readers.formats import log_files
+
+        paths += [one for log in logs for one in log_files(log)]
+    return paths
 
 
 def _tables(table: Table) -> Iterator[Any]:
