@@ -95,9 +95,9 @@ def _robot(guess: Guess, file: str | Path) -> Iterator[str]:
     yield f"moving = {_toml(list(guess.moving))}"
     if guess.locked:
         yield f"locked = {_inline(guess.locked)}  # where they stood"
-    yield "# Rotors of motors are not in a description; their inertias, behind the gear, are large:"
-    yield "# [mechanism.joints.NAME]"
-    yield '# armature = "0.1 kg m^2"'
+    yield "# Masses of a description are often wrong, and rotors of motors are not in it: fits find"
+    yield '# what the motion tells of them beside friction. If all is known, write links = "known".'
+    yield 'links = "unknown"'
     yield ""
 
 
