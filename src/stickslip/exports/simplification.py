@@ -135,11 +135,12 @@ def steady_force(
     return force
 
 
-def simplified(subject: Subject, *, polynomial: bool = False) -> Simplified:
+def simplified(subject: Subject, *, polynomial: bool = False, holds: bool = False) -> Simplified:
     """Return level and damping of a joint for a law, with what they leave.
 
     A polynomial of the damping is nowhere below 0, beyond the largest speed either: it is a sum of
-    squares and of a slope.
+    squares and of a slope. A joint that `holds` has the level of break-away, and the damping that
+    then comes closest.
 
     Examples
     --------
@@ -162,8 +163,12 @@ def simplified(subject: Subject, *, polynomial: bool = False) -> Simplified:
     if polynomial:
         squares = np.stack([0.0 * ROOTS, ROOTS**2, -2.0 * ROOTS, 1.0 + 0.0 * ROOTS])
         parts = np.column_stack([np.eye(4)[:, :3], squares])
-    weights, _ = nnls(powers @ parts, force)
-    found = parts @ weights
+    known = np.zeros(4)
+    if holds:
+        known[0] = max(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+        parts = parts[:, 1:]
+    weights, _ = nnls(powers @ parts, force - powers @ known)
+    found = known + parts @ weights
     level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
     residual = force - powers @ np.array([level, *dampings])
     if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(force).max()):
@@ -200,7 +205,10 @@ def _effects(subject: Subject, joint: JointFriction | PolynomialFriction) -> Ite
 
 
 def _lost(
-    subject: Subject, joint: JointFriction | PolynomialFriction, speed: NDArray[np.float64], load: float
+    subject: Subject,
+    joint: JointFriction | PolynomialFriction,
+    speed: NDArray[np.float64],
+    load: float,
 ) -> Iterator[str]:
     """Yield what a joint with one level cannot have."""
     law, turning = subject.law, subject.rotary

@@ -17,8 +17,8 @@ from stickslip.exports.joints import SOFT
 DIGITS: Final = 9
 """Significant digits of the numbers that are written."""
 HARD: Final = "0.9999 0.9999 0.001"
-"""Impedance of MuJoCo's friction constraint, the largest that it has: links of robots are light, and
-the creep of a loaded joint is in proportion to its inverse inertia."""
+"""Impedance of MuJoCo's friction constraint, the largest that it has: links of robots are light,
+and the creep of a loaded joint is in proportion to its inverse inertia."""
 DEEPEST: Final = 8
 """Files that include each other, one within the other."""
 URDF_KINDS: Final = MappingProxyType(
@@ -241,7 +241,7 @@ class MjcfModel(Model):
     name: ClassVar[str] = "mjcf"
     title: ClassVar[str] = "MJCF"
     written: ClassVar[tuple[str, ...]] = (
-        "frictionloss", "damping", "armature", "solreffriction", "solimpfriction",
+        "frictionloss", "damping", "armature", "solreffriction", "solimpfriction", "springdamper",
     )  # fmt: skip
 
     @override
@@ -297,11 +297,23 @@ class MjcfModel(Model):
 
     @override
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
-        for key, where in joint.inherited.items():
-            if key in self.attributes(friction):
+        replaced = [key for key in joint.inherited if key in self.attributes(friction)]
+        if replaced:
+            given = ", ".join(
+                f"{key}={joint.has[key]!r} of class {joint.inherited[key]!r}" for key in replaced
+            )
+            yield f"The joint's own attributes take the place of {given}; other joints keep these."
+        if joint.has.get("springdamper", "0").split()[0] != "0":
+            yield (
+                f"springdamper={joint.has['springdamper']!r} makes MuJoCo compute a damping of its"
+                " own, which takes the place of this one: remove it."
+            )
+        for tag in self.markup.root.walk():
+            adds = [key for key in ("damping", "armature", "lugre") if key in tag.attributes]
+            if adds and tag.attributes.get("joint") == joint.name and tag.name != "joint":
                 yield (
-                    f"Class {where!r} gives {key}={joint.has[key]!r} to joints: the joint's own"
-                    " attribute takes its place, and other joints of the class keep it."
+                    f"The actuator <{tag.name}> in line {tag.line} has {' and '.join(adds)}, which"
+                    " come on top of those of the joint."
                 )
 
 

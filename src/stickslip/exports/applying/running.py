@@ -60,7 +60,7 @@ class Motion:
     said: str
     """What it is, in words."""
     settings: str
-    """Under which settings of MuJoCo, in words; empty for those of the file."""
+    """``"stiff"`` where friction holds by other settings than those of the file, else empty."""
     t_end: float
     """How long it lasts [s]."""
     travel: float
@@ -76,13 +76,13 @@ class Motion:
         """The motion in words."""
         length = turned("m", self.rotary)
         error, travel = quantity(self.error, length), quantity(self.travel, length)
-        share = quantity(self.simplification, length)
-        where = f"in MuJoCo{f' with {self.settings}' if self.settings else ''}"
+        settings = f" ({self.settings})" if self.settings else ""
         if self.kind == "hold":
-            return f"{self.said}: moves {error} away {where}; the law lets it move {travel}."
+            return f"{self.said}: MuJoCo{settings} lets it move {error}, the law {travel}."
         return (
-            f"{self.said}: at most {error} from the law {where}, over a travel of {travel};"
-            f" the simplification alone makes {share}."
+            f"{self.said}: MuJoCo{settings} is at most {error} from the law, over a travel of"
+            f" {travel}; without MuJoCo, the simplification makes"
+            f" {quantity(self.simplification, length)}."
         )
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -105,9 +105,7 @@ def motions_in_mujoco(
     try:
         import mujoco
     except ImportError:
-        return {}, (
-            "MuJoCo is not installed, so the file was not run in it: pip install 'stickslip[mujoco]'."
-        )
+        return {}, ("MuJoCo is not installed, so the file was not run in it: pip install mujoco.")
     if model.markup.root.name == "mujocoinclude":
         return {}, "The file is a part of a model, so it was not run in MuJoCo."
     try:
@@ -120,7 +118,7 @@ def motions_in_mujoco(
                 its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
             spec.option.timestep = TIMESTEP
             compiled = spec.compile()
-            said = f'solreffriction="{SOFT}", solimpfriction="{HARD}" and time steps of 1 ms'
+            said = "stiff"
             for one in joints:
                 found[one.name] += tuple(_motions(mujoco, compiled, one, said))
     except (ValueError, KeyError, mujoco.FatalError) as error:
@@ -203,15 +201,11 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
     slowest = min(sliding, rest) if rest > 0.0 else sliding
     if slowest > 0.0:
         t_end = min(LONGEST, 1.25 * inertia * fastest / slowest)
-        yield motion(
-            "decay", f"Decay from {speed}, {quantity(t_end, 's')}", t_end, None, fastest
-        )
+        yield motion("decay", f"Decay from {speed}, {quantity(t_end, 's')}", t_end, None, fastest)
     largest = PUSH * max(sliding, rest)
     if largest > 0.0:
         # with the force that friction leaves, the speed reaches about the largest of the law
-        frequency = max(
-            (largest - sliding) / (inertia * fastest) / math.pi, PERIODS / LONGEST
-        )
+        frequency = max((largest - sliding) / (inertia * fastest) / math.pi, PERIODS / LONGEST)
         said = f"Sweep by {quantity(largest, unit)} at {quantity(frequency, 'Hz')}"
         drive = Sine(amplitude=largest, frequency=frequency)
         yield motion("sweep", said, PERIODS / frequency, drive, 0.0)

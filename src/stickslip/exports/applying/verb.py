@@ -12,13 +12,14 @@ from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
 from stickslip.exports.applying.markup import Edit, edited
-from stickslip.exports.applying.models import Friction, Model, ModelJoint, read_model
-from stickslip.exports.applying.running import Motion, Tested, motions_in_mujoco
+from stickslip.exports.applying.models import HARD, Friction, Model, ModelJoint, read_model
+from stickslip.exports.applying.running import SHARE, Motion, Tested, motions_in_mujoco
+from stickslip.exports.joints import SOFT
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.simplification import PolynomialFriction, Simplified, simplified
 from stickslip.exports.subject import Subject
 from stickslip.exports.verb import Asked, subject_of
-from stickslip.formatting import quantity
+from stickslip.formatting import percent, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
 from stickslip.mechanisms import Axis, Mechanism, Pendulum, Robot, RobotJoint, SerialArm
@@ -60,7 +61,7 @@ class AppliedJoint:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Attributes, errors and what is lost, in words."""
+        """Attributes, error of the friction and what is lost, in words; motions have theirs."""
         unit, speed = turned("N", self.rotary), turned("m/s", self.rotary)
         values = " ".join(f'{key}="{value}"' for key, value in self.after.items())
         before = " ".join(f'{key}="{value}"' for key, value in self.before.items())
@@ -69,7 +70,6 @@ class AppliedJoint:
             f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
             f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most.",
             *self.lost,
-            *(one.sentence for one in self.motions),
         )
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -167,6 +167,7 @@ def apply(
     law_load: float | None = None,
     at: Mapping[str, Given] | None = None,
     polynomial: bool = False,
+    holds: bool = False,
     run: bool = True,
 ) -> Applied:
     """Write friction laws into the joints of a model file, and change nothing else in it.
@@ -199,6 +200,9 @@ def apply(
         Contact inputs of the law at which the joint has its friction.
     polynomial : bool
         Of MJCF, whether the damping changes with the speed (MuJoCo 3.7 and later). Off by default.
+    holds : bool
+        Whether the level is that of break-away, so that the joint holds what the law holds. By
+        default it is the one that comes closest to the law while sliding.
     run : bool
         Whether the joints are run in MuJoCo where it is installed, which is the default.
 
@@ -239,7 +243,7 @@ def apply(
             asked = replace(asked, rotary=joint.rotary)
         subject = subject_of(source, TARGETS[model.name], asked, rig=None)
         _check_kind(model, joint, subject)
-        near = simplified(subject, polynomial=polynomial)
+        near = simplified(subject, polynomial=polynomial, holds=holds)
         friction = _friction(near, subject)
         edits += model.edits(joint, friction)
         found[name] = _applied(model, joint, contact, subject, near, friction)
@@ -261,8 +265,10 @@ def apply(
 def _remarks(model: Model) -> list[str]:
     if model.name == "urdf":
         return [
-            "URDF has no settings for how friction is held: MuJoCo takes its defaults, with which"
-            " loaded joints creep. Write the laws into the MJCF file, where there is one."
+            "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
+            f' creep. The rows "stiff" are with solreffriction="{SOFT}" and'
+            f' solimpfriction="{HARD}" at the joints and time steps of 1 ms: set these in your'
+            " program, or apply the laws to an MJCF file, where they are written."
         ]
     return []
 
@@ -387,9 +393,26 @@ def _applied(
         rms=near.rms,
         largest=near.largest,
         rotary=joint.rotary,
-        lost=tuple((*_damper(subject, damper), *near.lost, *model.lost(joint, friction))),
+        lost=(
+            *_damper(subject, damper),
+            *_slips(subject, near),
+            *near.lost,
+            *model.lost(joint, friction),
+        ),
     )
     return row, Tested(name=joint.name, subject=subject, joint=near.joint, damping=damper)
+
+
+def _slips(subject: Subject, near: Simplified) -> Iterator[str]:
+    push = SHARE * min(float(subject.law.towards(side).break_away(near.load)) for side in (1, -1))
+    if push > near.joint.level:
+        unit = turned("N", subject.rotary)
+        level = quantity(near.joint.level, unit)
+        yield (
+            f"It slips where the law holds: {percent(SHARE)} of break-away,"
+            f" {quantity(push, unit)}, is more than the level of {level}."
+            " --holds (in Python holds=True) gives it the level of break-away."
+        )
 
 
 def _damper(subject: Subject, damper: float) -> Iterator[str]:
