@@ -137,8 +137,12 @@ class Model(ABC):
         lines = [str(tag.line) for tag, _, _ in given if not tag.attributes.get("name")]
         if not lines:
             return ""
-        some = "A joint has" if len(lines) == 1 else f"{len(lines)} joints have"
-        return f" {some} no name (line {', '.join(lines)}): give each a name to apply a law to it."
+        if len(lines) == 1:
+            return f" A joint has no name (line {lines[0]}): give it one to apply a law to it."
+        return (
+            f" {len(lines)} joints have no name (lines {', '.join(lines)}): give each a name to"
+            " apply a law to it."
+        )
 
 
 _MOVE: Final = ("hinge", "slide")
@@ -303,7 +307,7 @@ class MjcfModel(Model):
                 f"{key}={joint.has[key]!r} of class {joint.inherited[key]!r}" for key in replaced
             )
             yield f"The joint's own attributes take the place of {given}; other joints keep these."
-        if joint.has.get("springdamper", "0").split()[0] != "0":
+        if joint.has.get("springdamper", "0").split()[:1] not in ([], ["0"]):
             yield (
                 f"springdamper={joint.has['springdamper']!r} makes MuJoCo compute a damping of its"
                 " own, which takes the place of this one: remove it."

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Drive, PiecewiseLinear, Sine
+from stickslip.errors import StickslipError
 from stickslip.exports.applying.markup import Markup, read_markup
 from stickslip.exports.applying.models import DEEPEST, HARD, MjcfModel, Model, includes
 from stickslip.exports.joints import SOFT, TIMESTEP
@@ -121,9 +122,9 @@ def motions_in_mujoco(
             said = "stiff"
             for one in joints:
                 found[one.name] += tuple(_motions(mujoco, compiled, one, said))
-    except (ValueError, KeyError, mujoco.FatalError) as error:
+    except (ValueError, KeyError, mujoco.FatalError, StickslipError) as error:
         said = " ".join(str(error).split())
-        return {}, f"MuJoCo does not read the file as it stands, so it was not run: {said}"
+        return {}, f"The file was not run in MuJoCo: {said}"
     return found, ""
 
 
