@@ -34,6 +34,8 @@ PUSH: Final = 1.5
 """Amplitude of a sweep over the largest friction."""
 PERIODS: Final = 2
 """Periods of a sweep."""
+ROUNDING: Final = 1e-12
+"""Share of the travel that roundings leave of a difference."""
 HEAVY: Final = 1e9
 """Armature over the largest inertia of a model, with which its other joints stand still."""
 
@@ -106,7 +108,9 @@ def motions_in_mujoco(
     try:
         import mujoco
     except ImportError:
-        return {}, ("MuJoCo is not installed, so the file was not run in it: pip install mujoco.")
+        return {}, (
+            "MuJoCo is not installed, so the file was not run in it: pip install 'stickslip[mujoco]'."
+        )
     if model.markup.root.name == "mujocoinclude":
         return {}, "The file is a part of a model, so it was not run in MuJoCo."
     try:
@@ -182,22 +186,23 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
             ).at(t)["x"]
             for law in (replace(subject.law), one.joint)
         )
+        travel, costs = float(np.ptp(ours)), float(np.abs(plain - ours).max())
         return Motion(
             kind=kind,
             said=said,
             settings=settings,
             t_end=float(t[-1]),
-            travel=float(np.ptp(ours)),
+            travel=travel,
             error=float(np.abs(theirs - (0.0 if kind == "hold" else ours)).max()),
-            simplification=float(np.abs(plain - ours).max()),
+            simplification=costs if costs > ROUNDING * travel else 0.0,
             rotary=rotary,
         )
 
     if rest > 0.0:
         push = SHARE * rest
-        drive = PiecewiseLinear(times=(0.0, HOLD), values=(push, push))
+        constant = PiecewiseLinear(times=(0.0, HOLD), values=(push, push))
         said = f"Hold for {HOLD:g} s under {quantity(push, unit)}, {percent(SHARE)} of break-away"
-        yield motion("hold", said, HOLD, drive, 0.0)
+        yield motion("hold", said, HOLD, constant, 0.0)
     speed = quantity(fastest, turned("m/s", rotary))
     slowest = min(sliding, rest) if rest > 0.0 else sliding
     if slowest > 0.0:
@@ -208,8 +213,8 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
         # with the force that friction leaves, the speed reaches about the largest of the law
         frequency = max((largest - sliding) / (inertia * fastest) / math.pi, PERIODS / LONGEST)
         said = f"Sweep by {quantity(largest, unit)} at {quantity(frequency, 'Hz')}"
-        drive = Sine(amplitude=largest, frequency=frequency)
-        yield motion("sweep", said, PERIODS / frequency, drive, 0.0)
+        wave = Sine(amplitude=largest, frequency=frequency)
+        yield motion("sweep", said, PERIODS / frequency, wave, 0.0)
 
 
 def _alone(mujoco: ModuleType, compiled: Any, dof: int) -> float:
@@ -237,10 +242,11 @@ def _stepped(
     data = mujoco.MjData(compiled)
     place = int(compiled.jnt_qposadr[compiled.dof_jntid[dof]])
     data.qvel[dof] = start
-    found = np.empty(force.size + 1)
+    found: NDArray[np.float64] = np.empty(force.size + 1)
     found[0] = data.qpos[place]
     for i, one in enumerate(force):
         data.qfrc_applied[dof] = one
         mujoco.mj_step(compiled, data)
         found[i + 1] = data.qpos[place]
-    return found - found[0]
+    found -= found[0]
+    return found
