@@ -25,6 +25,7 @@ from stickslip.exports import apply
 from stickslip.exports.applying.running import SHARE
 from stickslip.exports.simplification import PolynomialFriction, simplified
 from stickslip.exports.subject import Subject
+from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
 
 LAW = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.1)
@@ -446,3 +447,28 @@ def test_what_adds_to_the_damping_of_a_joint_is_named(arm):
     (row,) = written(Coulomb(kinetic_coefficient=0.3), arm, "elbow").joints
     assert any("springdamper='0.1 1' makes MuJoCo compute" in line for line in row.lost)
     assert any(re.match(r"The actuator <position> in line \d+ has damping", x) for x in row.lost)
+
+
+def test_classes_of_included_files_count_and_missing_ones_are_named(arm):
+    begin, end = ARM.index("\t<default>"), ARM.index("\t<worldbody>")
+    (arm.parent / "classes.xml").write_text(f"<mujoco>{ARM[begin:end]}</mujoco>")
+    include = '\t<include file="classes.xml"/>\n'
+    arm.write_text(ARM[:begin] + include + ARM[end:])
+    found = written(LAW, arm, "rail", load=1.0)
+    assert not found.joints[0].rotary
+    assert b"<include" in found.content
+    arm.write_text(ARM[:begin] + ARM[end:])
+    (row,) = written(LAW, arm, "rail").joints
+    assert any(line.startswith("Class 'rail' is neither in this file") for line in row.lost)
+
+
+def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
+    mujoco_or_skip()
+    warm = composed("level + viscous * exponential[temperature]")(
+        kinetic_coefficient=0.2, viscous_coefficient=0.3, viscous_temperature_decay=0.03
+    )
+    at = {"temperature": "300 K"}
+    (row,) = written(warm, DESK_ARM, "elbow", at=at, run=True).joints
+    assert len(row.motions) == 6
+    # at one temperature the law is a level and a damping
+    assert max(one.simplification for one in row.motions) < 1e-9

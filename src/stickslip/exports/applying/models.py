@@ -1,5 +1,6 @@
 """Joints of URDF and MJCF files, and the friction that each format has for them."""
 
+import contextlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -277,7 +278,7 @@ class MjcfModel(Model):
                 if one.name == "default":
                     read(one, own, "")
 
-        for tag in self.markup.root.children:
+        for tag in (one for root in _roots(self.markup) for one in root.children):
             if tag.name == "default":
                 read(tag, found[""], "main")
                 found[""] = found[tag.attributes.get("class", "main")]
@@ -307,6 +308,13 @@ class MjcfModel(Model):
                 f"{key}={joint.has[key]!r} of class {joint.inherited[key]!r}" for key in replaced
             )
             yield f"The joint's own attributes take the place of {given}; other joints keep these."
+        unknown = _class_of(joint.tag)
+        if unknown not in self._classes():
+            yield (
+                f"Class {unknown!r} is neither in this file nor in one that it includes: the joint"
+                f" is taken to {'turn' if joint.rotary else 'slide'}, as it says itself or by"
+                " default."
+            )
         if joint.has.get("springdamper", "0").split()[:1] not in ([], ["0"]):
             yield (
                 f"springdamper={joint.has['springdamper']!r} makes MuJoCo compute a damping of its"
@@ -319,6 +327,14 @@ class MjcfModel(Model):
                     f"The actuator <{tag.name}> in line {tag.line} has {' and '.join(adds)}, which"
                     " come on top of those of the joint."
                 )
+
+
+def _roots(markup: Markup, depth: int = DEEPEST) -> Iterator[Tag]:
+    """Yield the roots of the files that a file includes, and its own."""
+    for path in includes(markup) if depth else ():
+        with contextlib.suppress(InputError):  # MuJoCo says what it misses
+            yield from _roots(read_markup(path), depth - 1)
+    yield markup.root
 
 
 def _class_of(tag: Tag) -> str:

@@ -20,7 +20,7 @@ from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
 from stickslip.formatting import percent, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Axis
+from stickslip.mechanisms import Axis, given_inputs, input_names
 from stickslip.quantities import turned
 from stickslip.simulation import simulate
 
@@ -109,7 +109,8 @@ def motions_in_mujoco(
         import mujoco
     except ImportError:
         return {}, (
-            "MuJoCo is not installed, so the file was not run in it: pip install 'stickslip[mujoco]'."
+            "MuJoCo is not installed, so the file was not run in it:"
+            " pip install 'stickslip[mujoco]'."
         )
     if model.markup.root.name == "mujocoinclude":
         return {}, "The file is a part of a model, so it was not run in MuJoCo."
@@ -170,6 +171,8 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
     subject = one.subject
     rotary, load, fastest = subject.rotary, subject.needed_load(), subject.needed_speed()
     axis = Axis(inertia=inertia, load=load, damping=one.damping, rotary=rotary)
+    told = input_names(axis)  # such as the torque of a gear, which the motion decides
+    stated = {name: value for name, value in subject.at.items() if name not in told}
     rest = min(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
     sliding = abs(steady_force(subject, np.array([-fastest, fastest]), load)).max()
     sliding += one.damping * fastest
@@ -180,10 +183,9 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
         t = np.arange(steps + 1) * step
         force = np.zeros(steps) if drive is None else np.array([drive.value(x) for x in t[:-1]])
         theirs = _stepped(mujoco, compiled, dof, force, start)
+        driven = given_inputs(replace(axis, drive=drive), stated)
         ours, plain = (
-            simulate(
-                replace(axis, drive=drive), law, t_end=float(t[-1]), y0={"x": 0.0, "v": start}
-            ).at(t)["x"]
+            simulate(driven, law, t_end=float(t[-1]), y0={"x": 0.0, "v": start}).at(t)["x"]
             for law in (replace(subject.law), one.joint)
         )
         travel, costs = float(np.ptp(ours)), float(np.abs(plain - ours).max())
