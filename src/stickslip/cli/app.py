@@ -29,6 +29,7 @@ from stickslip.cli.options import (
     Law,
     LawFile,
     LawLoad,
+    LawOfFile,
     Laws,
     MotorConstant,
     PlannedLaws,
@@ -437,9 +438,7 @@ def export(
             " csv (lookup table) or json; fmu (the whole rig with its law).",
         ),
     ],
-    law: Annotated[
-        str | None, typer.Option("--law", help="Which law, if the file has several.")
-    ] = None,
+    law: LawOfFile = None,
     contact: Annotated[
         str | None,
         typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
@@ -557,9 +556,7 @@ def apply(
             " joints with the names of the contacts, or the only joint.",
         ),
     ] = None,
-    law: Annotated[
-        str | None, typer.Option("--law", help="Which law, if the file has several.")
-    ] = None,
+    law: LawOfFile = None,
     load: Annotated[
         str | None,
         typer.Option(

@@ -7,6 +7,7 @@ HOMES = {
     "AppliedJoint": "applying.verb",
     "Drake": "twins",
     "Export": "base",
+    "JointMotion": "applying.running",
     "Karnopp": "twins",
     "MuJoCo": "twins",
     "MuJoCoMotor": "twins",

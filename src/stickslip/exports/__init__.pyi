@@ -1,4 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.exports.applying.running import JointMotion as JointMotion
 from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
 from stickslip.exports.applying.verb import apply as apply
@@ -24,6 +25,7 @@ __all__ = [
     "AppliedJoint",
     "Drake",
     "Export",
+    "JointMotion",
     "Karnopp",
     "MuJoCo",
     "MuJoCoMotor",

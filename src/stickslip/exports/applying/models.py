@@ -14,6 +14,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, nearest
 from stickslip.exports.applying.markup import Edit, Markup, Tag, read_markup
 from stickslip.exports.joints import SOFT
+from stickslip.mechanisms import has_macros
 
 DIGITS: Final = 9
 """Significant digits of the numbers that are written."""
@@ -148,12 +149,13 @@ class Model(ABC):
 
 _MOVE: Final = ("hinge", "slide")
 _OTHER: Final = "is not known here"
+_FREE: Final = "moves in six directions, and a law is of one"
 _REFUSED: Final = MappingProxyType(
     {
         "fixed": "does not move, so it has no friction",
-        "floating": "moves in six directions, and a law is of one",
+        "floating": _FREE,
+        "free": _FREE,
         "planar": "moves in three directions, and a law is of one",
-        "free": "moves in six directions, and a law is of one",
         "ball": "turns about three axes, and a law is of one",
     }
 )
@@ -357,7 +359,7 @@ def read_model(path: Path) -> Model:
         tag.name.startswith("xacro:") or "${" in "".join(tag.attributes.values())
         for tag in root.walk()
     ):
-        raise InputError(f"{path} has xacro macros: expand it first, with xacro {path} > out.urdf.")
+        raise has_macros(str(path))
     if root.name == "robot":
         return UrdfModel(markup)
     if root.name in ("mujoco", "mujocoinclude"):

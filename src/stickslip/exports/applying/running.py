@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.drives import Drive, PiecewiseLinear, Sine
 from stickslip.errors import StickslipError
 from stickslip.exports.applying.markup import Markup, read_markup
@@ -55,7 +56,7 @@ class Tested:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class JointMotion(metaclass=Described):
     """A motion of a joint in MuJoCo beside that with the law, which is exact."""
 
     kind: str
@@ -103,7 +104,7 @@ class Motion:
 
 def motions_in_mujoco(
     model: Model, content: bytes, joints: Sequence[Tested]
-) -> tuple[dict[str, tuple[Motion, ...]], str]:
+) -> tuple[dict[str, tuple[JointMotion, ...]], str]:
     """Return the motions of joints, and why there are none where MuJoCo does not run the file."""
     try:
         import mujoco
@@ -163,7 +164,9 @@ def _parts(markup: Markup, depth: int = DEEPEST) -> Iterator[tuple[str, bytes]]:
             yield from _parts(part, depth - 1)
 
 
-def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> Iterator[Motion]:
+def _motions(
+    mujoco: ModuleType, compiled: Any, one: Tested, settings: str
+) -> Iterator[JointMotion]:
     """Yield what a joint does while the others stand still, without gravity and contacts."""
     compiled = copy.copy(compiled)
     dof = int(compiled.jnt_dofadr[compiled.joint(one.name).id])
@@ -178,7 +181,9 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
     sliding += one.damping * fastest
     step, unit = float(compiled.opt.timestep), turned("N", rotary)
 
-    def motion(kind: str, said: str, t_end: float, drive: Drive | None, start: float) -> Motion:
+    def motion(
+        kind: str, said: str, t_end: float, drive: Drive | None, start: float
+    ) -> JointMotion:
         steps = max(1, round(t_end / step))
         t = np.arange(steps + 1) * step
         force = np.zeros(steps) if drive is None else np.array([drive.value(x) for x in t[:-1]])
@@ -189,7 +194,7 @@ def _motions(mujoco: ModuleType, compiled: Any, one: Tested, settings: str) -> I
             for law in (replace(subject.law), one.joint)
         )
         travel, costs = float(np.ptp(ours)), float(np.abs(plain - ours).max())
-        return Motion(
+        return JointMotion(
             kind=kind,
             said=said,
             settings=settings,

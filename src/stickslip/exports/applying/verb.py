@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
 from stickslip.exports.applying.markup import Edit, edited
 from stickslip.exports.applying.models import HARD, Friction, Model, ModelJoint, read_model
-from stickslip.exports.applying.running import SHARE, Motion, Tested, motions_in_mujoco
+from stickslip.exports.applying.running import SHARE, JointMotion, Tested, motions_in_mujoco
 from stickslip.exports.joints import SOFT
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.simplification import PolynomialFriction, Simplified, simplified
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class AppliedJoint:
+class AppliedJoint(metaclass=Described):
     """A joint with its new friction, and what that leaves of the law."""
 
     joint: str
@@ -56,7 +57,7 @@ class AppliedJoint:
     """Whether it turns."""
     lost: tuple[str, ...]
     """What the file cannot have of the law, in sentences."""
-    motions: tuple[Motion, ...] = ()
+    motions: tuple[JointMotion, ...] = ()
     """What it does in MuJoCo, beside the law; empty where that was not run."""
 
     @property
@@ -91,7 +92,7 @@ class AppliedJoint:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Applied:
+class Applied(metaclass=Described):
     """A model file with friction; made by `apply`."""
 
     path: Path
