@@ -472,3 +472,17 @@ def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
     assert len(row.motions) == 6
     # at one temperature the law is a level and a damping
     assert max(one.simplification for one in row.motions) < 1e-9
+
+
+def test_the_creep_of_stiff_joints_is_that_of_the_formula():
+    mujoco = mujoco_or_skip()
+    names = ["turret", "shoulder", "elbow"]
+    found = written(LAW, DESK_ARM, names, run=True)
+    model = model_of(mujoco, found.content, stiff=True)
+    (time_constant, _), (least, most, _) = STIFF
+    rate = (1.0 - least) / least * most * time_constant / 2.0
+    for dof, row in enumerate(found.joints):
+        hold = row.motions[3]
+        expected = rate * SHARE * 0.3 * model.dof_invweight0[dof]
+        # the joint's damping takes some of the force, in proportion to the creep
+        assert hold.error / hold.t_end == pytest.approx(expected, rel=1e-4)

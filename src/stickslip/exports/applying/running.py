@@ -74,6 +74,7 @@ class JointMotion(metaclass=Described):
     simplification: float
     """That of the joint's friction, simulated exactly, from the law [rad] or [m]."""
     rotary: bool
+    """Whether the joint turns."""
 
     @property
     def sentence(self) -> str:
