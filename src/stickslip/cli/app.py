@@ -29,6 +29,7 @@ from stickslip.cli.options import (
     Law,
     LawFile,
     LawLoad,
+    LawOfFile,
     Laws,
     MotorConstant,
     PlannedLaws,
@@ -446,9 +447,7 @@ def export(
             " csv (lookup table) or json; fmu (the whole rig with its law).",
         ),
     ],
-    law: Annotated[
-        str | None, typer.Option("--law", help="Which law, if the file has several.")
-    ] = None,
+    law: LawOfFile = None,
     contact: Annotated[
         str | None,
         typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
@@ -534,6 +533,116 @@ def export(
         t_end=t_end,
     )
     run(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+
+
+@command(app, "apply")
+def apply(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LAW",
+            help="Rig file (TOML) with laws, such as the law.toml of `stickslip select` or of"
+            " `stickslip fit -o law.toml`; or the verdict.json beside it.",
+        ),
+    ],
+    model: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MODEL",
+            help="Robot description (URDF) or model for MuJoCo (MJCF) whose joints get the laws.",
+        ),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="File to write: MODEL, but for the joints' friction."),
+    ],
+    joints: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--joint",
+            metavar="[CONTACT=]JOINT",
+            help="Joint that gets the law, or the law of a contact; may be repeated. Default:"
+            " joints with the names of the contacts, or the only joint.",
+        ),
+    ] = None,
+    law: LawOfFile = None,
+    load: Annotated[
+        str | None,
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help="Normal force at which joints have their friction. Default: that of the mechanism"
+            " at rest.",
+        ),
+    ] = None,
+    law_load: LawLoad = None,
+    largest_speed: Annotated[
+        str | None,
+        typer.Option(
+            "--largest-speed",
+            metavar="SPEED",
+            help="End of the range of speeds over which level and damping come closest to the law."
+            " Default: that of the fit.",
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="INPUT=VALUE",
+            help="Contact input of the law at which joints have their friction, such as"
+            ' "temperature=35 degC"; may be repeated.',
+        ),
+    ] = None,
+    polynomial: Annotated[
+        bool,
+        typer.Option(
+            "--polynomial",
+            help="Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later).",
+        ),
+    ] = False,
+    holds: Annotated[
+        bool,
+        typer.Option(
+            "--holds",
+            help="Give joints the level of break-away, so that they hold what the law holds."
+            " Default: the level that comes closest to the law while sliding.",
+        ),
+    ] = False,
+    run: Annotated[
+        bool,
+        typer.Option(
+            "--run/--no-run",
+            help="Run the joints in MuJoCo, if it is installed, and compare that with the laws.",
+        ),
+    ] = True,
+    allow_import: AllowImport = False,
+    force: Force = False,
+    as_json: Json = False,
+    _quiet: Quiet = False,
+) -> None:
+    """Write friction into the joints of a URDF or MJCF file, and change nothing else in it.
+
+    Prints what the file cannot have of the laws and what that costs: the error of the friction
+    force, and of the motion in MuJoCo.
+    """
+    from stickslip.cli.apply import Wanted
+    from stickslip.cli.apply import run as run_command
+
+    wanted = Wanted(
+        joints=tuple(joints or ()),
+        law=law,
+        load=load,
+        law_load=law_load,
+        largest_speed=largest_speed,
+        at=tuple(at or ()),
+        polynomial=polynomial,
+        holds=holds,
+        run=run,
+    )
+    run_command(
+        file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json
+    )
 
 
 @command(app, "animate")

@@ -1,6 +1,7 @@
 """``stickslip export``."""
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,11 +79,8 @@ def run(
     refuse_overwriting(output, output, force=force)
     source = load_rig(path, allow_import=allow_import)
     rig = None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import)
-    load, law_load = (
-        _number(option, text, LOAD)
-        for option, text in (("--load", wanted.load), ("--law-load", wanted.law_load))
-    )
-    try:
+    load, law_load = loads(wanted.load, wanted.law_load)
+    with by_option():
         found = export(
             source,
             to,
@@ -93,11 +91,8 @@ def run(
             law_load=law_load,
             largest_speed=wanted.largest_speed,
             rig=rig,
-            at=_stated(wanted.at),
+            at=stated(wanted.at),
         )
-    except ParameterError as error:
-        said = f"{error}".replace("export.largest_speed", "--largest-speed")
-        raise ParameterError(said.replace("export.at.", "--at ")) from None
     files = found.save(output, force=force)
     if as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
@@ -162,7 +157,7 @@ def _export_fmu(
     stdout().print(f"FMU for FMI {wanted.fmi}.0: {file}", markup=False)
 
 
-def _stated(given: Sequence[str]) -> dict[str, Given]:
+def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
     for one in given:
@@ -177,6 +172,21 @@ def _stated(given: Sequence[str]) -> dict[str, Given]:
         except ValueError:
             found[name.strip()] = value.strip()
     return found
+
+
+@contextlib.contextmanager
+def by_option() -> Iterator[None]:
+    """Let errors of arguments of `export` name the options of the command."""
+    try:
+        yield
+    except ParameterError as error:
+        said = f"{error}".replace("export.largest_speed", "--largest-speed")
+        raise ParameterError(said.replace("export.at.", "--at ")) from None
+
+
+def loads(load: str | None, law_load: str | None) -> tuple[float | None, float | None]:
+    """Return the normal forces of the options `--load` and `--law-load`."""
+    return _number("--load", load, LOAD), _number("--law-load", law_load, LOAD)
 
 
 def _number(option: str, text: str | None, quantity: Quantity) -> float | None:

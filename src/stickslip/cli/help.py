@@ -16,7 +16,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Start here": ("demo", "init", "check", "select"),
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "profile"),
-    "Hand over": ("export",),
+    "Hand over": ("export", "apply"),
     "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
     "Set up": ("warmup",),
 }
@@ -46,6 +46,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "export": (
         "stickslip export law.toml --to c",
         "stickslip export law.toml --to mjcf --rig rig.toml",
+    ),
+    "apply": (
+        "stickslip apply law.toml robot.urdf -o new.urdf --joint elbow",
+        "stickslip apply law.toml scene.xml -o new.xml --no-run",
     ),
     "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
     "warmup": ("stickslip warmup --rig rig.toml",),

@@ -100,6 +100,7 @@ Law = Annotated[
         " coulomb.",
     ),
 ]
+LawOfFile = Annotated[str | None, typer.Option("--law", help="Which law, if the file has several.")]
 LawLoad = Annotated[
     str | None,
     typer.Option(

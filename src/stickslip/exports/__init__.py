@@ -3,8 +3,11 @@
 from stickslip.lazy import attach
 
 HOMES = {
+    "Applied": "applying.verb",
+    "AppliedJoint": "applying.verb",
     "Drake": "twins",
     "Export": "base",
+    "JointMotion": "applying.running",
     "Karnopp": "twins",
     "MuJoCo": "twins",
     "MuJoCoMotor": "twins",
@@ -14,12 +17,14 @@ HOMES = {
     "TARGETS": "registry",
     "Target": "base",
     "Twin": "twins",
+    "apply": "applying.verb",
     "export": "verb",
     "export_fmu": "fmu.export",
     "twin": "twins",
 }
 
 INSIDE = {
+    "check_output": "applying.verb",
     "identifier": "identifiers",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

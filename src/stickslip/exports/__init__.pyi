@@ -1,4 +1,9 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.exports.applying.running import JointMotion as JointMotion
+from stickslip.exports.applying.verb import Applied as Applied
+from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
+from stickslip.exports.applying.verb import apply as apply
+from stickslip.exports.applying.verb import check_output as check_output
 from stickslip.exports.base import Export as Export
 from stickslip.exports.base import Target as Target
 from stickslip.exports.fmu.export import export_fmu as export_fmu
@@ -16,8 +21,11 @@ from stickslip.exports.twins import twin as twin
 from stickslip.exports.verb import export as export
 
 __all__ = [
+    "Applied",
+    "AppliedJoint",
     "Drake",
     "Export",
+    "JointMotion",
     "Karnopp",
     "MuJoCo",
     "MuJoCoMotor",
@@ -27,6 +35,7 @@ __all__ = [
     "TARGETS",
     "Target",
     "Twin",
+    "apply",
     "export",
     "export_fmu",
     "twin",

@@ -30,6 +30,8 @@ LEAST: Final = 1e-6
 """Smallest speed over the largest: what sliding begins with."""
 ROUNDING: Final = 1e-12
 """Relative residual that roundings leave."""
+ROOTS: Final = 4.0 * np.linspace(0.0, 1.0, 201) ** 2
+"""Speeds over the largest at which the damping may vanish, of polynomials that are tried."""
 SAME: Final = 1e-9
 """Relative difference below which two forces count as equal."""
 
@@ -61,10 +63,44 @@ class JointFriction(SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class PolynomialFriction(SetValuedLaw):
+    """Friction of a joint in MuJoCo: one level, and a damping that changes with the speed."""
+
+    name: ClassVar[str] = "polynomial-friction"
+    title: ClassVar[str] = "Joint friction with a polynomial"
+    formula: ClassVar[str] = (
+        r"F = f \operatorname{sgn} v + (d + d_1 |v| + d_2 v^2) v, \quad |F| \le f \text{ at rest}"
+    )
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "level", "damping", "damping_slope", "damping_curvature",
+    )  # fmt: skip
+
+    level: Annotated[float, Quantity("f", "N", low=0)]
+    """Friction force towards rest, and its largest at rest."""
+    damping: Annotated[float, Quantity("d", "N s/m", low=0)]
+    """Growth of the friction force with the speed near rest."""
+    damping_slope: Annotated[float, Quantity("d_1", "N s^2/m^2")]
+    """Growth of the damping with the speed."""
+    damping_curvature: Annotated[float, Quantity("d_2", "N s^3/m^3", low=0)]
+    """Growth of the damping with the square of the speed."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        growth = self.damping_slope * speed + self.damping_curvature * speed * speed
+        return self.level + (self.damping + growth) * speed + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.level + 0.0 * load
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Simplified:
     """A law as a joint of a simulator has it."""
 
-    joint: JointFriction
+    joint: JointFriction | PolynomialFriction
     """Level and damping, by least squares over both directions."""
     load: float
     """Normal force of both [N]."""
@@ -99,8 +135,12 @@ def steady_force(
     return force
 
 
-def simplified(subject: Subject) -> Simplified:
+def simplified(subject: Subject, *, polynomial: bool = False, holds: bool = False) -> Simplified:
     """Return level and damping of a joint for a law, with what they leave.
+
+    A polynomial of the damping is nowhere below 0, beyond the largest speed either: it is a sum of
+    squares and of a slope. A joint that `holds` has the level of break-away, and the damping that
+    then comes closest.
 
     Examples
     --------
@@ -116,13 +156,31 @@ def simplified(subject: Subject) -> Simplified:
     speed = np.linspace(LEAST * most, most, SPEEDS)
     velocity = np.concatenate([-speed[::-1], speed])
     force = steady_force(subject, velocity, load)
-    table = np.column_stack([np.sign(velocity), velocity / most])
-    found, _ = nnls(table, force)
-    level, at_most = np.where(found > ROUNDING * found.max(), found, 0.0)
-    residual = force - table @ np.array([level, at_most])
+    share = np.abs(velocity) / most
+    powers = np.column_stack([np.sign(velocity), *(velocity * share**k / most for k in range(3))])
+    # columns: a level, a damping, its growth, and (share - root)^2
+    parts = np.eye(4)[:, :2]
+    if polynomial:
+        squares = np.stack([0.0 * ROOTS, ROOTS**2, -2.0 * ROOTS, 1.0 + 0.0 * ROOTS])
+        parts = np.column_stack([np.eye(4)[:, :3], squares])
+    known = np.zeros(4)
+    if holds:
+        known[0] = max(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+        parts = parts[:, 1:]
+    weights, _ = nnls(powers @ parts, force - powers @ known)
+    found = known + parts @ weights
+    level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
+    residual = force - powers @ np.array([level, *dampings])
     if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(force).max()):
         residual = np.zeros_like(residual)
-    joint = JointFriction(level=float(level), damping=float(at_most / most))
+    damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
+    joint: JointFriction | PolynomialFriction
+    if polynomial:
+        joint = PolynomialFriction(
+            level=float(level), damping=damping, damping_slope=slope, damping_curvature=curvature
+        )
+    else:
+        joint = JointFriction(level=float(level), damping=damping)
     return Simplified(
         joint=joint,
         load=load,
@@ -134,7 +192,7 @@ def simplified(subject: Subject) -> Simplified:
     )
 
 
-def _effects(subject: Subject, joint: JointFriction) -> Iterator[str]:
+def _effects(subject: Subject, joint: JointFriction | PolynomialFriction) -> Iterator[str]:
     """Yield the effect on the rig that was named, or on that of the law's file if it moves."""
     if subject.rig is not None:
         yield from _effect(subject.rig, *_runs(subject, subject.rig, joint))
@@ -147,7 +205,10 @@ def _effects(subject: Subject, joint: JointFriction) -> Iterator[str]:
 
 
 def _lost(
-    subject: Subject, joint: JointFriction, speed: NDArray[np.float64], load: float
+    subject: Subject,
+    joint: JointFriction | PolynomialFriction,
+    speed: NDArray[np.float64],
+    load: float,
 ) -> Iterator[str]:
     """Yield what a joint with one level cannot have."""
     law, turning = subject.law, subject.rotary
@@ -190,7 +251,9 @@ def about_load(subject: Subject, load: float) -> str:
     )
 
 
-def _runs(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[Trajectory, Trajectory]:
+def _runs(
+    subject: Subject, rig: Rig, joint: JointFriction | PolynomialFriction
+) -> tuple[Trajectory, Trajectory]:
     """Return the motion of a rig with the law and with the joint, both computed exactly."""
     contacts = len(rig.mechanism.contacts())
     if contacts != 1:

@@ -125,24 +125,54 @@ def export(
             " stickslip.exports.export_fmu(mechanism, law, path, t_end=...)."
         )
     target: Target = named(TARGETS, to, "target")
+    given = Asked(
+        law=law,
+        contact=contact,
+        load=load,
+        largest_speed=largest_speed,
+        law_load=law_load,
+        rotary=rotary,
+        at=at or {},
+    )
+    return target.export(subject_of(source, target, given, name=name, rig=rig))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Asked:
+    """Which law of a source, and where it is evaluated: arguments of `export`."""
+
+    law: str | None = None
+    contact: str | None = None
+    load: float | None = None
+    largest_speed: Given | None = None
+    law_load: float | None = None
+    rotary: bool | None = None
+    at: Mapping[str, Given] = dataclasses.field(default_factory=dict)
+
+
+def subject_of(
+    source: "Source", target: Target, asked: Asked, *, name: str | None = None, rig: Rig | None
+) -> Subject:
+    """Return the law of a source as a target takes it."""
+    rotary, law_load = asked.rotary, asked.law_load
     if rotary is not None and (rig is not None or not isinstance(source, FrictionLaw)):
         raise InputError(
             f"rotary={rotary} is for a law without a mechanism: leave it out, the mechanism says it"
             " (of an Axis, its field rotary)."
         )
-    found = _taken(source, law, contact, rig, law_load, rotary=rotary)
-    stated = _inputs(found, target, at or {})
+    found = _taken(source, asked.law, asked.contact, rig, law_load, rotary=rotary)
+    stated = _inputs(found, target, asked.at)
     used = dataclasses.replace(
         found,
         law=bound(found.law, stated) if target.evaluates else found.law,
         at=stated,
         name=identifier(name if name is not None else found.law.name),
-        load=_load(found, law_load if load is None and rig is None else load),
-        largest_speed=_speed(found, largest_speed),
+        load=_load(found, law_load if asked.load is None and rig is None else asked.load),
+        largest_speed=_speed(found, asked.largest_speed),
     )
     if name is not None and not any(character.isalnum() for character in name):
         raise InputError(f"the name of a program needs a letter or a digit, got {name!r}.")
-    return target.export(used)
+    return used
 
 
 def _taken(

@@ -60,6 +60,7 @@ INSIDE = {
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "given_names": "told_inputs",
+    "has_macros": "urdf",
     "has_one_slip": "contacts",
     "input_field": "told_inputs",
     "input_names": "told_inputs",

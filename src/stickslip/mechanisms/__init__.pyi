@@ -68,6 +68,7 @@ from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as _TwoMassAxis
 from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
+from stickslip.mechanisms.urdf import has_macros as has_macros
 from stickslip.mechanisms.urdf import read_urdf as read_urdf
 from stickslip.mechanisms.urdf import urdf_joints as urdf_joints
 from stickslip.quantities import Given as _Given

@@ -279,8 +279,13 @@ def _parsed(path: str | Path, file: str) -> "Element":
     if root.tag != "robot":
         raise InputError(f"{file} has the root <{root.tag}>; a URDF file has <robot>.")
     if any("xacro" in str(one.tag) or "${" in "".join(one.attrib.values()) for one in root.iter()):
-        raise InputError(f"{file} has xacro macros: expand it first, with xacro {file} > out.urdf.")
+        raise has_macros(file)
     return root
+
+
+def has_macros(file: str) -> InputError:
+    """Return the error of a file with macros."""
+    return InputError(f"{file} has xacro macros: expand it first, with xacro {file} > out.urdf.")
 
 
 def _name(one: "Element", file: str) -> str:

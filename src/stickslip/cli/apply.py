@@ -1,0 +1,136 @@
+"""``stickslip apply``."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stickslip.cli.console import print_json, show_table, stdout
+from stickslip.cli.export import by_option, loads, stated
+from stickslip.cli.law_choice import check_named
+from stickslip.documents import document
+from stickslip.errors import InputError
+from stickslip.experiments import load_rig
+from stickslip.exports import Applied, AppliedJoint, apply, check_output
+from stickslip.formatting import quantity
+from stickslip.quantities import turned
+
+BESIDE = "law.toml"
+"""What `select` and `fit` write beside a document about a law."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What the options say of the laws and their joints."""
+
+    joints: tuple[str, ...]
+    """Joints, or contacts with their joints."""
+    law: str | None
+    """Which of the laws of the file."""
+    load: str | None
+    """Normal force at which joints have their friction."""
+    law_load: str | None
+    """Normal force at which levels that are forces were fitted."""
+    largest_speed: str | None
+    """End of the range of speeds."""
+    at: tuple[str, ...]
+    """Contact inputs with their values."""
+    polynomial: bool
+    """Whether the damping changes with the speed."""
+    holds: bool
+    """Whether the level is that of break-away."""
+    run: bool
+    """Whether MuJoCo runs the joints."""
+
+
+def run(
+    path: Path,
+    model: Path,
+    wanted: Wanted,
+    output: Path,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write the laws of a file into a model, and print what that leaves of them."""
+    path = _law_file(path)
+    check_named(path)
+    check_output(model, output, force=force)
+    source = load_rig(path, allow_import=allow_import)
+    load, law_load = loads(wanted.load, wanted.law_load)
+    with by_option():
+        found = apply(
+            source,
+            model,
+            joints=_paired(wanted.joints),
+            law=wanted.law,
+            load=load,
+            largest_speed=wanted.largest_speed,
+            law_load=law_load,
+            at=stated(wanted.at),
+            polynomial=wanted.polynomial,
+            holds=wanted.holds,
+            run=wanted.run,
+        )
+    found.save(output, force=force)
+    if as_json:
+        print_json(document("apply", {"file": str(output), **found.to_dict()}))
+        return
+    _show(found, output)
+
+
+def _law_file(path: Path) -> Path:
+    """Return the file with the law: of a verdict that of the same folder."""
+    if path.suffix.lower() != ".json":
+        return path
+    beside = path.with_name(BESIDE)
+    if path.name == "verdict.json" and beside.exists():
+        return beside
+    raise InputError(
+        f"{path}: a document about a law does not say all of its mechanism, such as dampers that"
+        f" the joint needs; give the {BESIDE} that `stickslip select` writes beside its report, or"
+        f" that of `stickslip fit -o {BESIDE}`."
+    )
+
+
+def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
+    """Return joints, or joints by contact."""
+    if not given:
+        return None
+    pairs = dict(one.split("=", 1) for one in given if "=" in one)
+    if not pairs:
+        return given
+    if len(pairs) != len(given):
+        raise InputError(
+            f"--joint takes contacts with joints or joints alone, got both: {', '.join(given)}."
+        )
+    return pairs
+
+
+def _show(found: Applied, output: Path) -> None:
+    console = stdout()
+    names = ", ".join(one.joint for one in found.joints)
+    console.print(f"{output}: {found.path.name} with friction in {names}", markup=False)
+    for one in found.joints:
+        console.print(f"{one.joint}: {one.law}", markup=False)
+        for line in one.sentences:
+            console.print(f"  {line}", markup=False)
+    rows = [row for one in found.joints for row in _rows(one)]
+    if rows:
+        heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
+        show_table("", heads, rows)
+    for remark in found.remarks:
+        console.print(remark, markup=False)
+
+
+def _rows(joint: AppliedJoint) -> list[Sequence[str]]:
+    length = turned("m", joint.rotary)
+    return [
+        (
+            joint.joint,
+            one.said,
+            one.settings or "of the file",
+            *(quantity(x, length) for x in (one.travel, one.error, one.simplification)),
+        )
+        for one in joint.motions
+    ]

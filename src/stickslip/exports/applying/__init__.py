@@ -1,0 +1,1 @@
+"""Friction written into the model file of another program, which otherwise stays as it is."""

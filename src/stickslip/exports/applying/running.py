@@ -1,0 +1,260 @@
+"""Joints of a model in MuJoCo, beside the law itself on the same inertia."""
+
+import copy
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, Final, final
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.described import Described
+from stickslip.drives import Drive, PiecewiseLinear, Sine
+from stickslip.errors import StickslipError
+from stickslip.exports.applying.markup import Markup, read_markup
+from stickslip.exports.applying.models import DEEPEST, HARD, MjcfModel, Model, includes
+from stickslip.exports.joints import SOFT, TIMESTEP
+from stickslip.exports.simplification import steady_force
+from stickslip.exports.subject import Subject
+from stickslip.formatting import percent, quantity
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Axis, given_inputs, input_names
+from stickslip.quantities import turned
+from stickslip.simulation import simulate
+
+SHARE: Final = 0.6
+"""Share of break-away under which a joint has to hold."""
+HOLD: Final = 10.0
+"""How long [s]."""
+LONGEST: Final = 10.0
+"""Longest decay or sweep [s]."""
+PUSH: Final = 1.5
+"""Amplitude of a sweep over the largest friction."""
+PERIODS: Final = 2
+"""Periods of a sweep."""
+ROUNDING: Final = 1e-12
+"""Share of the travel that roundings leave of a difference."""
+HEAVY: Final = 1e9
+"""Armature over the largest inertia of a model, with which its other joints stand still."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Tested:
+    """A joint that is run."""
+
+    name: str
+    subject: Subject
+    joint: FrictionLaw
+    """The friction that the law became."""
+    damping: float
+    """Damper of the mechanism, beside the law."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class JointMotion(metaclass=Described):
+    """A motion of a joint in MuJoCo beside that with the law, which is exact."""
+
+    kind: str
+    """``"hold"``, ``"decay"`` or ``"sweep"``."""
+    said: str
+    """What it is, in words."""
+    settings: str
+    """``"stiff"`` where friction holds by other settings than those of the file, else empty."""
+    t_end: float
+    """How long it lasts [s]."""
+    travel: float
+    """Range of the motion with the law [rad] or [m]."""
+    error: float
+    """Largest distance of MuJoCo from it [rad] or [m]."""
+    simplification: float
+    """That of the joint's friction, simulated exactly, from the law [rad] or [m]."""
+    rotary: bool
+    """Whether the joint turns."""
+
+    @property
+    def sentence(self) -> str:
+        """The motion in words."""
+        length = turned("m", self.rotary)
+        error, travel = quantity(self.error, length), quantity(self.travel, length)
+        settings = f" ({self.settings})" if self.settings else ""
+        if self.kind == "hold":
+            return f"{self.said}: MuJoCo{settings} lets it move {error}, the law {travel}."
+        return (
+            f"{self.said}: MuJoCo{settings} is at most {error} from the law, over a travel of"
+            f" {travel}; without MuJoCo, the simplification makes"
+            f" {quantity(self.simplification, length)}."
+        )
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the motion as plain numbers."""
+        return {
+            "kind": self.kind,
+            "settings": self.settings,
+            "t_end": self.t_end,
+            "travel": self.travel,
+            "error": self.error,
+            "simplification": self.simplification,
+            "sentence": self.sentence,
+        }
+
+
+def motions_in_mujoco(
+    model: Model, content: bytes, joints: Sequence[Tested]
+) -> tuple[dict[str, tuple[JointMotion, ...]], str]:
+    """Return the motions of joints, and why there are none where MuJoCo does not run the file."""
+    try:
+        import mujoco
+    except ImportError:
+        return {}, (
+            "MuJoCo is not installed, so the file was not run in it:"
+            " pip install 'stickslip[mujoco]'."
+        )
+    if model.markup.root.name == "mujocoinclude":
+        return {}, "The file is a part of a model, so it was not run in MuJoCo."
+    try:
+        spec = _spec(mujoco, model, content)
+        compiled = spec.compile()
+        found = {one.name: tuple(_motions(mujoco, compiled, one, "")) for one in joints}
+        if not isinstance(model, MjcfModel):
+            for one in joints:
+                its = spec.joint(one.name)
+                its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
+            spec.option.timestep = TIMESTEP
+            compiled = spec.compile()
+            said = "stiff"
+            for one in joints:
+                found[one.name] += tuple(_motions(mujoco, compiled, one, said))
+    except (ValueError, KeyError, mujoco.FatalError, StickslipError) as error:
+        said = " ".join(str(error).split())
+        return {}, f"The file was not run in MuJoCo: {said}"
+    return found, ""
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(one) for one in text.split()]
+
+
+def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
+    """Return the model as MuJoCo reads it; of URDF without shapes, which have no part in it."""
+    if isinstance(model, MjcfModel):
+        parts = dict(_parts(model.markup))
+        spec = mujoco.MjSpec.from_string(content.decode(), include=parts or None)
+        spec.modelfiledir = str(model.markup.path.resolve().parent)
+        return spec
+    root = ElementTree.fromstring(content)
+    for link in root.iter("link"):
+        for shape in [one for one in link if one.tag in ("visual", "collision")]:
+            link.remove(shape)
+    spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
+    spec.compiler.balanceinertia = True  # moments of inertia of a file are rounded
+    return spec
+
+
+def _parts(markup: Markup, depth: int = DEEPEST) -> Iterator[tuple[str, bytes]]:
+    for tag, path in zip(
+        (one for one in markup.root.walk() if one.name == "include"), includes(markup), strict=True
+    ):
+        part = read_markup(path)
+        yield tag.attributes["file"], part.data
+        if depth:
+            yield from _parts(part, depth - 1)
+
+
+def _motions(
+    mujoco: ModuleType, compiled: Any, one: Tested, settings: str
+) -> Iterator[JointMotion]:
+    """Yield what a joint does while the others stand still, without gravity and contacts."""
+    compiled = copy.copy(compiled)
+    dof = int(compiled.jnt_dofadr[compiled.joint(one.name).id])
+    inertia = _alone(mujoco, compiled, dof)
+    subject = one.subject
+    rotary, load, fastest = subject.rotary, subject.needed_load(), subject.needed_speed()
+    axis = Axis(inertia=inertia, load=load, damping=one.damping, rotary=rotary)
+    told = input_names(axis)  # such as the torque of a gear, which the motion decides
+    stated = {name: value for name, value in subject.at.items() if name not in told}
+    rest = min(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+    sliding = abs(steady_force(subject, np.array([-fastest, fastest]), load)).max()
+    sliding += one.damping * fastest
+    step, unit = float(compiled.opt.timestep), turned("N", rotary)
+
+    def motion(
+        kind: str, said: str, t_end: float, drive: Drive | None, start: float
+    ) -> JointMotion:
+        steps = max(1, round(t_end / step))
+        t = np.arange(steps + 1) * step
+        force = np.zeros(steps) if drive is None else np.array([drive.value(x) for x in t[:-1]])
+        theirs = _stepped(mujoco, compiled, dof, force, start)
+        driven = given_inputs(replace(axis, drive=drive), stated)
+        ours, plain = (
+            simulate(driven, law, t_end=float(t[-1]), y0={"x": 0.0, "v": start}).at(t)["x"]
+            for law in (replace(subject.law), one.joint)
+        )
+        travel, costs = float(np.ptp(ours)), float(np.abs(plain - ours).max())
+        return JointMotion(
+            kind=kind,
+            said=said,
+            settings=settings,
+            t_end=float(t[-1]),
+            travel=travel,
+            error=float(np.abs(theirs - (0.0 if kind == "hold" else ours)).max()),
+            simplification=costs if costs > ROUNDING * travel else 0.0,
+            rotary=rotary,
+        )
+
+    if rest > 0.0:
+        push = SHARE * rest
+        constant = PiecewiseLinear(times=(0.0, HOLD), values=(push, push))
+        said = f"Hold for {HOLD:g} s under {quantity(push, unit)}, {percent(SHARE)} of break-away"
+        yield motion("hold", said, HOLD, constant, 0.0)
+    speed = quantity(fastest, turned("m/s", rotary))
+    slowest = min(sliding, rest) if rest > 0.0 else sliding
+    if slowest > 0.0:
+        t_end = min(LONGEST, 1.25 * inertia * fastest / slowest)
+        yield motion("decay", f"Decay from {speed}, {quantity(t_end, 's')}", t_end, None, fastest)
+    largest = PUSH * max(sliding, rest)
+    if largest > 0.0:
+        # with the force that friction leaves, the speed reaches about the largest of the law
+        frequency = max((largest - sliding) / (inertia * fastest) / math.pi, PERIODS / LONGEST)
+        said = f"Sweep by {quantity(largest, unit)} at {quantity(frequency, 'Hz')}"
+        wave = Sine(amplitude=largest, frequency=frequency)
+        yield motion("sweep", said, PERIODS / frequency, wave, 0.0)
+
+
+def _alone(mujoco: ModuleType, compiled: Any, dof: int) -> float:
+    """Let all other joints stand still, and return the inertia of the one that moves."""
+    bits = mujoco.mjtDisableBit
+    for bit in ("GRAVITY", "CONTACT", "EQUALITY", "LIMIT", "ACTUATION", "SPRING"):
+        compiled.opt.disableflags |= int(getattr(bits, f"mjDSBL_{bit}"))
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    masses = np.empty(compiled.nv)
+    for i, unit in enumerate(np.eye(compiled.nv)):
+        column = np.empty(compiled.nv)
+        mujoco.mj_mulM(compiled, data, column, unit)
+        masses[i] = column[i]
+    others = np.arange(compiled.nv) != dof
+    compiled.dof_armature[others] = HEAVY * masses.max()
+    compiled.opt.tolerance = 0.0  # it is relative to a mass that such armatures exceed by far
+    return float(masses[dof])
+
+
+def _stepped(
+    mujoco: ModuleType, compiled: Any, dof: int, force: NDArray[np.float64], start: float
+) -> NDArray[np.float64]:
+    """Return the positions of a joint, from where it begins."""
+    data = mujoco.MjData(compiled)
+    place = int(compiled.jnt_qposadr[compiled.dof_jntid[dof]])
+    data.qvel[dof] = start
+    found: NDArray[np.float64] = np.empty(force.size + 1)
+    found[0] = data.qpos[place]
+    for i, one in enumerate(force):
+        data.qfrc_applied[dof] = one
+        mujoco.mj_step(compiled, data)
+        found[i + 1] = data.qpos[place]
+    found -= found[0]
+    return found

@@ -1,0 +1,425 @@
+"""Writes friction of laws into joints of a model file, and says what that leaves of them."""
+
+import os
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from typing_extensions import override
+
+from stickslip.described import Described
+from stickslip.documents import write_file
+from stickslip.errors import InputError
+from stickslip.experiments import Rig
+from stickslip.exports.applying.markup import Edit, edited
+from stickslip.exports.applying.models import HARD, Friction, Model, ModelJoint, read_model
+from stickslip.exports.applying.running import SHARE, JointMotion, Tested, motions_in_mujoco
+from stickslip.exports.joints import SOFT
+from stickslip.exports.registry import TARGETS
+from stickslip.exports.simplification import PolynomialFriction, Simplified, simplified
+from stickslip.exports.subject import Subject
+from stickslip.exports.verb import Asked, subject_of
+from stickslip.formatting import percent, quantity
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.identification import Fit
+from stickslip.mechanisms import Axis, Mechanism, Pendulum, Robot, RobotJoint, SerialArm
+from stickslip.quantities import Given, turned
+from stickslip.selection import Verdict
+
+if TYPE_CHECKING:
+    from stickslip.exports.verb import Source
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class AppliedJoint(metaclass=Described):
+    """A joint with its new friction, and what that leaves of the law."""
+
+    joint: str
+    """Name of the joint in the file."""
+    contact: str
+    """Whose law it has, where contacts have laws of their own."""
+    law: str
+    """Name of the law."""
+    before: Mapping[str, str]
+    """Attributes that the file gave it."""
+    after: Mapping[str, str]
+    """Attributes that were written."""
+    largest_speed: float
+    """End of the range of speeds over which both are compared [m/s] or [rad/s]."""
+    rms: float
+    """Root mean square of the difference of the steady friction, over speeds from 0 to the end of
+    the range in both directions, all alike [N] or [N m]."""
+    largest: float
+    """Largest difference there [N] or [N m]."""
+    rotary: bool
+    """Whether it turns."""
+    lost: tuple[str, ...]
+    """What the file cannot have of the law, in sentences."""
+    motions: tuple[JointMotion, ...] = ()
+    """What it does in MuJoCo, beside the law; empty where that was not run."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Attributes, error of the friction and what is lost, in words; motions have theirs."""
+        unit, speed = turned("N", self.rotary), turned("m/s", self.rotary)
+        values = " ".join(f'{key}="{value}"' for key, value in self.after.items())
+        before = " ".join(f'{key}="{value}"' for key, value in self.before.items())
+        return (
+            f"{values}; before: {before or 'none'}.",
+            f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
+            f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most.",
+            *self.lost,
+        )
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the joint as plain values."""
+        return {
+            "joint": self.joint,
+            "contact": self.contact,
+            "law": self.law,
+            "before": dict(self.before),
+            "after": dict(self.after),
+            "largest_speed": self.largest_speed,
+            "rms": self.rms,
+            "largest": self.largest,
+            "unit": turned("N", self.rotary),
+            "lost": list(self.lost),
+            "motions": [one.to_dict() for one in self.motions],
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Applied(metaclass=Described):
+    """A model file with friction; made by `apply`."""
+
+    path: Path
+    """The file that was read."""
+    target: str
+    """``"urdf"`` or ``"mjcf"``."""
+    content: bytes
+    """The file with friction, equal to the one that was read but for the joints' attributes."""
+    joints: tuple[AppliedJoint, ...]
+    """What was written, joint by joint."""
+    remarks: tuple[str, ...] = ()
+    """What concerns the file as a whole, in sentences."""
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to; its folder is made if needed.
+        force : bool
+            Whether a file may be replaced, such as the one that was read.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If there is such a file, or it cannot be written.
+        """
+        check_output(self.path, Path(path), force=force)
+        write_file(Path(path), self.content)
+        return Path(path)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return what was written as plain values."""
+        return {
+            "target": self.target,
+            "input": str(self.path),
+            "joints": [one.to_dict() for one in self.joints],
+            "remarks": list(self.remarks),
+        }
+
+    @override
+    def __repr__(self) -> str:
+        return f"<Applied {self.target}: {', '.join(one.joint for one in self.joints)}>"
+
+
+def check_output(source: Path, path: Path, *, force: bool) -> None:
+    """Refuse to replace a file, before any work."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder, but a file is written: give its name.")
+    if force or not os.path.lexists(path):
+        return
+    same = source.exists() and path.exists() and path.samefile(source)
+    what = "is the file that is read" if same else "already exists"
+    raise InputError(
+        f"{path} {what}; give --force (in Python force=True) to replace it, or another -o."
+    )
+
+
+def apply(
+    source: "Source",
+    file: str | Path,
+    *,
+    joints: str | Collection[str] | Mapping[str, str] | None = None,
+    law: str | None = None,
+    load: float | None = None,
+    largest_speed: Given | None = None,
+    law_load: float | None = None,
+    at: Mapping[str, Given] | None = None,
+    polynomial: bool = False,
+    holds: bool = False,
+    run: bool = True,
+) -> Applied:
+    """Write friction laws into the joints of a model file, and change nothing else in it.
+
+    A joint of URDF gets ``damping`` and ``friction`` in its ``<dynamics>``; one of MJCF gets
+    ``frictionloss``, ``damping``, ``solreffriction`` and ``solimpfriction``, and ``armature`` where
+    the mechanism of the law has one. The level and the damping are those that come closest to the
+    law, by least squares over speeds up to the largest in both directions; a damper of the law's
+    mechanism is added. Where MuJoCo is installed, each joint is run in it.
+
+    Parameters
+    ----------
+    source : FrictionLaw, Fit, Verdict or Rig
+        The law, or what has it: of a verdict it is the law to use. `load_rig` reads a ``law.toml``.
+        Contacts with laws of their own go to the joints with their names.
+    file : str or Path
+        The model: a robot description (URDF) or a model for MuJoCo (MJCF).
+    joints : str, collection of str, or mapping of str to str, optional
+        Joints that get the law; or, by contact, the joint that gets its law. If not given, all
+        contacts with a law, or the only joint of the file.
+    law : str, optional
+        Which of the laws of a rig.
+    load : float, optional
+        Normal force [N] at which the joint has its friction, as in `export`.
+    largest_speed : float or str, optional
+        End of the range of speeds; that of the fit if not given.
+    law_load : float, optional
+        Normal force [N] at which the law was fitted, if its levels are forces.
+    at : mapping of str to float or str, optional
+        Contact inputs of the law at which the joint has its friction.
+    polynomial : bool
+        Of MJCF, whether the damping changes with the speed (MuJoCo 3.7 and later). Off by default.
+    holds : bool
+        Whether the level is that of break-away, so that the joint holds what the law holds. By
+        default it is the one that comes closest to the law while sliding.
+    run : bool
+        Whether the joints are run in MuJoCo where it is installed, which is the default.
+
+    Returns
+    -------
+    Applied
+        The file with friction, and what it leaves of the laws.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no such joint, or the joint does not take the law.
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> from stickslip import CoulombViscous
+    >>> arm = files("stickslip.mechanisms") / "desk_arm.urdf"
+    >>> law = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.1)
+    >>> found = apply(law, arm, joints="elbow", largest_speed=2.0, run=False)
+    >>> found.joints[0].sentences[0]
+    'damping="0.1" friction="0.3"; before: friction="0.15" damping="0.02".'
+    """
+    model = read_model(Path(file))
+    if polynomial and model.name != "mjcf":
+        raise InputError(
+            f"{model.title} has one damping for all speeds: leave polynomial (--polynomial) out."
+        )
+    given = Asked(law=law, load=load, largest_speed=largest_speed, law_load=law_load, at=at or {})
+    found: dict[str, tuple[AppliedJoint, Tested]] = {}
+    edits: list[Edit] = []
+    for contact, name in _pairs(source, model, joints):
+        joint = model.joint(name)
+        if name in found:
+            raise InputError(f"joint {name!r} is named twice; it has one friction.")
+        asked = replace(given, contact=contact or None)
+        if isinstance(source, FrictionLaw):
+            asked = replace(asked, rotary=joint.rotary)
+        subject = subject_of(source, TARGETS[model.name], asked, rig=None)
+        _check_kind(model, joint, subject)
+        near = simplified(subject, polynomial=polynomial, holds=holds)
+        friction = _friction(near, subject)
+        edits += model.edits(joint, friction)
+        found[name] = _applied(model, joint, contact, subject, near, friction)
+    content = edited(model.markup.data, edits)
+    rows, remarks = [one for one, _ in found.values()], _remarks(model)
+    if run:
+        motions, why = motions_in_mujoco(model, content, [one for _, one in found.values()])
+        rows = [replace(one, motions=motions.get(one.joint, ())) for one in rows]
+        remarks += [why] if why else []
+    return Applied(
+        path=Path(file),
+        target=model.name,
+        content=content,
+        joints=tuple(rows),
+        remarks=tuple(remarks),
+    )
+
+
+def _remarks(model: Model) -> list[str]:
+    if model.name == "urdf":
+        return [
+            "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
+            f' creep. The rows "stiff" are with solreffriction="{SOFT}" and'
+            f' solimpfriction="{HARD}" at the joints and time steps of 1 ms: set these in your'
+            " program, or apply the laws to an MJCF file, where they are written."
+        ]
+    return []
+
+
+def _pairs(
+    source: "Source", model: Model, joints: str | Collection[str] | Mapping[str, str] | None
+) -> list[tuple[str, str]]:
+    """Return contacts and the joints that get their laws; without contacts, empty names."""
+    contacts = _contacts(source)
+    asked = [joints] if isinstance(joints, str) else joints
+    if asked is not None and not asked:
+        raise InputError("joints is empty: leave it out, or name at least one.")
+    if not contacts:
+        if isinstance(asked, Mapping):
+            raise InputError(
+                f"this is one law and not laws by contact, so there is no"
+                f" {', '.join(map(repr, asked))}: name joints alone."
+            )
+        names = model.movable if asked is None else list(asked)
+        if asked is None and len(names) != 1:
+            raise InputError(
+                f"{model.markup.path} has {len(names)} joints that take friction"
+                f" ({', '.join(names) or 'none with a name'}), and this is one law: choose with"
+                " --joint (in Python joints)."
+            )
+        return [("", name) for name in names]
+    if isinstance(asked, Mapping):
+        pairs = dict(asked)
+    else:
+        wanted = model.movable if asked is None else list(asked)
+        pairs = {contact: name for name in wanted for contact in contacts if _same(contact, name)}
+        missing = [name for name in asked or () if name not in pairs.values()]
+        if missing:
+            raise InputError(
+                f"no contact has the name of the joint {missing[0]!r}; contacts with a law:"
+                f" {', '.join(contacts)}. Pair them, as --joint {contacts[0]}={missing[0]}"
+                f" (in Python joints={{{contacts[0]!r}: {missing[0]!r}}})."
+            )
+        if asked is None:
+            for contact in contacts:
+                pairs.setdefault(contact, contact)  # refused with the names of the joints
+    for contact in pairs:
+        if contact not in contacts:
+            raise InputError(
+                f"no contact {contact!r} has a law; those that do: {', '.join(contacts)}."
+            )
+    return list(pairs.items())
+
+
+def _same(contact: str, joint: str) -> bool:
+    """Return whether a contact has the name of a joint, as robots give it to theirs."""
+    if contact == joint:
+        return True
+    try:
+        return RobotJoint(joint=joint, mass=1.0).contact_name == contact
+    except InputError:  # a name without letters
+        return False
+
+
+def _contacts(source: "Source") -> list[str]:
+    """Return the contacts that have laws of their own."""
+    if isinstance(source, Verdict) and source.best is not None:
+        return _contacts(source.best.fit) if source.best.fit is not None else []
+    if isinstance(source, Fit):
+        return [name for name, _ in source.law.members] if isinstance(source.law, Laws) else []
+    if isinstance(source, Rig):
+        return [name for name, known in source.contacts.items() if known is not None]
+    return []
+
+
+def _check_kind(model: Model, joint: ModelJoint, subject: Subject) -> None:
+    if subject.rotary != joint.rotary:
+        what = "turns" if joint.rotary else "slides"
+        raise InputError(
+            f"{model.markup.path}: joint {joint.name!r} {what}, but the law is of a mechanism that"
+            f" {'turns' if subject.rotary else 'slides'}, with friction in"
+            f" {turned('N', subject.rotary)}: choose another joint; of an axis, rotary in"
+            " [mechanism] says which it is."
+        )
+
+
+def _friction(near: Simplified, subject: Subject) -> Friction:
+    """Return what the joint gets: the law, and the damper and the motor of its mechanism."""
+    joint, (damper, armature) = near.joint, _beside(subject.mechanism, subject.contact)
+    damping = [joint.damping + damper]
+    if isinstance(joint, PolynomialFriction) and (joint.damping_slope or joint.damping_curvature):
+        damping += [joint.damping_slope, joint.damping_curvature]
+    return Friction(level=joint.level, damping=tuple(damping), armature=armature or None)
+
+
+def _beside(mechanism: Mechanism | None, contact: str) -> tuple[float, float]:
+    """Return the damper and the motor's inertia of a joint."""
+    if isinstance(mechanism, Axis | Pendulum):
+        return mechanism.damping, 0.0
+    if isinstance(mechanism, Robot):
+        for one in mechanism.joints:
+            if contact in ("", one.contact_name):
+                return one.damping, one.armature
+    if isinstance(mechanism, SerialArm):
+        names = [one.name for one in mechanism.contacts()]
+        link = mechanism.links[names.index(contact) if contact else 0]
+        return link.damping, link.rotor_inertia * link.gear_ratio**2
+    return 0.0, 0.0
+
+
+def _applied(
+    model: Model,
+    joint: ModelJoint,
+    contact: str,
+    subject: Subject,
+    near: Simplified,
+    friction: Friction,
+) -> tuple[AppliedJoint, Tested]:
+    damper, _ = _beside(subject.mechanism, subject.contact)
+    row = AppliedJoint(
+        joint=joint.name,
+        contact=contact,
+        law=subject.law.name,
+        before=joint.has,
+        after=model.attributes(friction),
+        largest_speed=near.largest_speed,
+        rms=near.rms,
+        largest=near.largest,
+        rotary=joint.rotary,
+        lost=(
+            *_damper(subject, damper),
+            *_slips(subject, near),
+            *near.lost,
+            *model.lost(joint, friction),
+        ),
+    )
+    return row, Tested(name=joint.name, subject=subject, joint=near.joint, damping=damper)
+
+
+def _slips(subject: Subject, near: Simplified) -> Iterator[str]:
+    push = SHARE * min(float(subject.law.towards(side).break_away(near.load)) for side in (1, -1))
+    if push > near.joint.level:
+        unit = turned("N", subject.rotary)
+        level = quantity(near.joint.level, unit)
+        yield (
+            f"It slips where the law holds: {percent(SHARE)} of break-away,"
+            f" {quantity(push, unit)}, is more than the level of {level}."
+            " --holds (in Python holds=True) gives it the level of break-away."
+        )
+
+
+def _damper(subject: Subject, damper: float) -> Iterator[str]:
+    if damper:
+        unit = turned("N s/m", subject.rotary)
+        yield (
+            f"The damping contains {quantity(damper, unit)} of the mechanism on which the law was"
+            " fitted."
+        )
