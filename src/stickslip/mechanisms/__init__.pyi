@@ -256,6 +256,7 @@ class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
         added_inertia_xy: _Given = ...,
         added_inertia_xz: _Given = ...,
         added_inertia_yz: _Given = ...,
+        added_armature: _Given = ...,
         damping: _Given = ...,
         armature: _Given = ...,
         coupling: _Mapping[str, float] | tuple[tuple[str, float], ...] = ...,
