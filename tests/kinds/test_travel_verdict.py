@@ -5,9 +5,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    LuGre,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    Viscous,
+    load_rig,
+    select,
+    simulate,
+)
 from stickslip.identification.travel_model import trials_of
 from stickslip.kinds.travels.admissibility import doubts
+from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.separations import separations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -136,3 +148,40 @@ def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     scores = [np.nan if one.score is None else one.score for one in verdict.candidates]
     np.testing.assert_array_equal(table["score"], scores)
     assert table["range"][0] == "0.217 to 0.259"
+
+
+SWINGS = LuGre(
+    kinetic_coefficient=0.3,
+    static_coefficient=0.35,
+    stribeck_velocity=0.01,
+    bristle_stiffness=30.0,
+    bristle_damping=0.0,
+)
+
+
+@pytest.mark.parametrize("assumed", [["bristle_stiffness", "bristle_damping"], []])
+def test_a_law_that_is_out_for_assumed_values_is_named_in_the_verdict(assumed):
+    """Without damping it swings on its bristles, which says nothing of LuGre friction."""
+    rig = dataclasses.replace(RIG, attached=True)
+    ways = []
+    for x in (0.1, 0.12, 0.15, 0.18):
+        one = dataclasses.replace(rig, compression=x)
+        run = simulate(one, Coulomb(kinetic_coefficient=0.3), t_end=9.0)
+        ways.append(
+            Measurement(
+                travel=float(run["x"][-1] - run["x"][0]),
+                uncertainty=5e-4,
+                overrides={"mechanism.compression": x},
+            )
+        )
+    laws = {"coulomb": Coulomb(kinetic_coefficient=0.3), "lugre": SWINGS,
+            "viscous": Viscous(viscous_coefficient=0.5)}  # fmt: skip
+    marks = {"lugre": assumed, "viscous": ["viscous_coefficient"]}
+    trials = Measurement(trials=tuple(ways))
+    verdict = select_travels(rig, laws, trials, assumed=marks, t_end=9.0)
+    assert verdict.best.name == "coulomb"
+    lugre = next(c for c in verdict.candidates if c.name == "lugre")
+    assert "does not bring the body to rest" in lugre.dropped
+    said = "With $sigma_0$ and $sigma_1$ assumed, LuGre friction does not bring the body to rest"
+    assert (said in verdict.words.lede) is bool(assumed)
+    assert "$sigma_2$ assumed" not in verdict.words.lede  # it was fitted

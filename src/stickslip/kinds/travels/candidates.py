@@ -79,8 +79,10 @@ def try_law(
         fit = _at_rest(fit, law, names, trials, t_end)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
     except (ConvergenceError, SimulationError) as reason:
-        return dataclasses.replace(candidate, dropped=str(reason))
-    assumed = _assumed(law, fit)
+        return dataclasses.replace(
+            candidate, dropped=str(reason), assumed=_assumed(law, names), invented=invented
+        )
+    assumed = _assumed(law, [estimate.path for estimate in fit.estimates])
     return dataclasses.replace(
         candidate,
         fit=fit,
@@ -215,9 +217,8 @@ def turns_back(run: Trajectory, mechanism: Mechanism) -> bool:
     return bool(np.abs(np.diff(path)).sum() > STRAIGHT * abs(path[-1] - path[0]))
 
 
-def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:
-    """Return the names of the parameters that were taken as given."""
-    free = {estimate.path for estimate in fit.estimates}
+def _assumed(law: FrictionLaw, free: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the parameters that were taken as given, of paths that are fitted."""
     paths = [path for path, _, _ in parameters(law, "friction")]
     return tuple(path.rpartition(".")[2] for path in paths if path not in free)
 
