@@ -388,14 +388,17 @@ def _proposal(
         replace(trials[0], mechanism=vary(mechanism, "mechanism", {row.path: row.value}))
         for row in predictions
     ]
-    uncertain = {c.name: _prediction_errors(c, asked, t_end) for c in (best, *rivals)}
+    uncertain = {
+        c.name: _prediction_errors(c, asked, [row.predicted[c.name] for row in predictions], t_end)
+        for c in (best, *rivals)
+    }
     return propose(predictions, best.name, [c.name for c in rivals], doubt, uncertain)
 
 
 def _prediction_errors(
-    candidate: TravelCandidate, asked: Sequence[Trial], t_end: float
+    candidate: TravelCandidate, asked: Sequence[Trial], predicted: Sequence[float], t_end: float
 ) -> list[float]:
-    """Return half the 95 % interval of what a law predicts at each setting [m].
+    """Return half the 95 % interval of what a law predicts at each setting [m], given that.
 
     It follows, to first order, from what the readings leave of its parameters if it holds.
     """
@@ -414,8 +417,8 @@ def _prediction_errors(
         for e, step in zip(found, steps.tolist(), strict=True)
     ]
     steps = np.where(down, -steps, steps)
-    table = model.table(asked, np.vstack([values, values + np.diag(steps)]))
-    moved = ((table[1:] - table[0]) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
+    table = model.table(asked, values + np.diag(steps))
+    moved = ((table - predicted) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
     parts = np.where(moved != 0.0, moved * np.where(moved != 0.0, half, 0.0), 0.0)
     open_ = ~np.isfinite(parts).all(axis=1)
     parts[open_] = 0.0
