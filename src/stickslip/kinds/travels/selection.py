@@ -32,7 +32,9 @@ from stickslip.identification import (
 )
 from stickslip.kinds.travels.admissibility import (
     LEVEL,
+    SURE,
     chosen,
+    improves_on,
     limit_of,
     mark_passed_over,
     reaching,
@@ -125,6 +127,7 @@ def select_travels(
     candidates.sort(key=lambda c: list(named).index(c.name))
     if scored:
         candidates = _freed(candidates, trials, t_end, progress)
+        candidates = _followed(candidates, trials, t_end, progress)
     candidates = [_refuted(c, trials, t_end) for c in candidates]
     if scored:
         candidates += _beside(candidates, trials, t_end, progress)
@@ -236,6 +239,34 @@ def _freed(
             )  # fmt: skip
             better = not freed.dropped and (c.invented or misfit(freed) < WORTH * misfit(c))
             found.append(freed if better else c)
+        else:
+            found.append(c)
+    return found
+
+
+def _followed(
+    candidates: Sequence[TravelCandidate],
+    trials: Sequence[Trial],
+    t_end: float,
+    watch: Watch | None,
+) -> list[TravelCandidate]:
+    """Fit laws with invented values again from the best law, where they contain it but err more.
+
+    They can do what it does: their own search ended elsewhere, or with a body that does not rest.
+    """
+    best = chosen(candidates)
+    if best is None:
+        return list(candidates)
+    found = []
+    for c in candidates:
+        contains = containment_of(type(c.law), type(best.law)) is not None
+        if c is not best and c.invented and contains and (c.dropped or improves_on(best, c, SURE)):
+            again = try_law(
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=[best],
+                marked=c.marked, watch=watch,
+            )  # fmt: skip
+            better = not again.dropped and (c.dropped or misfit(again) < misfit(c))
+            found.append(again if better else c)
         else:
             found.append(c)
     return found
