@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from benchmarks.travel_truth import judge
 
 from stickslip import (
     Coulomb,
@@ -18,7 +19,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.identification.travel_model import trials_of
-from stickslip.kinds.travels.admissibility import doubts
+from stickslip.kinds.travels.admissibility import doubts, reaching
 from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.separations import separations
 
@@ -185,3 +186,32 @@ def test_a_law_that_is_out_for_assumed_values_is_named_in_the_verdict(assumed):
     said = "With $sigma_0$ and $sigma_1$ assumed, LuGre friction does not bring the body to rest"
     assert (said in verdict.words.lede) is bool(assumed)
     assert "$sigma_2$ assumed" not in verdict.words.lede  # it was fitted
+
+
+def test_what_another_law_leaves_open_is_stated_for_the_named_law_only(verdict):
+    other = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+    fitted = reaching(dataclasses.replace(verdict.best, alone=()), [other])
+    assert fitted.fit.estimates[0].bounded
+    open_ = dataclasses.replace(other, invented=("kinetic_coefficient",))
+    widened = reaching(dataclasses.replace(verdict.best, alone=()), [open_])
+    (level,) = widened.fit.estimates
+    assert not level.bounded
+    assert level.reason == (
+        "Coulomb + viscous friction, which explains the readings too, leaves it open"
+    )
+    assert widened.alone[0].bounded
+    said = doubts(widened)["kinetic_coefficient"]
+    assert said.startswith("lies between ")
+    assert "if Coulomb friction holds; Coulomb + viscous friction" in said
+
+
+@pytest.mark.parametrize("rig", [13, 37])
+def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):
+    """Blocks with LuGre friction, for which Stribeck friction alone was stated, with wrong levels.
+
+    Without damping LuGre friction did not come to rest, or left its static level to Stribeck's.
+    """
+    row = judge(5102, rig)
+    assert row["named"] == "stribeck"
+    assert "lugre" in row["ties"]
+    assert not row["false"]
