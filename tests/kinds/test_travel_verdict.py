@@ -215,3 +215,12 @@ def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):
     assert row["named"] == "stribeck"
     assert "lugre" in row["ties"]
     assert not row["false"]
+
+
+def test_the_interval_of_a_static_level_follows_the_speed_up_to_which_it_acts():
+    """Slopes at the best values gave .1972 to .2016 for a static level of .2135."""
+    row = judge(5102, 57)
+    assert row["named"] == "stribeck"
+    held = {one["path"].rpartition(".")[2]: one["held"] for one in row["alone"]}
+    assert held == dict.fromkeys(held, True)
+    assert "static_coefficient" in held

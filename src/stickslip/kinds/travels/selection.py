@@ -362,13 +362,15 @@ def _ranked(
     """Choose, order the others by held-out error, and return what speaks against the choice.
 
     That is a contradiction, or laws that explain more, with invented parameters. Those are not
-    scored, nor are those that are ruled out if their runs take long.
+    scored, nor, if their runs take long, are those that are ruled out, and all where no law can be
+    named.
     """
     best = chosen(candidates)
     slow = under_cycles(trials)
+    named = not _explaining(trials, unsettling(candidates, best))
     scored = [
         c
-        if c.invented or (best and (slow or c.law.states) and told_apart(c, best))
+        if c.invented or (best and (slow or c.law.states) and (not named or told_apart(c, best)))
         else with_held_out(c, trials, t_end=t_end, watch=watch)
         for c in candidates
     ]
