@@ -18,8 +18,10 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.identification import Estimate, TravelModel, starting_law
 from stickslip.identification.travel_model import trials_of
 from stickslip.kinds.travels.admissibility import doubts, reaching
+from stickslip.kinds.travels.search import _Problem
 from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.separations import separations
 
@@ -224,3 +226,27 @@ def test_the_interval_of_a_static_level_follows_the_speed_up_to_which_it_acts():
     held = {one["path"].rpartition(".")[2]: one["held"] for one in row["alone"]}
     assert held == dict.fromkeys(held, True)
     assert "static_coefficient" in held
+
+
+@pytest.mark.parametrize(("low", "open_"), [(0.0, True), (0.3, False)])
+def test_a_static_level_with_bristles_is_open_where_its_speed_is(low, open_):
+    """A capsule with LuGre friction got .1613 to .1640, at 0.7 m/s, for .2447, at 0.007 m/s."""
+    law = starting_law(LuGre)
+    names = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
+    problem = _Problem(
+        TravelModel(law, [f"friction.{name}" for name in names], 10.0),
+        trials_of(RIG, READINGS, 10.0),
+    )
+    ranges = ((0.148, 0.176), (0.1613, 0.164), (low, 6.2))
+    found = [
+        Estimate(path=path, quantity=quantity, value=0.5 * (a + b), low=a, high=b, interval="95 %")
+        for (path, (quantity, _)), (a, b) in zip(
+            ((f"friction.{name}", problem.known[f"friction.{name}"]) for name in names),
+            ranges,
+            strict=True,
+        )
+    ]
+    level, static, _ = problem._together(found)
+    assert level == found[0]
+    assert static.bounded is not open_
+    assert ("v_s" in static.reason) is open_

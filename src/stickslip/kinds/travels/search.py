@@ -575,7 +575,7 @@ class _Problem:
         if not self.rig:
             found = [
                 self._holding(i, one, best, rivals, reached, walked=walked)
-                for i, one in enumerate(found)
+                for i, one in enumerate(self._together(found))
             ]
         else:
             found = [self._reaching(one, [r[i] for r in rivals]) for i, one in enumerate(found)]
@@ -598,6 +598,26 @@ class _Problem:
             trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
             runs=self.model.runs,
         )
+
+    def _together(self, found: Sequence[Estimate]) -> list[Estimate]:
+        """Return estimates without the intervals of static levels beside a speed that is open.
+
+        A static level is told together with the speed up to which it acts, along a curve. Bristles
+        take too long to follow it, and slopes hold beside the best speed only.
+        """
+        speeds = [
+            one.quantity.symbol
+            for one in found
+            if one.quantity.scale == "speed" and not (one.bounded and one.low > self._lowest(one))
+        ]
+        if not speeds or not self.model.law.states or len(self.trials) < 2:
+            return [*found]
+        reason = f"the trials tell it together with {joined(speeds)} only"
+        above = np.count_nonzero(self.matrix, axis=1) > 1
+        return [
+            replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}) if open_ else one
+            for one, open_ in zip(found, above.tolist(), strict=True)
+        ]
 
     def _holding(
         self,
