@@ -321,7 +321,7 @@ class TravelModel:
             path, value = next(
                 (path, value)
                 for path, quantity, value in parameters(self.law, "friction")
-                if value is not None and not quantity.structural
+                if not quantity.structural
             )
             columns[path] = np.full(len(trials) * count, float(value))
         slip = slip_of(first.mechanism)

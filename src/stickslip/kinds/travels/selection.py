@@ -20,6 +20,7 @@ from stickslip.friction import (
     listed,
 )
 from stickslip.identification import (
+    Estimate,
     Laws,
     Parameters,
     TravelModel,
@@ -51,6 +52,7 @@ from stickslip.kinds.travels.contradictions import (
 from stickslip.kinds.travels.fit import compile_for, payable
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.separations import Proposal, Separation, propose, separations
+from stickslip.kinds.travels.start_values import room_for
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.kinds.travels.wording import undecided, wording
 from stickslip.mechanisms import Mechanism
@@ -428,6 +430,19 @@ def _proposal(
     return propose(predictions, best.name, [c.name for c in rivals], doubt, uncertain)
 
 
+def _step(law: FrictionLaw, one: Estimate, free: Sequence[str], step: float) -> float:
+    """Return a step from an estimate with which the law keeps its inequalities, down if it can be.
+
+    What must not fall below another value may be as low as that one.
+    """
+    name = one.path.rpartition(".")[2]
+    below = 0.0 if one.quantity.at_least is not None else one.value - limit_of(law, name)
+    above = room_for(law, name, free)[1] - one.value
+    if below > step or below > above:
+        return -min(step, 0.5 * below) if below <= step else -step
+    return min(step, max(above, 0.0))
+
+
 def _prediction_errors(
     candidate: TravelCandidate, asked: Sequence[Trial], predicted: Sequence[float], t_end: float
 ) -> list[float]:
@@ -443,13 +458,10 @@ def _prediction_errors(
     steps = STEP * np.where(np.isfinite(half) & (half > 0.0), half, np.abs(values))
     if not asked:
         return []
-    # down where there is room: what must not fall below another value may be as low as that one
-    down = [
-        e.quantity.at_least is None
-        and e.value - step > limit_of(candidate.fit.law, e.path.rpartition(".")[2])
-        for e, step in zip(found, steps.tolist(), strict=True)
-    ]
-    steps = np.where(down, -steps, steps)
+    free = [e.path for e in found]
+    steps = np.array(
+        [_step(candidate.fit.law, e, free, step) for e, step in zip(found, steps, strict=True)]
+    )
     table = model.table(asked, values + np.diag(steps))
     moved = ((table - predicted) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
     parts = np.where(moved != 0.0, moved * np.where(moved != 0.0, half, 0.0), 0.0)
