@@ -685,7 +685,7 @@ class _Problem:
         twin = self.alone(i)
         if twin is None or not one.bounded:
             return one
-        there: Array = np.linalg.solve(twin.matrix, self.matrix @ best)
+        there = np.asarray(np.linalg.solve(twin.matrix, self.matrix @ best), dtype=np.float64)
         half = min(one.high - one.value, NEARBY * abs(one.value))
         step = max(half, OUTWARDS * float(self.scale[i]))
         low, high = (twin._outermost(i, there, side * step, target) for side in (-1.0, 1.0))
