@@ -14,6 +14,7 @@ from stickslip import (
     Dahl,
     Measurement,
     SpringBlock,
+    Stribeck,
     Viscous,
     fit,
     load_measurement,
@@ -25,7 +26,14 @@ from stickslip import (
 from stickslip.drives import Pulse, Sine, Square
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments.travels import scale_of
-from stickslip.identification.travel_model import standard_errors, trials_of, under_cycles
+from stickslip.identification import starting_law
+from stickslip.identification.travel_model import (
+    TravelModel,
+    standard_errors,
+    trials_of,
+    under_cycles,
+)
+from stickslip.kinds.travels.start_values import starting_points
 from stickslip.mechanisms import Torque
 
 WAVE = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
@@ -451,3 +459,17 @@ def test_parameters_that_travels_cannot_tell_are_refused(count, start, vary, sai
 def test_laws_are_compared_by_travels_with_the_mechanism_as_given():
     with pytest.raises(InputError, match="fit these first with one law"):
         select(pushed(85.0, 0.5, 3.0), None, speeds(6), vary=TOLD, t_end=2.0)
+
+
+def test_a_search_begins_above_the_static_level_that_a_law_starts_with():
+    """Stribeck friction starts with a static level of .35, and this capsule has one of .5."""
+    travels = {}
+    for period in (0.3, 0.4, 0.5):
+        run = simulate(capsule(period), Coulomb(kinetic_coefficient=0.5), t_end=END)
+        travels[period] = float(run["x"][-1])
+    law = starting_law(Stribeck)
+    names = ("kinetic_coefficient", "viscous_coefficient", "static_coefficient")
+    model = TravelModel(law, [f"friction.{name}" for name in names], END)
+    trials = trials_of(CAPSULE, readings("travel", travels, 1e-3), END)
+    first, *_ = starting_points(model, trials)
+    assert first[2] >= first[0] > law.static_coefficient

@@ -4,10 +4,25 @@ import dataclasses
 
 import numpy as np
 import pytest
+from benchmarks.travel_truth import judge
 
-from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    LuGre,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    Viscous,
+    load_rig,
+    select,
+    simulate,
+)
+from stickslip.identification import Estimate, TravelModel, starting_law
 from stickslip.identification.travel_model import trials_of
-from stickslip.kinds.travels.admissibility import doubts
+from stickslip.kinds.travels.admissibility import doubts, reaching
+from stickslip.kinds.travels.search import _Problem
+from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.separations import separations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -136,3 +151,102 @@ def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     scores = [np.nan if one.score is None else one.score for one in verdict.candidates]
     np.testing.assert_array_equal(table["score"], scores)
     assert table["range"][0] == "0.217 to 0.259"
+
+
+SWINGS = LuGre(
+    kinetic_coefficient=0.3,
+    static_coefficient=0.35,
+    stribeck_velocity=0.01,
+    bristle_stiffness=30.0,
+    bristle_damping=0.0,
+)
+
+
+@pytest.mark.parametrize("assumed", [["bristle_stiffness", "bristle_damping"], []])
+def test_a_law_that_is_out_for_assumed_values_is_named_in_the_verdict(assumed):
+    """Without damping it swings on its bristles, which says nothing of LuGre friction."""
+    rig = dataclasses.replace(RIG, attached=True)
+    ways = []
+    for x in (0.1, 0.12, 0.15, 0.18):
+        one = dataclasses.replace(rig, compression=x)
+        run = simulate(one, Coulomb(kinetic_coefficient=0.3), t_end=9.0)
+        ways.append(
+            Measurement(
+                travel=float(run["x"][-1] - run["x"][0]),
+                uncertainty=5e-4,
+                overrides={"mechanism.compression": x},
+            )
+        )
+    laws = {"coulomb": Coulomb(kinetic_coefficient=0.3), "lugre": SWINGS,
+            "viscous": Viscous(viscous_coefficient=0.5)}  # fmt: skip
+    marks = {"lugre": assumed, "viscous": ["viscous_coefficient"]}
+    trials = Measurement(trials=tuple(ways))
+    verdict = select_travels(rig, laws, trials, assumed=marks, t_end=9.0)
+    assert verdict.best.name == "coulomb"
+    lugre = next(c for c in verdict.candidates if c.name == "lugre")
+    assert "does not bring the body to rest" in lugre.dropped
+    said = "With $sigma_0$ and $sigma_1$ assumed, LuGre friction does not bring the body to rest"
+    assert (said in verdict.words.lede) is bool(assumed)
+    assert "$sigma_2$ assumed" not in verdict.words.lede  # it was fitted
+
+
+def test_what_another_law_leaves_open_is_stated_for_the_named_law_only(verdict):
+    other = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+    fitted = reaching(dataclasses.replace(verdict.best, alone=()), [other])
+    assert fitted.fit.estimates[0].bounded
+    open_ = dataclasses.replace(other, invented=("kinetic_coefficient",))
+    widened = reaching(dataclasses.replace(verdict.best, alone=()), [open_])
+    (level,) = widened.fit.estimates
+    assert not level.bounded
+    assert level.reason == (
+        "Coulomb + viscous friction, which explains the readings too, leaves it open"
+    )
+    assert widened.alone[0].bounded
+    said = doubts(widened)["kinetic_coefficient"]
+    assert said.startswith("lies between ")
+    assert "if Coulomb friction holds; Coulomb + viscous friction" in said
+
+
+@pytest.mark.parametrize("rig", [13, 37])
+def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):
+    """Blocks with LuGre friction, for which Stribeck friction alone was stated, with wrong levels.
+
+    Without damping LuGre friction did not come to rest, or left its static level to Stribeck's.
+    """
+    row = judge(5102, rig)
+    assert row["named"] == "stribeck"
+    assert "lugre" in row["ties"]
+    assert not row["false"]
+
+
+def test_the_interval_of_a_static_level_follows_the_speed_up_to_which_it_acts():
+    """Slopes at the best values gave .1972 to .2016 for a static level of .2135."""
+    row = judge(5102, 57)
+    assert row["named"] == "stribeck"
+    held = {one["path"].rpartition(".")[2]: one["held"] for one in row["alone"]}
+    assert held == dict.fromkeys(held, True)
+    assert "static_coefficient" in held
+
+
+@pytest.mark.parametrize(("low", "open_"), [(0.0, True), (0.3, False)])
+def test_a_static_level_with_bristles_is_open_where_its_speed_is(low, open_):
+    """A capsule with LuGre friction got .1613 to .1640, at 0.7 m/s, for .2447, at 0.007 m/s."""
+    law = starting_law(LuGre)
+    names = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
+    problem = _Problem(
+        TravelModel(law, [f"friction.{name}" for name in names], 10.0),
+        trials_of(RIG, READINGS, 10.0),
+    )
+    ranges = ((0.148, 0.176), (0.1613, 0.164), (low, 6.2))
+    found = [
+        Estimate(path=path, quantity=quantity, value=0.5 * (a + b), low=a, high=b, interval="95 %")
+        for (path, (quantity, _)), (a, b) in zip(
+            ((f"friction.{name}", problem.known[f"friction.{name}"]) for name in names),
+            ranges,
+            strict=True,
+        )
+    ]
+    level, static, _ = problem._together(found)
+    assert level == found[0]
+    assert static.bounded is not open_
+    assert ("v_s" in static.reason) is open_

@@ -27,6 +27,9 @@ Array: TypeAlias = NDArray[np.float64]
 AFTER = 201
 """Evenly spaced times after the end at which it is seen whether a body is at rest, beside the
 solver's own."""
+CLEARLY = 0.5
+"""Way after the end over the error of a reading up to which a body is at rest, whatever it does
+between the times at which that is looked at."""
 STEADY = 1.98
 """Way in a time over that in its first half, from which on a body does not slow down."""
 LEAST_ERROR = 1e-5
@@ -276,21 +279,35 @@ class TravelModel:
 
     def table(self, trials: Sequence[Trial], rows: Array) -> Array:
         """Return the travels of each trial for many values at once, by ensembles."""
-        if any(map(is_rig, self.free)) or not self.free:
+        if any(map(is_rig, self.free)):
             return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
         found: dict[Hashable, Array] = {}
+        for alike in self._alike(trials):
+            end = alike[0].until(self.t_end)
+            ends = self._together(alike, rows, (0.0, end), end)
+            self.runs += ends.shape[0] * ends.shape[1]
+            if self.watch is not None:
+                self.watch(self.runs)
+            made = ends[:, :, 1] - ends[:, :, 0]
+            found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
+        return np.stack([found[trial.run] for trial in trials], axis=1)
+
+    def _alike(self, trials: Sequence[Trial]) -> list[list[Trial]]:
+        """Return trials whose runs can be one ensemble, one of each run."""
         together: dict[Hashable, list[Trial]] = {}
         for trial in {trial.run: trial for trial in trials}.values():
             start = tuple(trial.start(self.law).items())
             kind = structure(trial.mechanism), trial.until(self.t_end), start
             together.setdefault(kind, []).append(trial)
-        for alike in together.values():
-            made = self._together(alike, rows)
-            found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
-        return np.stack([found[trial.run] for trial in trials], axis=1)
+        return list(together.values())
 
-    def _together(self, trials: Sequence[Trial], rows: Array) -> Array:
-        """Return the travels (n, k) of trials that differ in numbers only, as one ensemble."""
+    def _together(
+        self, trials: Sequence[Trial], rows: Array, times: Sequence[float], end: float
+    ) -> Array:
+        """Return the positions (n, k, m) at times of trials that differ in numbers only.
+
+        They are those of one ensemble, and NaN where a run is not complete.
+        """
         first, count = trials[0], len(rows)
         known = [
             {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
@@ -300,23 +317,26 @@ class TravelModel:
         for path, value in known[0].items():
             if any(values[path] != value for values in known):
                 columns[path] = np.repeat([float(values[path]) for values in known], count)
-        slip, end = slip_of(first.mechanism), first.until(self.t_end)
+        if not columns:
+            path, value = next(
+                (path, value)
+                for path, quantity, value in parameters(self.law, "friction")
+                if not quantity.structural
+            )
+            columns[path] = np.full(len(trials) * count, float(value))
+        slip = slip_of(first.mechanism)
         runs = ensemble(
             first.mechanism,
             self.law,
             columns,
             t_end=end,
-            outputs={slip: Samples(slip, (0.0, end))},
+            outputs={slip: Samples(slip, times)},
             y0=first.start(self.law),
             solver=SOLVER,
         )
         complete = np.array([status.complete for status in runs.status])
-        ends = np.where(complete[:, None], runs[slip], math.nan)
-        self.runs += len(ends)
-        if self.watch is not None:
-            self.watch(self.runs)
-        travels: Array = ends[:, 1] - ends[:, 0]
-        return travels.reshape(len(trials), count)
+        found: Array = np.where(complete[:, None], runs[slip], math.nan)
+        return found.reshape(len(trials), count, len(times))
 
     def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
         try:
@@ -339,8 +359,28 @@ class TravelModel:
             if trial.quantity == "travel" and not driven_on(trial.mechanism):
                 _, known = least.get(trial.run, (trial, math.inf))
                 least[trial.run] = trial, min(known, error)
-        for trial, error in least.values():
+        for trial, error in self._moving([*least.values()], values):
             self._check_rest(trial, values, error)
+
+    def _moving(
+        self, found: Sequence[tuple[Trial, float]], values: Sequence[float]
+    ) -> list[tuple[Trial, float]]:
+        """Return the trials, each with its error, that are not at rest beyond doubt.
+
+        Ensembles tell that for less than whole runs do.
+        """
+        if any(map(is_rig, self.free)):
+            return [*found]
+        times = np.linspace(self.t_end, 2.0 * self.t_end, AFTER)
+        errors = {trial.run: error for trial, error in found}
+        moving = []
+        for alike in self._alike([trial for trial, _ in found]):
+            seen = self._together(alike, np.array([values]), times.tolist(), 2.0 * self.t_end)[:, 0]
+            way = np.max(np.abs(seen - seen[:, :1]), axis=1)
+            for trial, moved in zip(alike, way.tolist(), strict=True):
+                if not moved <= CLEARLY * errors[trial.run]:
+                    moving.append((trial, errors[trial.run]))
+        return moving
 
     def _check_rest(self, trial: Trial, values: Sequence[float], error: float) -> None:
         law, end = self.with_values(values), self.t_end

@@ -22,10 +22,16 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
     """Return why each fitted parameter that the data do not settle is in doubt, by field name."""
     found = {}
     several = {one.path for one in candidate.alone if one.pieces}
+    alone = {one.path: one for one in candidate.alone if one.bounded and not one.pieces}
     for estimate in candidate.fit.estimates if candidate.fit else ():
         name = estimate.path.rpartition(".")[2]
         limit = limit_of(candidate.fit.law, name) if candidate.fit else 0.0
-        if not estimate.bounded:
+        if not estimate.bounded and estimate.path in alone:
+            said = alone[estimate.path].range.replace(" to ", " and ")
+            found[name] = (
+                f"lies between {said} if {candidate.title} friction holds; {estimate.reason}"
+            )
+        elif not estimate.bounded:
             found[name] = "not identified by these trials"
         elif estimate.pieces:
             ranges = estimate.range.replace(" to ", " and ").replace(" or ", ", or between ")
@@ -88,7 +94,7 @@ def chosen(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     fitted = [c for c in candidates if c.fit is not None and not c.dropped]
     best: TravelCandidate | None = None
     for one in sorted([c for c in fitted if not c.invented], key=_size):
-        if best is None or _improves(one, best):
+        if best is None or improves_on(one, best):
             best = one
     return best
 
@@ -106,7 +112,8 @@ def _size(candidate: TravelCandidate) -> tuple[int, bool, int]:
     )
 
 
-def _improves(one: TravelCandidate, other: TravelCandidate, level: float = LEVEL) -> bool:
+def improves_on(one: TravelCandidate, other: TravelCandidate, level: float = LEVEL) -> bool:
+    """Whether a law leaves significantly less than another, by the parameters of both."""
     assert one.fit is not None
     assert other.fit is not None
     return improves(one.fit, other.fit, max(one.parameters - other.parameters, 1), level)
@@ -123,17 +130,27 @@ def unsettling(
     invented = [c for c in candidates if c.invented and c.fit is not None and not c.dropped]
     if best is None:
         return invented
-    return [c for c in invented if _improves(c, best, level)]
+    return [c for c in invented if improves_on(c, best, level)]
 
 
 def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCandidate:
-    """Return the best law with intervals that hold those of all laws that are not ruled out."""
-    fits = [c.fit for c in ties if c.fit is not None and not c.dropped]
+    """Return the best law with intervals that hold those of all laws that are not ruled out.
+
+    What one of them has too, but with a value that was invented and not fitted, it leaves open.
+    """
+    ties = [c for c in ties if c.fit is not None and not c.dropped]
+    fits = [c.fit for c in ties if c.fit is not None]
     if best.fit is None or not fits:
         return best
     found = []
     for one in best.fit.estimates:
-        limit = limit_of(best.fit.law, one.path.rpartition(".")[2])
+        name = one.path.rpartition(".")[2]
+        open_ = [c.title for c in ties if name in c.invented]
+        if open_ and one.bounded:
+            said = f"{joined(open_)} friction, which explains the readings too, leaves it open"
+            found.append(replace(one, low=-math.inf, high=math.inf, pieces=(), reason=said))
+            continue
+        limit = limit_of(best.fit.law, name)
         parts = [*(one.pieces or ((one.low, one.high),))]
         for fit in fits:
             same = _same(one, fit, type(best.law))
@@ -179,7 +196,7 @@ def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:
         return True
     if candidate.invented and containment_of(type(candidate.law), type(best.law)) is not None:
         return False
-    return _improves(best, candidate, SURE)
+    return improves_on(best, candidate, SURE)
 
 
 def mark_passed_over(

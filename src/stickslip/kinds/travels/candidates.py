@@ -80,8 +80,10 @@ def try_law(
         fit = _at_rest(fit, law, names, trials, t_end)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
     except (ConvergenceError, SimulationError) as reason:
-        return dataclasses.replace(candidate, dropped=str(reason))
-    assumed = _assumed(law, fit)
+        return dataclasses.replace(
+            candidate, dropped=str(reason), assumed=_assumed(law, names), invented=invented
+        )
+    assumed = _assumed(law, [estimate.path for estimate in fit.estimates])
     return dataclasses.replace(
         candidate,
         fit=fit,
@@ -152,7 +154,7 @@ def _starts(
                 own = vary(own, "friction", dict(zip(fitted, values, strict=True)))
             row: dict[str, float] = {}
             for path in every:
-                value = _there(path, own, how)
+                value = _there(law, path, own, how)
                 row[path] = _absent(law, path, row) if value is None else value
             found.append([row[path] for path in every])
     if not found:
@@ -162,12 +164,12 @@ def _starts(
     return found
 
 
-def _there(path: str, own: FrictionLaw, how: Containment | None) -> float | None:
+def _there(law: FrictionLaw, path: str, own: FrictionLaw, how: Containment | None) -> float | None:
     """Return the value of a parameter with which a law is a simpler one; None if there is none."""
     name = path.rpartition(".")[2]
     source = name if how is None else how.values.get(name, name)
     if not isinstance(source, str):
-        return float(source)
+        return None if fields_of(type(law))[name].scale == "damping" else float(source)
     value = getattr(own, source) if source in fields_of(type(own)) else None
     return None if value is None else float(value)
 
@@ -178,7 +180,9 @@ def _absent(law: FrictionLaw, path: str, row: Mapping[str, float]) -> float:
     quantity = fields_of(type(law))[name]
     if quantity.at_least is not None:
         return row.get(f"friction.{quantity.at_least}", float(getattr(law, name)))
-    return 0.0 if quantity.above is None else float(getattr(law, name))
+    # bristles of finite stiffness without damping swing for ever
+    none = quantity.above is None and quantity.scale != "damping"
+    return 0.0 if none else float(getattr(law, name))
 
 
 def with_held_out(
@@ -220,9 +224,8 @@ def turns_back(run: Trajectory, mechanism: Mechanism) -> bool:
     return bool(np.abs(np.diff(path)).sum() > STRAIGHT * abs(path[-1] - path[0]))
 
 
-def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:
-    """Return the names of the parameters that were taken as given."""
-    free = {estimate.path for estimate in fit.estimates}
+def _assumed(law: FrictionLaw, free: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the parameters that were taken as given, of paths that are fitted."""
     paths = [path for path, _, _ in parameters(law, "friction")]
     return tuple(path.rpartition(".")[2] for path in paths if path not in free)
 

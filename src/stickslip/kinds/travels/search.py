@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -65,6 +66,8 @@ WALK = (0.3, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)
 OUT, OUTWARDS = (1.0, 1.5, 2.2, 4.0, 8.0, 16.0, 32.0, 64.0), 1e-3
 """Lengths of an interval that known nuisances leave at which it is seen how far it goes where they
 follow, and its least length over the size of the value."""
+NEARBY = 0.2
+"""First step from a value that lies above another one, over its size, at most."""
 BESIDE = 6.0
 """Standard errors from the best values at which searches begin again: mean speeds and travels rise
 and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
@@ -280,7 +283,28 @@ class _Problem:
         self.low, self.high = (np.array(side) for side in zip(*room, strict=True))
         above = np.array([self.known[p][0].above is not None for p in model.free])
         self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
+        self.floor = np.full(len(model.free), -math.inf)
+        """Values below which none is run."""
         self._seen: dict[tuple[float, ...], Array] = {}
+
+    def alone(self, i: int) -> "_Problem | None":
+        """Return the problem in which a value that lies above another one is an unknown of its own.
+
+        What it lies above is then told by how much that is less. None if more lies above the same.
+        """
+        base = int(np.flatnonzero(self.matrix[i] * (np.arange(len(self.scale)) != i))[0])
+        if np.count_nonzero(self.matrix[:, base]) > 2:
+            return None
+        twin = copy(self)
+        twin.matrix = self.matrix.copy()
+        twin.matrix[i, base], twin.matrix[base, i], twin.matrix[base, base] = 0.0, 1.0, -1.0
+        twin.floor = self.floor.copy()
+        twin.floor[base] = self.least[base]
+        order = np.arange(len(self.scale))
+        order[[i, base]] = base, i
+        twin.low, twin.high, twin.least = self.low[order], self.high[order], self.least[order]
+        twin._seen = {}
+        return twin
 
     def free_parameters(self, values: Sequence[float]) -> Array:
         """Return the unknowns for values of the parameters, just inside their bounds."""
@@ -333,7 +357,8 @@ class _Problem:
         keys = [tuple(point) for point in points.tolist()]
         new = list(dict.fromkeys(key for key in keys if key not in self._seen))
         if new:
-            rows = self.model.table(self.trials, np.array(new) @ self.matrix.T)
+            values = np.maximum(np.array(new) @ self.matrix.T, self.floor)
+            rows = self.model.table(self.trials, values)
             self._seen |= dict(zip(new, rows, strict=True))
         return np.array([self._seen[key] for key in keys])
 
@@ -550,7 +575,7 @@ class _Problem:
         if not self.rig:
             found = [
                 self._holding(i, one, best, rivals, reached, walked=walked)
-                for i, one in enumerate(found)
+                for i, one in enumerate(self._together(found))
             ]
         else:
             found = [self._reaching(one, [r[i] for r in rivals]) for i, one in enumerate(found)]
@@ -573,6 +598,26 @@ class _Problem:
             trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
             runs=self.model.runs,
         )
+
+    def _together(self, found: Sequence[Estimate]) -> list[Estimate]:
+        """Return estimates without the intervals of static levels beside a speed that is open.
+
+        A static level is told together with the speed up to which it acts, along a curve. Bristles
+        take too long to follow it, and slopes hold beside the best speed only.
+        """
+        speeds = [
+            one.quantity.symbol
+            for one in found
+            if one.quantity.scale == "speed" and not (one.bounded and one.low > self._lowest(one))
+        ]
+        if not speeds or not self.model.law.states or len(self.trials) < 2:
+            return [*found]
+        reason = f"the trials tell it together with {joined(speeds)} only"
+        above = np.count_nonzero(self.matrix, axis=1) > 1
+        return [
+            replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}) if open_ else one
+            for one, open_ in zip(found, above.tolist(), strict=True)
+        ]
 
     def _holding(
         self,
@@ -619,8 +664,11 @@ class _Problem:
                                   self.trials).room(least)  # fmt: skip
         found = []
         for i, one in enumerate(fit.estimates):
-            if one.reason or np.count_nonzero(self.matrix[i]) > 1:
+            if one.reason:
                 found.append(one)
+                continue
+            if np.count_nonzero(self.matrix[i]) > 1:
+                found.append(self._above(i, one, best, target))
                 continue
             parts = [*(one.pieces or ((one.low, one.high),))]
             for side, end in ((-1.0, one.low), (1.0, one.high)):
@@ -628,6 +676,20 @@ class _Problem:
                 parts.append((best[i], self._outermost(i, best, side * step, target)))
             found.append(spanning(one, [(min(p), max(p)) for p in parts], self._lowest(one)))
         return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
+
+    def _above(self, i: int, one: Estimate, best: Array, target: float) -> Estimate:
+        """Return an estimate of what lies above another value, followed to where its interval ends.
+
+        A static level and the speed up to which it acts are told in combination, which bends.
+        """
+        twin = self.alone(i)
+        if twin is None or not one.bounded:
+            return one
+        there = np.asarray(np.linalg.solve(twin.matrix, self.matrix @ best), dtype=np.float64)
+        half = min(one.high - one.value, NEARBY * abs(one.value))
+        step = max(half, OUTWARDS * float(self.scale[i]))
+        low, high = (twin._outermost(i, there, side * step, target) for side in (-1.0, 1.0))
+        return replace(one, low=max(low, self._lowest(one)), high=high)
 
     def _outermost(self, i: int, best: Array, step: float, target: float) -> float:
         """Return the last value of an unknown with which the others still explain as well.
@@ -671,11 +733,12 @@ class _Problem:
         The other values follow. Slopes at the best values say nothing of what is farther away, nor
         that a parameter has a bound.
         """
-        slow = bool(self.model.law.states) and len(self.trials) > 1
-        if slow or np.count_nonzero(self.matrix[i]) > 1:
+        if bool(self.model.law.states) and len(self.trials) > 1:
             return one
         base = self.cost(best)
         target = base + self.room(base)
+        if np.count_nonzero(self.matrix[i]) > 1:
+            return self._above(i, one, best, target)
         gain, _ = self._gain(best)
         known = np.where(np.isfinite(gain), gain, 0.0)
         table = known @ self._covariance() @ known.T

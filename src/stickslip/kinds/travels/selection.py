@@ -20,6 +20,7 @@ from stickslip.friction import (
     listed,
 )
 from stickslip.identification import (
+    Estimate,
     Laws,
     Parameters,
     TravelModel,
@@ -32,7 +33,9 @@ from stickslip.identification import (
 )
 from stickslip.kinds.travels.admissibility import (
     LEVEL,
+    SURE,
     chosen,
+    improves_on,
     limit_of,
     mark_passed_over,
     reaching,
@@ -49,6 +52,7 @@ from stickslip.kinds.travels.contradictions import (
 from stickslip.kinds.travels.fit import compile_for, payable
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.separations import Proposal, Separation, propose, separations
+from stickslip.kinds.travels.start_values import room_for
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.kinds.travels.wording import undecided, wording
 from stickslip.mechanisms import Mechanism
@@ -125,6 +129,7 @@ def select_travels(
     candidates.sort(key=lambda c: list(named).index(c.name))
     if scored:
         candidates = _freed(candidates, trials, t_end, progress)
+        candidates = _followed(candidates, trials, t_end, progress)
     candidates = [_refuted(c, trials, t_end) for c in candidates]
     if scored:
         candidates += _beside(candidates, trials, t_end, progress)
@@ -241,6 +246,34 @@ def _freed(
     return found
 
 
+def _followed(
+    candidates: Sequence[TravelCandidate],
+    trials: Sequence[Trial],
+    t_end: float,
+    watch: Watch | None,
+) -> list[TravelCandidate]:
+    """Fit laws with invented values again from the best law, where they contain it but err more.
+
+    They can do what it does: their own search ended elsewhere, or with a body that does not rest.
+    """
+    best = chosen(candidates)
+    if best is None:
+        return list(candidates)
+    found = []
+    for c in candidates:
+        contains = containment_of(type(c.law), type(best.law)) is not None
+        if c is not best and c.invented and contains and (c.dropped or improves_on(best, c, SURE)):
+            again = try_law(
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=[best],
+                marked=c.marked, watch=watch,
+            )  # fmt: skip
+            better = not again.dropped and (c.dropped or misfit(again) < misfit(c))
+            found.append(again if better else c)
+        else:
+            found.append(c)
+    return found
+
+
 def _refuted(candidate: TravelCandidate, trials: Sequence[Trial], t_end: float) -> TravelCandidate:
     """Return a candidate without its fit where the readings refute what was given of it."""
     if candidate.ordinary:
@@ -331,13 +364,15 @@ def _ranked(
     """Choose, order the others by held-out error, and return what speaks against the choice.
 
     That is a contradiction, or laws that explain more, with invented parameters. Those are not
-    scored, nor are those that are ruled out if their runs take long.
+    scored, nor, if their runs take long, are those that are ruled out, and all where no law can be
+    named.
     """
     best = chosen(candidates)
     slow = under_cycles(trials)
+    named = not _explaining(trials, unsettling(candidates, best))
     scored = [
         c
-        if c.invented or (best and (slow or c.law.states) and told_apart(c, best))
+        if c.invented or (best and (slow or c.law.states) and (not named or told_apart(c, best)))
         else with_held_out(c, trials, t_end=t_end, watch=watch)
         for c in candidates
     ]
@@ -388,14 +423,30 @@ def _proposal(
         replace(trials[0], mechanism=vary(mechanism, "mechanism", {row.path: row.value}))
         for row in predictions
     ]
-    uncertain = {c.name: _prediction_errors(c, asked, t_end) for c in (best, *rivals)}
+    uncertain = {
+        c.name: _prediction_errors(c, asked, [row.predicted[c.name] for row in predictions], t_end)
+        for c in (best, *rivals)
+    }
     return propose(predictions, best.name, [c.name for c in rivals], doubt, uncertain)
 
 
+def _step(law: FrictionLaw, one: Estimate, free: Sequence[str], step: float) -> float:
+    """Return a step from an estimate with which the law keeps its inequalities, down if it can be.
+
+    What must not fall below another value may be as low as that one.
+    """
+    name = one.path.rpartition(".")[2]
+    below = 0.0 if one.quantity.at_least is not None else one.value - limit_of(law, name)
+    above = room_for(law, name, free)[1] - one.value
+    if below > step or below > above:
+        return -min(step, 0.5 * below) if below <= step else -step
+    return min(step, max(above, 0.0))
+
+
 def _prediction_errors(
-    candidate: TravelCandidate, asked: Sequence[Trial], t_end: float
+    candidate: TravelCandidate, asked: Sequence[Trial], predicted: Sequence[float], t_end: float
 ) -> list[float]:
-    """Return half the 95 % interval of what a law predicts at each setting [m].
+    """Return half the 95 % interval of what a law predicts at each setting [m], given that.
 
     It follows, to first order, from what the readings leave of its parameters if it holds.
     """
@@ -407,15 +458,12 @@ def _prediction_errors(
     steps = STEP * np.where(np.isfinite(half) & (half > 0.0), half, np.abs(values))
     if not asked:
         return []
-    # down where there is room: what must not fall below another value may be as low as that one
-    down = [
-        e.quantity.at_least is None
-        and e.value - step > limit_of(candidate.fit.law, e.path.rpartition(".")[2])
-        for e, step in zip(found, steps.tolist(), strict=True)
-    ]
-    steps = np.where(down, -steps, steps)
-    table = model.table(asked, np.vstack([values, values + np.diag(steps)]))
-    moved = ((table[1:] - table[0]) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
+    free = [e.path for e in found]
+    steps = np.array(
+        [_step(candidate.fit.law, e, free, step) for e, step in zip(found, steps, strict=True)]
+    )
+    table = model.table(asked, values + np.diag(steps))
+    moved = ((table - predicted) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
     parts = np.where(moved != 0.0, moved * np.where(moved != 0.0, half, 0.0), 0.0)
     open_ = ~np.isfinite(parts).all(axis=1)
     parts[open_] = 0.0

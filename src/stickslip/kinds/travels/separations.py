@@ -1,10 +1,13 @@
 """Which further measurement would tell the candidates apart: found by simulating it."""
 
+import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, product
 from typing import Any
+
+import numpy as np
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import whole_cycles
@@ -287,10 +290,10 @@ def predictions(
     symbol, unit = next(
         (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path
     )
-    found = []
+    asked = []
     for setting, measured in settings:
         changed = vary(mechanism, "mechanism", {path: setting})
-        try:
+        with contextlib.suppress(StickslipError):
             trial = Trial(
                 mechanism=changed,
                 initial=initial or {},
@@ -298,22 +301,41 @@ def predictions(
                 half_width=0.0,
                 cycles=whole_cycles(changed, t_end) if per_cycle else None,
             )
-            predicted = {
-                name: TravelModel(law, (), t_end).travel(trial, ()) for name, law in laws.items()
-            }
-        except StickslipError:
-            continue
-        found.append(
-            Separation(
-                path=path,
-                symbol=symbol,
-                unit=unit,
-                value=setting,
-                predicted=predicted,
-                measured=measured,
+            asked.append((trial, setting, measured))
+    if not asked:
+        return ()
+    trials = [trial for trial, _, _ in asked]
+    travels = {name: _travels(law, trials, t_end) for name, law in laws.items()}
+    found = []
+    for i, (_, setting, measured) in enumerate(asked):
+        predicted = {name: float(made[i]) for name, made in travels.items()}
+        if all(map(math.isfinite, predicted.values())):
+            found.append(
+                Separation(
+                    path=path,
+                    symbol=symbol,
+                    unit=unit,
+                    value=setting,
+                    predicted=predicted,
+                    measured=measured,
+                )
             )
-        )
     return tuple(found)
+
+
+def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> list[float]:
+    """Return the travel of each trial [m]; NaN where a run cannot be made."""
+    model = TravelModel(law, (), t_end)
+    try:
+        travels: list[float] = model.table(trials, np.zeros((1, 0)))[0].tolist()
+    except StickslipError:  # of one setting, which is one of many
+        travels = []
+        for trial in trials:
+            try:
+                travels.append(model.travel(trial, ()))
+            except StickslipError:
+                travels.append(math.nan)
+    return travels
 
 
 def _settings(

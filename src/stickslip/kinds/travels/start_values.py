@@ -79,7 +79,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     idle = [_least(model, path, centre[path]) for path in others]
     levels, table = _scanned(model, trials, centre[first], span, idle)
     costs = _costs(table, trials)
-    best = [float(levels[np.argmin(costs)]), *idle]
+    best = _rows(model, levels, idle)[int(np.argmin(costs))]
     centre |= {
         p: doubling_slope(model, trials, best) for p in others if quantities[p].scale == "slope"
     }

@@ -87,6 +87,11 @@ class TravelCandidate(Candidate[TravelFit]):
         return "no held-out trials: all trials repeat one setting"
 
     @property
+    def guessed(self) -> tuple[str, ...]:
+        """Names of what was not fitted and nobody measured: invented, or given as assumed."""
+        return self.invented or tuple(name for name in self.marked if name in self.assumed)
+
+    @property
     @override
     def parameters(self) -> int:
         """Number of parameters that were fitted or invented."""

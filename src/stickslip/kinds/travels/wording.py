@@ -81,7 +81,7 @@ def wording(
         verdict, lede = _tie(trials, explained, candidates, best)
     return Wording(
         verdict=verdict,
-        lede=lede,
+        lede=lede if best is None and against is None else lede + _unjudged(candidates),
         settles=_settles(trials, explained, best),
         cannot_tell=_cannot_tell(
             explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
@@ -119,7 +119,7 @@ def undecided(
         lede += f" {_with_estimates(closest, doubts(closest))} does not: {_left(closest)}."
     return Wording(
         verdict="These readings cannot tell which friction law holds.",
-        lede=lede,
+        lede=lede + _unjudged(candidates),
         settles=(),
         cannot_tell=tuple(_given_lines(candidates, max(t.half_width for t in trials)))[:3]
         or (UNMEASURED,),
@@ -168,6 +168,24 @@ def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
         f" {_why(closest)} Check the mass, stiffness and compression of the rig, and whether the"
         " body leaves the spring.",
     )
+
+
+def _unjudged(candidates: Sequence[TravelCandidate]) -> str:
+    """Return which laws are out for values that nobody measured, and so are not ruled out."""
+    said = ""
+    for c in candidates:
+        if not c.dropped or c.refuted or not c.guessed:
+            continue
+        known = fields_of(type(c.law))
+        symbols = joined([f"${known[name].symbol}$" for name in c.guessed])
+        reason = c.dropped.rstrip(".")
+        if not reason.startswith(c.title):
+            reason = lower_first(reason)
+        said += (
+            f" With {symbols} assumed, {reason}. {c.title} friction was not compared, and other"
+            " values may explain the readings."
+        )
+    return said
 
 
 def _why(candidate: TravelCandidate) -> str:
