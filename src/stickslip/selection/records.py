@@ -80,12 +80,15 @@ from stickslip.selection.record_verdict import (
     SecondRecord,
 )
 from stickslip.selection.record_wording import equals_of, outcomes, record_wording
+from stickslip.selection.simplification import one_part_less
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 NEARER = 1.5
 """Factor between errors from which one law is far nearer than another, whatever they scatter by."""
+SIMPLER = 6
+"""Laws without a part of which a record does not tell a parameter that are fitted at most."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 HOPELESS = (
@@ -188,6 +191,9 @@ def select_records(
             progress=progress,
             executor=executor,
         )
+        if asked and laws is None:
+            work = partial(_judged, plan=plan, validate=validate, whole=purpose == "simulate")
+            judged = _simplified(fitted, work, judged, found.specs, asked, progress)
     if asked:
         judged = [with_errors(c, asked, judged, usual=laws is None) for c in judged]
     if lost:
@@ -578,13 +584,7 @@ def verdict_on(
     stated = standard_uncertainty(measurement, _quantity_of(scored))
     least = max(stated, ROUNDING * variation)
     scored = [_objected(c, scored, least) for c in scored]
-    searched = [c for c in scored if c.fit and not c.fit.search_failure]
-    sound = [c for c in searched if not c.refuted]
-    among = sound or searched or scored
-    closest = choose(among, uncertainty=least)
-    if asked is not None:
-        closest = _agreed(closest, among, asked, uncertainty=least)
-    closest = _doubted(_as_simulated(closest, among, asked, uncertainty=least))
+    closest = _named(scored, asked, uncertainty=least)
     if beside is not None:
         closest = beside(closest, least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
@@ -645,6 +645,49 @@ def verdict_on(
         half_estimates=halves(closest.fit),
         shown=shown,
     )
+
+
+def _named(
+    scored: Sequence[RecordCandidate], asked: Explained | None, *, uncertainty: float
+) -> RecordCandidate:
+    """Return the candidate that is named, with what speaks against it as its doubt."""
+    searched = [c for c in scored if c.fit and not c.fit.search_failure]
+    sound = [c for c in searched if not c.refuted]
+    among = sound or searched or scored
+    closest = choose(among, uncertainty=uncertainty)
+    if asked is not None:
+        closest = _agreed(closest, among, asked, uncertainty=uncertainty)
+    return _doubted(_as_simulated(closest, among, asked, uncertainty=uncertainty))
+
+
+def _simplified(
+    fitted: Callable[..., RecordCandidate],
+    work: Callable[[RecordCandidate], RecordCandidate],
+    judged: Sequence[RecordCandidate],
+    specs: Sequence[CandidateSpec],
+    asked: Explained,
+    watch: Watch | None,
+) -> list[RecordCandidate]:
+    """Return candidates with those one part simpler, as long as the named one is not all known.
+
+    A law that the balance composes may have parameters that the record does not tell. Each simpler
+    one without some of them is a candidate like the others, and named by the same rule.
+    """
+    known, every = [*judged], [*specs]
+    for _ in range(SIMPLER):
+        scored = [c for c in known if c.validation and math.isfinite(c.score)]
+        if not scored:
+            break
+        fit = _named([_objected(c, scored, 0.0) for c in scored], asked, uncertainty=0.0).fit
+        assert fit is not None
+        tried = {c.name for c in known}
+        new = next((one for one in one_part_less(fit) if one[0].name not in tried), None)
+        if new is None:
+            break
+        spec, start = new
+        every.append(spec)
+        known = with_contained([*known, work(fitted(spec, [start], 0.0, watch))], every)
+    return known
 
 
 def until_stopped(watch: Watch) -> Watch:
