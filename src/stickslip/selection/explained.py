@@ -38,6 +38,9 @@ ELASTIC = "elasto-plastic"
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
+SIMPLER = 1.1
+"""Error of the balance over that of the best structure up to which it does not speak for a part of
+which no prediction tells the parameters."""
 
 
 @final
@@ -92,10 +95,15 @@ class Explained:
         }
         return {name: one for name, one in named.items() if one} | {**self.starts}
 
-    def rejects(self, name: str, law: FrictionLaw | None) -> bool:
-        """Whether the force balance tells a law from that of the best structure."""
+    def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
+        """Whether the force balance tells a law from that of the best structure.
+
+        One that lacks a part of which the record does not tell a parameter has to leave more.
+        """
         own = None if law is None else self.asked.fit_of(name, law)
-        return name != self.asked.best.name and self.asked.rejects(own)
+        if name == self.asked.best.name or not self.asked.rejects(own):
+            return False
+        return not (simplified and own and own.rms < SIMPLER * self.asked.explanation.best.rms)
 
     def errors_of(
         self, name: str, law: FrictionLaw, left: float = math.nan

@@ -84,7 +84,7 @@ def _unsure(fit: RecordFit, *, shown: bool) -> Iterator[tuple[str, str]]:
             step, low, high = steps[path]
             if not (shown and math.isfinite(high - low)):
                 yield path, _no_step(step, low, high, estimate.quantity.unit)
-        elif estimate.low <= 0.0 and not shown:
+        elif estimate.low <= 0.0 <= estimate.high and not shown:
             yield path, f"the interval of {symbol} includes 0"
 
 

@@ -71,6 +71,7 @@ from stickslip.selection.record_admissibility import (
     objection,
     standard_uncertainty,
     unexplained,
+    unidentified,
     variation_of,
 )
 from stickslip.selection.record_verdict import (
@@ -87,10 +88,15 @@ PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "comp
 """Horizon [s] of what is predicted, by what the law is for."""
 NEARER = 1.5
 """Factor between errors from which one law is far nearer than another, whatever they scatter by."""
+AS_WELL = 1.1
+"""Error over that of a law up to which one predicts as well that lacks what no record tells."""
 SIMPLER = 6
 """Laws without a part of which a record does not tell a parameter that are fitted at most."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
+TOO_FAR = 2.0
+"""Residual over that of a law from which one that lacks a part need not be scored."""
+NOT_AS_WELL = "not scored: it leaves far more than the law that has a part more"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
@@ -653,11 +659,38 @@ def _named(
     """Return the candidate that is named, with what speaks against it as its doubt."""
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
     sound = [c for c in searched if not c.refuted]
-    among = sound or searched or scored
+    found = sound or searched or scored
+    among = [c for c in found if not c.simplifies] or found
     closest = choose(among, uncertainty=uncertainty)
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=uncertainty)
-    return _doubted(_as_simulated(closest, among, asked, uncertainty=uncertainty))
+    closest = _as_simulated(closest, among, asked, uncertainty=uncertainty)
+    return _doubted(_told(closest, found, asked, uncertainty=uncertainty))
+
+
+def _told(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return a law without parts that the record does not tell, where one predicts as well."""
+
+    def order(c: RecordCandidate) -> tuple[int, int, float]:
+        return len(unidentified(c.fit)) if c.fit else 0, c.parameters, c.score
+
+    less = [
+        c
+        for c in among
+        if c.simplifies == closest.name
+        if c.score <= AS_WELL * max(closest.score, uncertainty)
+        if as_good(c, closest, uncertainty=uncertainty)
+        if not c.whole > NEARER * closest.whole
+        if asked is None or not asked.rejects(c.name, c.law, simplified=True)
+        if order(c)[0] < order(closest)[0]
+    ]
+    return min(less, key=order, default=closest)
 
 
 def _simplified(
@@ -670,23 +703,28 @@ def _simplified(
 ) -> list[RecordCandidate]:
     """Return candidates with those one part simpler, as long as the named one is not all known.
 
-    A law that the balance composes may have parameters that the record does not tell. Each simpler
-    one without some of them is a candidate like the others, and named by the same rule.
+    A law that the balance composes may have parameters that the record does not tell. One without
+    some of them is named where it predicts as well, though better by less than is told apart.
     """
-    known, every = [*judged], [*specs]
+    known, every, whole = [*judged], [*specs], None
     for _ in range(SIMPLER):
         scored = [c for c in known if c.validation and math.isfinite(c.score)]
         if not scored:
             break
-        fit = _named([_objected(c, scored, 0.0) for c in scored], asked, uncertainty=0.0).fit
-        assert fit is not None
+        named = _named([_objected(c, scored, 0.0) for c in scored], asked, uncertainty=0.0)
+        assert named.fit is not None
+        whole = whole or named
         tried = {c.name for c in known}
-        new = next((one for one in one_part_less(fit) if one[0].name not in tried), None)
+        new = next((one for one in one_part_less(named.fit) if one[0].name not in tried), None)
         if new is None:
             break
         spec, start = new
         every.append(spec)
-        known = with_contained([*known, work(fitted(spec, [start], 0.0, watch))], every)
+        rival = named.fit.fitted_law
+        less = fitted(spec, [start], rival.cost / rival.rows, watch)
+        if less.fit and less.residual > TOO_FAR * named.residual:
+            less = replace(less, dropped=NOT_AS_WELL)
+        known = with_contained([*known, replace(work(less), simplifies=whole.name)], every)
     return known
 
 
@@ -707,14 +745,16 @@ def with_errors(
 ) -> RecordCandidate:
     """Return a candidate with what the force balance says is wrong, and which values it gave.
 
-    That it asks for another law is not said of what predicts better than a fit of that law.
+    That it asks for another law is not said of what predicts better than a fit of that law, nor of
+    what predicts as well without a part of it that the record does not tell.
     """
     if c.fit is None:
         return c
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
     errors = asked.errors_of(c.name, c.fit.law, left)
-    if any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
+    far = asked.rejects(c.name, c.law, simplified=bool(c.simplifies))
+    if not far or any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
         errors = tuple(one for one in errors if one.kind != "law")
     return replace(
         c,
