@@ -441,6 +441,9 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.closed_loop_axes")
     parser.add_argument("--rigs", type=int, default=40)
+    parser.add_argument(
+        "--numbers", type=int, nargs="+", help="rigs to judge, instead of the first"
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--route", default=CHOSEN)
@@ -449,7 +452,7 @@ def main() -> None:
     given = parser.parse_args()
     for line in run(
         given.results,
-        rigs=given.rigs,
+        rigs=given.numbers or given.rigs,
         seed=given.seed,
         jobs=given.jobs,
         candidates=given.laws,

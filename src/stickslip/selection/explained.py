@@ -25,10 +25,12 @@ SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
-FEWEST = 3
-"""Laws that are fitted, if there are so many."""
+FEWEST = 5
+"""Laws that are fitted, if there are so many: of Coulomb + viscous friction, those with another
+power of the speed, a drag, a step or a slope for each direction."""
 CLEARER = 0.5
-"""Error of a fitted force over that of the balance below which the fit has seen what it has not."""
+"""Error of a fitted force over that of the balance below which the fit of a law with a memory has
+seen what the balance has not. That of other laws has the narrower band."""
 TEXTBOOK = "lugre"
 """Law with a bristle that stands beside all others that have one."""
 ONE_MEMORY = "dahl-exponent"
@@ -110,11 +112,11 @@ class Explained:
     ) -> tuple[ModelError, ...]:
         """Return what is wrong with a fitted law, the rig or the record.
 
-        Of a fit that leaves far less force [N] than the balance's own best structure, the balance
-        has nothing to say about laws.
+        Of a law with a memory whose fit leaves far less force [N] than the balance's own best
+        structure, the balance has nothing to say.
         """
         found = errors_of(self.asked, law, name, self.errors, self.unit)
-        if not left < CLEARER * self.asked.explanation.best.rms:
+        if not (law.states and left < CLEARER * self.asked.explanation.best.rms):
             return found
         return tuple(one for one in found if one.kind not in ("law", "unexplained"))
 

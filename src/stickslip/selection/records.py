@@ -661,11 +661,28 @@ def _named(
     sound = [c for c in searched if not c.refuted]
     found = sound or searched or scored
     among = [c for c in found if not c.simplifies] or found
+    among = _near(among, asked, uncertainty=uncertainty)
     closest = choose(among, uncertainty=uncertainty)
     if asked is not None:
         closest = _agreed(closest, among, asked, uncertainty=uncertainty)
     closest = _as_simulated(closest, among, asked, uncertainty=uncertainty)
     return _doubted(_told(closest, found, asked, uncertainty=uncertainty))
+
+
+def _near(
+    among: Sequence[RecordCandidate], asked: Explained | None, *, uncertainty: float
+) -> list[RecordCandidate]:
+    """Return the laws that are not far from the best one, both on held-out blocks and on all rows.
+
+    What a part explains at a few places, such as presliding, scatters from block to block.
+    """
+    sound = [c for c in among if asked is None or not asked.rejects(c.name, c.law)]
+    best = min(sound or among, key=lambda c: c.score)
+    return [
+        c
+        for c in among
+        if c.score <= NEARER * max(best.score, uncertainty) or c.residual <= NEARER * best.residual
+    ]
 
 
 def _told(
