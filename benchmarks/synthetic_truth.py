@@ -323,7 +323,8 @@ def run(
             row = task.result()
             file.write(json.dumps(row) + "\n")
             file.flush()
-            yield f"{count} of {len(wanted)}: rig {row['rig']}, {row['truth']}, {row['seconds']:.1f} s"
+            said = f"rig {row['rig']}, {row['truth']}, {row['seconds']:.1f} s"
+            yield f"{count} of {len(wanted)}: {said}"
 
 
 def share(hits: Sequence[bool]) -> str:
