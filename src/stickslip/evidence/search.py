@@ -12,7 +12,7 @@ from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
-from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
+from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, hums, ripples, shapes
@@ -226,7 +226,8 @@ class Search:
     def _proposed(self, old: Fit) -> list[Structure]:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
-        candidates = [*self.terms, *ripples(self.balance, old), *hums(self.balance, old)]
+        terms = [one for one in self.terms if structure.having(one).complete or one.kind != DAMPED]
+        candidates = [*terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
         self.evaluated += len(ranked)
         seen, fresh = set(), []
@@ -301,7 +302,8 @@ class Search:
             self.evaluated += len(all_lugre) + 1
             for one in self._best(all_lugre, 1):
                 bell = one.shaped(channel, (*one.shape(channel)[:4], 2.0))
-                options += [one, polished(self.balance, bell)]
+                damped = bell.having(Term(DAMPED, (), channel))
+                options += [one, *(polished(self.balance, each) for each in (bell, damped))]
         return self._best(options, BEST_SHAPES)
 
     def _best(self, options: Sequence[Structure], count: int) -> list[Structure]:

@@ -89,6 +89,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     if balance.dynamic:
         yield Term("level_slope", (), channel)
         yield Term("level_dir", (), channel)
+        yield Term("damping", (), channel)
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)

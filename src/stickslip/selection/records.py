@@ -700,7 +700,7 @@ def _told(
     less = [
         c
         for c in among
-        if c.simplifies == closest.name
+        if c.simplifies == closest.name or c.name in closest.simpler
         if c.score <= AS_WELL * max(closest.score, uncertainty)
         if as_good(c, closest, uncertainty=uncertainty)
         if not c.whole > NEARER * closest.whole
@@ -731,8 +731,7 @@ def _simplified(
         named = _named([_objected(c, scored, 0.0) for c in scored], asked, uncertainty=0.0)
         assert named.fit is not None
         whole = whole or named
-        tried = {c.name for c in known}
-        new = next((one for one in one_part_less(named.fit) if one[0].name not in tried), None)
+        new = next((one for one in one_part_less(named.fit) if not _among(one[0], every)), None)
         if new is None:
             break
         spec, start = new
@@ -743,6 +742,19 @@ def _simplified(
             less = replace(less, dropped=NOT_AS_WELL)
         known = with_contained([*known, replace(work(less), simplifies=whole.name)], every)
     return known
+
+
+def _among(one: CandidateSpec, specs: Sequence[CandidateSpec]) -> bool:
+    """Whether a candidate is one of others, perhaps under another name."""
+
+    def size(spec: CandidateSpec) -> int:
+        kind = spec.law if isinstance(spec.law, type) else type(spec.law)
+        return len(kind.fit_order if spec.free is None else spec.free)
+
+    return any(
+        one.name == other.name or (contains(other, one) and size(one) == size(other))
+        for other in specs
+    )
 
 
 def until_stopped(watch: Watch) -> Watch:
