@@ -102,8 +102,10 @@ class Explained:
 
         One that lacks a part of which the record does not tell a parameter has to leave more.
         """
-        own = None if law is None else self.asked.fit_of(name, law)
-        if name == self.asked.best.name or not self.asked.rejects(own):
+        if law is None or name == self.asked.best.name:
+            return False
+        own = self.asked.fit_of(name, law)
+        if not self.asked.rejects(own):
             return False
         return not (simplified and own and own.rms < SIMPLER * self.asked.explanation.best.rms)
 

@@ -193,8 +193,8 @@ def errors_of(
     asked: Asked, law: FrictionLaw, name: str, errors: Sequence[ModelError], unit: str
 ) -> tuple[ModelError, ...]:
     """Return what is wrong with rig and record, and which law the balance asks for instead."""
-    own = asked.fit_of(name, law)
-    if own is None or name == asked.best.name or not asked.rejects(own):
+    own = None if name == asked.best.name else asked.fit_of(name, law)
+    if own is None or not asked.rejects(own):
         return tuple(errors)
     return (*errors, _law_asked_for(asked, own, unit))
 
