@@ -29,6 +29,7 @@ import numpy as np
 from benchmarks.machines import Machine
 from benchmarks.rigs import SOLVER, Array, Random, Rig, between
 from benchmarks.synthetic_truth import judged, run, share
+from benchmarks.whole_verdicts import parts_of
 from stickslip import (
     GMS,
     Axis,
@@ -383,14 +384,14 @@ def _predicts(row: Mapping[str, Any], name: str) -> bool:
 def right(row: Mapping[str, Any]) -> bool:
     """Whether the named law is the true one or an equal one, and a fault is named if there is."""
     if row["truth"] == "backlash":
-        return bool(set(row["findings"]) & set(BACKLASH))
+        return any(parts_of(kind) & {*BACKLASH} for kind in row["findings"])
     return bool(row["named"]) and _predicts(row, row["named"])
 
 
 def falsely_certain(row: Mapping[str, Any]) -> bool:
     """Whether a law that is not right is recommended without doubt, or a sound rig accused."""
     if row["truth"] == "backlash":
-        wrong = set(_accused(row)) - set(BACKLASH)
+        wrong = [kind for kind in _accused(row) if not parts_of(kind) & {*BACKLASH}]
         return bool(wrong) or (
             bool(row["named"]) and not row["findings"] and not _predicts(row, row["named"])
         )
