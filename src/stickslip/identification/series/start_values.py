@@ -115,14 +115,9 @@ def _level(regressed: float, size: float) -> float:
 def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
     """Refuse a force that acts against the motion it should cause.
 
-    A negative inertia that takes a small share of the force says nothing: the motion was slow. Nor
-    does one beside friction that takes up power from a drive: a bristle that is deflected to and
-    fro pulls against the acceleration.
+    A negative inertia that takes a small share of the force says nothing: the motion was slow.
     """
-    v = found.velocity
-    power = found["level"] * np.mean(np.abs(v)) + found["viscous"] * np.mean(v**2)
-    reversed_ = found.inertial_share <= -REVERSED and not (driven and power > 0.0)
-    if not reversed_ and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+    if found.inertial_share > -REVERSED and not (found["level"] < 0.0 and found["viscous"] < 0.0):
         return
     said = ", ".join(f"{n} {number(v)}" for n, v in zip(found.names, found.values, strict=True))
     if not driven:
