@@ -15,7 +15,14 @@ from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
-from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, hums, ripples, shapes
+from stickslip.evidence.vocabulary import (
+    SHAPE_EXPONENTS,
+    STRIBECK_EXPONENTS,
+    grid,
+    hums,
+    ripples,
+    shapes,
+)
 
 Progress = Callable[[float, str], None]
 Wrap = Callable[[Shape], Structure]
@@ -110,7 +117,8 @@ class Search:
         root = self.fit(start)
         self.scale = friction_scale(self.balance, root)
         beam = [root]
-        for structure in (self._textbook(start), self._peaked(start), *self._late_memory(start)):
+        peaked = [self._peaked(start, exponent) for exponent in STRIBECK_EXPONENTS]
+        for structure in (self._textbook(start), *peaked, *self._late_memory(start)):
             full = self.prune(self.fit(structure))
             if full.ok and full.structure not in [one.structure for one in beam]:
                 beam.append(full)
@@ -132,10 +140,11 @@ class Search:
         channels = self.balance.channels
         return start.having(*(Term(kind, (), one) for one in channels for kind in TEXTBOOK))
 
-    def _peaked(self, start: Structure) -> Structure:
+    def _peaked(self, start: Structure, exponent: float) -> Structure:
         """Return a Stribeck law of both directions, with the best velocity and viscous exponent.
 
-        A step near rest and a power of the speed oppose each other: neither pays alone.
+        A step near rest and a power of the speed oppose each other: neither pays alone, and with
+        another exponent of the step it is another power.
         """
         found = start
         for channel in self.balance.channels:
@@ -143,8 +152,8 @@ class Search:
             options = [
                 found.having(
                     Term("offset", (), channel),
-                    Term("stribeck", (v_s, 1.0), channel),
-                    Term("stribeck_dir", (v_s, 1.0), channel),
+                    Term("stribeck", (v_s, exponent), channel),
+                    Term("stribeck_dir", (v_s, exponent), channel),
                     Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
                 )
                 for v_s in grid(top / 200.0, top / 3.0, 6)
