@@ -19,7 +19,7 @@ from stickslip.selection import records
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_admissibility import objection, unidentified
 from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.simplification import one_part_less
+from stickslip.selection.simplification import one_part_less, untold
 
 AXIS = Axis(inertia=1.0)
 SETTINGS = RecordSettings(starts=1)
@@ -102,3 +102,10 @@ def test_a_law_with_less_is_named_where_it_predicts_as_well(spare, errors, named
     assert records._told(whole, [whole, less], far, uncertainty=0.0).name == "rich"
     alike = replace(less, fit=spare)
     assert records._told(whole, [whole, alike], None, uncertainty=0.0).name == "rich"
+
+
+def test_an_exponent_that_may_be_1_is_not_told_from_viscous_friction():
+    found = fit(AXIS, law("level + power"), table(0.0), settings=SETTINGS)
+    assert not unidentified(found)
+    assert untold(found) == {"exponent"}
+    assert next(one.name for one, _ in one_part_less(found)) == "coulomb-viscous"

@@ -71,7 +71,6 @@ from stickslip.selection.record_admissibility import (
     objection,
     standard_uncertainty,
     unexplained,
-    unidentified,
     variation_of,
 )
 from stickslip.selection.record_verdict import (
@@ -81,7 +80,7 @@ from stickslip.selection.record_verdict import (
     SecondRecord,
 )
 from stickslip.selection.record_wording import equals_of, outcomes, record_wording
-from stickslip.selection.simplification import one_part_less
+from stickslip.selection.simplification import one_part_less, untold
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
@@ -695,7 +694,7 @@ def _told(
     """Return a law without parts that the record does not tell, where one predicts as well."""
 
     def order(c: RecordCandidate) -> tuple[int, int, float]:
-        return len(unidentified(c.fit)) if c.fit else 0, c.parameters, c.score
+        return len(untold(c.fit)) if c.fit else 0, c.parameters, c.score
 
     less = [
         c

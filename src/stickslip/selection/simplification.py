@@ -27,9 +27,9 @@ def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
     >>> [one.name for one, _ in one_part_less(found)]
     ['coulomb-viscous']
     """
-    kind, unsure = type(fit.law), unidentified(fit)
+    unsure = untold(fit)
     free = {one.path.removeprefix("friction.") for one in fit.estimates}
-    found = [(term, gone & free) for term, gone in one_step_simpler(kind) if gone & unsure]
+    found = [(term, gone & free) for term, gone in one_step_simpler(type(fit.law)) if gone & unsure]
     found.sort(key=lambda one: (-len(one[1] & unsure), len(one[1] - unsure)))
     for term, _ in found:
         start = _nearest(fit.law, law(term))
@@ -46,6 +46,21 @@ def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
         values = {f"friction.{name}": getattr(less, name) for name in own}
         begin = FittedLaw(law=less, values=beside | values, cost=math.inf, rows=0)
         yield replace(spec, free=own), begin
+
+
+def untold(fit: RecordFit) -> frozenset[str]:
+    """Return the fields of a fitted law that the record does not tell, or not from a simpler law.
+
+    An exponent whose interval has 1 in it is that of no power.
+    """
+    known = {one.path.removeprefix("friction."): one for one in fit.estimates}
+    found = set(unidentified(fit))
+    for term, _ in one_step_simpler(type(fit.law)):
+        how = containment_of(type(fit.law), law(term))
+        for name, value in () if how is None else how.values.items():
+            if name in known and not isinstance(value, str):
+                found |= {name} if known[name].low <= value <= known[name].high else set()
+    return frozenset(found)
 
 
 def _nearest(
