@@ -356,3 +356,18 @@ def test_the_damping_of_a_bristle_is_found_beside_its_shape():
     assert found.best.of("damping") == [pytest.approx(damping, rel=0.15)]
     plain = found.best.structure.shaped("", (5e-4, 1.0))
     assert not plain.has("damping")
+
+
+def test_an_error_of_a_known_force_is_no_ripple_in_time():
+    t = 0.002 * np.arange(10_000)
+    q = 0.3 * np.sin(2.1 * t) + 0.2 * np.sin(4.7 * t)
+    v = 0.63 * np.cos(2.1 * t) + 0.94 * np.cos(4.7 * t)
+    known = 3.0 * np.sin(2.0 * np.pi * 1.7 * t)  # by the motion of another joint
+    friction = 2.0 * np.sign(v) + 0.02 * np.random.default_rng(4).normal(size=len(t))
+
+    def kinds(**more):
+        series = Series(t, q, friction + 1.2 * known, inertia=False, **more)
+        return {one.kind for one in explain([series]).best.structure.terms}
+
+    assert "hum" in kinds()
+    assert "hum" not in kinds(taken=known)
