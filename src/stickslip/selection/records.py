@@ -89,8 +89,9 @@ NEARER = 1.5
 """Factor between errors from which one law is far nearer than another, whatever they scatter by."""
 AS_WELL = 1.1
 """Error over that of a law up to which one predicts as well that lacks what no record tells."""
-SIMPLER = 6
-"""Laws without a part of which a record does not tell a parameter that are fitted at most."""
+SIMPLER = 4
+"""Laws without a part of which a record does not tell a parameter that are fitted at most; half as
+many with a memory, whose fits take long."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 TOO_FAR = 2.0
@@ -722,8 +723,8 @@ def _simplified(
     A law that the balance composes may have parameters that the record does not tell. One without
     some of them is named where it predicts as well, though better by less than is told apart.
     """
-    known, every, whole = [*judged], [*specs], None
-    for _ in range(SIMPLER):
+    known, every, whole, left = [*judged], [*specs], None, SIMPLER
+    while left > 0:
         scored = [c for c in known if c.validation and math.isfinite(c.score)]
         if not scored:
             break
@@ -735,6 +736,7 @@ def _simplified(
             break
         spec, start = new
         every.append(spec)
+        left -= 2 if takes_long(spec.law) else 1
         rival = named.fit.fitted_law
         less = fitted(spec, [start], rival.cost / rival.rows, watch)
         if less.fit and less.residual > TOO_FAR * named.residual:
