@@ -29,6 +29,7 @@ import numpy as np
 from benchmarks.machines import Machine
 from benchmarks.rigs import SOLVER, Array, Random, Rig, between
 from benchmarks.synthetic_truth import judged, run, share
+from benchmarks.whole_verdicts import parts_of
 from stickslip import (
     GMS,
     Axis,
@@ -383,14 +384,14 @@ def _predicts(row: Mapping[str, Any], name: str) -> bool:
 def right(row: Mapping[str, Any]) -> bool:
     """Whether the named law is the true one or an equal one, and a fault is named if there is."""
     if row["truth"] == "backlash":
-        return bool(set(row["findings"]) & set(BACKLASH))
+        return any(parts_of(kind) & {*BACKLASH} for kind in row["findings"])
     return bool(row["named"]) and _predicts(row, row["named"])
 
 
 def falsely_certain(row: Mapping[str, Any]) -> bool:
     """Whether a law that is not right is recommended without doubt, or a sound rig accused."""
     if row["truth"] == "backlash":
-        wrong = set(_accused(row)) - set(BACKLASH)
+        wrong = [kind for kind in _accused(row) if not parts_of(kind) & {*BACKLASH}]
         return bool(wrong) or (
             bool(row["named"]) and not row["findings"] and not _predicts(row, row["named"])
         )
@@ -441,6 +442,9 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.closed_loop_axes")
     parser.add_argument("--rigs", type=int, default=40)
+    parser.add_argument(
+        "--numbers", type=int, nargs="+", help="rigs to judge, instead of the first"
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--route", default=CHOSEN)
@@ -449,7 +453,7 @@ def main() -> None:
     given = parser.parse_args()
     for line in run(
         given.results,
-        rigs=given.rigs,
+        rigs=given.numbers or given.rigs,
         seed=given.seed,
         jobs=given.jobs,
         candidates=given.laws,

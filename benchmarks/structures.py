@@ -151,8 +151,11 @@ class Score:
 
 
 def kinds_of(structure: Structure) -> set[str]:
-    """Return what a structure holds, with its memory and the Stribeck step of LuGre."""
-    found = {term.kind for term in structure.terms if term.kind != "inertia"}
+    """Return what a structure holds, with its memory and the Stribeck step of LuGre.
+
+    The damping of a bristle is of its memory.
+    """
+    found = {term.kind for term in structure.terms if term.kind not in ("inertia", "damping")}
     for _, shape in structure.memories:
         found.add("memory")
         if len(shape) == 5:

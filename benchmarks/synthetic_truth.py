@@ -296,7 +296,7 @@ def repicked(row: dict[str, Any]) -> dict[str, Any]:
 def run(
     path: Path,
     *,
-    rigs: int,
+    rigs: int | Sequence[int],
     seed: int,
     jobs: int,
     candidates: Sequence[str],
@@ -304,9 +304,13 @@ def run(
     variant: str = "",
     rated: Callable[..., dict[str, Any]] | None = None,
 ) -> Iterator[str]:
-    """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed, route, variant)}
-    left = [number for number in range(rigs) if number not in done]
+    """Judge the rigs, so many or of these numbers, that a file does not hold yet, and append them.
+
+    Yield progress.
+    """
+    wanted = range(rigs) if isinstance(rigs, int) else rigs
+    done = {row["rig"] for row in judged(path, seed, route, variant)} & {*wanted}
+    left = [number for number in wanted if number not in done]
     rate = partial(judge, variant=variant) if rated is None else rated
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
@@ -319,7 +323,8 @@ def run(
             row = task.result()
             file.write(json.dumps(row) + "\n")
             file.flush()
-            yield f"{count} of {rigs}: rig {row['rig']}, {row['truth']}, {row['seconds']:.1f} s"
+            said = f"rig {row['rig']}, {row['truth']}, {row['seconds']:.1f} s"
+            yield f"{count} of {len(wanted)}: {said}"
 
 
 def share(hits: Sequence[bool]) -> str:

@@ -19,7 +19,7 @@ from stickslip.evidence import (
     outliers,
     predict,
 )
-from stickslip.evidence.bristles import bristle_states
+from stickslip.evidence.bristles import bristle_states, lugre_states
 from stickslip.evidence.search import Search
 from stickslip.evidence.structure import SIGN
 from stickslip.identification.terms.dense_series import dense_series
@@ -340,3 +340,34 @@ def test_a_power_of_the_speed_has_no_exponent_that_is_nearly_a_level():
     found = explain([axis_at(0.002)])
     powers = [t for one in found.family.values() for t in one.structure.terms if t.kind == "power"]
     assert all(term.par[0] >= 0.2 for term in powers)
+
+
+def test_the_damping_of_a_bristle_is_found_beside_its_shape():
+    t = 0.001 * np.arange(20_000)
+    q = 0.02 * np.sin(1.3 * t) + 0.008 * np.sin(2.9 * t + 1.0)
+    v = 0.026 * np.cos(1.3 * t) + 0.0232 * np.cos(2.9 * t + 1.0)
+    state = lugre_states(q, v, [(5e-4, 1.0, 0.01, 0.5, 2.0)], 0.0)[:, 0]
+    damping = 0.05  # sigma_1 times the length: a tenth of the level while it is deflected
+    force = 2.0 * state + damping * np.gradient(state, t) + 10.0 * v
+    force += 0.02 * np.random.default_rng(3).normal(size=len(t))
+    found = explain([Series(t, q, force, inertia=False)])
+    assert kinds_of(found.best.structure) == {"level", "viscous", "memory", "stribeck"}
+    # the band shows the rate of a state that is there within 20 ms in part
+    assert found.best.of("damping") == [pytest.approx(damping, rel=0.15)]
+    plain = found.best.structure.shaped("", (5e-4, 1.0))
+    assert not plain.has("damping")
+
+
+def test_an_error_of_a_known_force_is_no_ripple_in_time():
+    t = 0.002 * np.arange(10_000)
+    q = 0.3 * np.sin(2.1 * t) + 0.2 * np.sin(4.7 * t)
+    v = 0.63 * np.cos(2.1 * t) + 0.94 * np.cos(4.7 * t)
+    known = 3.0 * np.sin(2.0 * np.pi * 1.7 * t)  # by the motion of another joint
+    friction = 2.0 * np.sign(v) + 0.02 * np.random.default_rng(4).normal(size=len(t))
+
+    def kinds(**more):
+        series = Series(t, q, friction + 1.2 * known, inertia=False, **more)
+        return {one.kind for one in explain([series]).best.structure.terms}
+
+    assert "hum" in kinds()
+    assert "hum" not in kinds(taken=known)

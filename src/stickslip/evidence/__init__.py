@@ -14,8 +14,9 @@ from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import derivative, resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
-from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Kind, Term
+from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import vocabulary
 
 __all__ = [
@@ -38,10 +39,12 @@ __all__ = [
     "begin",
     "derivative",
     "explain",
+    "fades",
     "fit",
     "outliers",
     "pieces",
     "play",
+    "polished",
     "predict",
     "resolution",
     "usual_band",

@@ -14,9 +14,9 @@ from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Term
 from stickslip.evidence.values import Value, key_of, polished
 
-NEAR = 1.25
+NEAR = 1.37
 """Error of a neighbour over that of the best fit from which it is excluded. Measured: at least 1.4
-for the others of a true delay, 1.05 to 1.2 where a delay is named for a gap or a coupling."""
+for the others of a true delay, 1.05 to 1.35 where a delay is named for a gap or a coupling."""
 
 
 @final

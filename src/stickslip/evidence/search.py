@@ -12,10 +12,17 @@ from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
-from stickslip.evidence.structure import SHOWN_LATE, Family, Structure
+from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
-from stickslip.evidence.vocabulary import SHAPE_EXPONENTS, grid, hums, ripples, shapes
+from stickslip.evidence.vocabulary import (
+    SHAPE_EXPONENTS,
+    STRIBECK_EXPONENTS,
+    grid,
+    hums,
+    ripples,
+    shapes,
+)
 
 Progress = Callable[[float, str], None]
 Wrap = Callable[[Shape], Structure]
@@ -110,7 +117,8 @@ class Search:
         root = self.fit(start)
         self.scale = friction_scale(self.balance, root)
         beam = [root]
-        for structure in (self._textbook(start), self._peaked(start), *self._late_memory(start)):
+        peaked = [self._peaked(start, exponent) for exponent in STRIBECK_EXPONENTS]
+        for structure in (self._textbook(start), *peaked, *self._late_memory(start)):
             full = self.prune(self.fit(structure))
             if full.ok and full.structure not in [one.structure for one in beam]:
                 beam.append(full)
@@ -132,10 +140,11 @@ class Search:
         channels = self.balance.channels
         return start.having(*(Term(kind, (), one) for one in channels for kind in TEXTBOOK))
 
-    def _peaked(self, start: Structure) -> Structure:
+    def _peaked(self, start: Structure, exponent: float) -> Structure:
         """Return a Stribeck law of both directions, with the best velocity and viscous exponent.
 
-        A step near rest and a power of the speed oppose each other: neither pays alone.
+        A step near rest and a power of the speed oppose each other: neither pays alone, and with
+        another exponent of the step it is another power.
         """
         found = start
         for channel in self.balance.channels:
@@ -143,8 +152,8 @@ class Search:
             options = [
                 found.having(
                     Term("offset", (), channel),
-                    Term("stribeck", (v_s, 1.0), channel),
-                    Term("stribeck_dir", (v_s, 1.0), channel),
+                    Term("stribeck", (v_s, exponent), channel),
+                    Term("stribeck_dir", (v_s, exponent), channel),
                     Term("viscous", (), channel) if p == 1.0 else Term("power", (p,), channel),
                 )
                 for v_s in grid(top / 200.0, top / 3.0, 6)
@@ -226,7 +235,8 @@ class Search:
     def _proposed(self, old: Fit) -> list[Structure]:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
-        candidates = [*self.terms, *ripples(self.balance, old), *hums(self.balance, old)]
+        terms = [one for one in self.terms if structure.having(one).complete or one.kind != DAMPED]
+        candidates = [*terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
         self.evaluated += len(ranked)
         seen, fresh = set(), []
@@ -301,7 +311,8 @@ class Search:
             self.evaluated += len(all_lugre) + 1
             for one in self._best(all_lugre, 1):
                 bell = one.shaped(channel, (*one.shape(channel)[:4], 2.0))
-                options += [one, polished(self.balance, bell)]
+                damped = bell.having(Term(DAMPED, (), channel))
+                options += [one, *(polished(self.balance, each) for each in (bell, damped))]
         return self._best(options, BEST_SHAPES)
 
     def _best(self, options: Sequence[Structure], count: int) -> list[Structure]:

@@ -31,10 +31,17 @@ SHOWN_LATE = ("delay", "lag", "skew")
 """Kinds of which the force channel shows a force late, or ever later."""
 SHIFTS = ("offset", "level_dir")
 """Kinds of which a channel has one."""
+DAMPED = "damping"
+"""Kind of the damping of a bristle."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
 """Names of a shape's values."""
+
+
+def fades(shape: Shape) -> bool:
+    """Return whether the level of a bristle falls with speed, as LuGre's does."""
+    return len(shape) == 5
 
 
 @final
@@ -66,9 +73,12 @@ class Structure:
         return replace(self, terms=tuple(one for one in self.terms if one != term))
 
     def shaped(self, channel: str, shape: Shape) -> "Structure":
-        """Return the structure with another shape in a channel."""
+        """Return the structure with another shape in a channel; only LuGre's bristle is damped."""
         shapes = {**dict(self.shapes), channel: shape}
-        return replace(self, shapes=tuple(sorted(shapes.items())))
+        terms = self.terms
+        if not fades(shape):
+            terms = tuple(one for one in terms if (one.kind, one.channel) != (DAMPED, channel))
+        return replace(self, terms=terms, shapes=tuple(sorted(shapes.items())))
 
     def has(self, kind: str, channel: str | None = None) -> bool:
         """Return whether there is a term of a kind, in a channel or in any."""
@@ -139,6 +149,7 @@ class Structure:
                     or (one.kind == "level_dir" and not self.has("load", one.channel))
                 )
             )
+            or (one.kind == DAMPED and not fades(self.shape(one.channel)))
             # after a reversal a level is missing in a gap and in presliding alike
             or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (

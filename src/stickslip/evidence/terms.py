@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.evidence.bristles import SIGN, Shape, free_load
-from stickslip.evidence.motion import passed
+from stickslip.evidence.motion import derivative, passed
 from stickslip.evidence.part import Part
 from stickslip.formatting import number
 
 Array = NDArray[np.float64]
-Contact = Literal["none", "odd", "even", "own"]
-"""How a column acts: beside the contact, times the state of the bristle, times its size, or times
-the state of a bristle of its own, whose shape the term's parameters are."""
+Contact = Literal["none", "odd", "even", "own", "rate"]
+"""How a column acts: beside the contact, times the state of the bristle, times its size, times the
+state of a bristle of its own, whose shape the term's parameters are, or times the state's rate."""
 
 LEVELS = ("level", "load")
 """A constant level and one in proportion to the load: of all else that acts through the contact,
@@ -93,8 +93,11 @@ def column_of(part: Part, term: Term, shape: Shape) -> tuple[Array, Array | None
         made = made * (part.covariates["load"] / part.references["load"])[:, None]
     if kind.contact != "none":
         state = part.state(term.par if kind.contact == "own" else shape)
-        state = np.abs(state) if kind.contact == "even" else state
-        column, multiplier = state[:, None] * made, made
+        if kind.contact == "rate":
+            column, multiplier = derivative(state, part.h)[:, None] * made, None
+        else:
+            state = np.abs(state) if kind.contact == "even" else state
+            column, multiplier = state[:, None] * made, made
     if not kind.filtered and part.filter is not None:
         column = passed(part.filter, column)
     return column, multiplier
@@ -257,6 +260,9 @@ TERMS: dict[str, Kind] = {
         positive=True,
         par=("length", "exponent"),
     ),
+    "damping": Kind(
+        name="damping of the bristle", column=_ones, contact="rate", rank=1, positive=True
+    ),
     "load": Kind(name="level in load", column=_load, contact="odd", rank=-1, positive=True),
     "temperature": Kind(name="level in", column=_covariate, contact="odd"),
     "viscous_cov": Kind(name="viscous in", column=_viscous_covariate, rank=3),
@@ -360,7 +366,7 @@ TERMS: dict[str, Kind] = {
 
 def through_bristle(kind: str) -> bool:
     """Return whether the state of the structure's bristle multiplies terms of a kind."""
-    return TERMS[kind].contact in ("odd", "even")
+    return TERMS[kind].contact in ("odd", "even", "rate")
 
 
 def usual_size(values: Array) -> float:

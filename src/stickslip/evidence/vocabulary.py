@@ -89,6 +89,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     if balance.dynamic:
         yield Term("level_slope", (), channel)
         yield Term("level_dir", (), channel)
+        yield Term("damping", (), channel)
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)
@@ -188,7 +189,8 @@ def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
 def hums(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
     """Return ripples in time at the frequencies of the largest lines of a fit's residual.
 
-    A line that direction or speed has as well is of the motion.
+    A line that direction or speed has as well is of the motion, and so is one of a known force:
+    what an error of the mechanism leaves has the lines of all joints.
     """
     if not balance.dynamic or balance.free:
         return []
@@ -198,11 +200,13 @@ def hums(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
         used = (balance.use & ~balance.at_rest)[part.rows]
         step = part.h * part.every
         window = used * np.hanning(part.count)
-        signals = (
+        signals = [
             found.residual[part.rows],
-            np.sign(part.v)[:: part.every],
-            np.abs(part.v)[:: part.every],
-        )
+            *(
+                x[:: part.every]
+                for x in (np.sign(part.v), np.abs(part.v), part.taken, *part.extra.values())
+            ),
+        ]
         f = np.fft.rfftfreq(4 * part.count, step)
         lines = []
         for x in signals:
@@ -211,7 +215,7 @@ def hums(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
             usual = median_filter(power, 8 * BESIDE + 1, mode="nearest")
             lines.append(power / np.maximum(usual, 1e-12 * max(power.max(), 1e-300)))
         left, *motion = lines
-        wide = maximum_filter1d(np.maximum(*motion), 17)
+        wide = maximum_filter1d(np.max(motion, axis=0), 17)
         peaks = np.flatnonzero((left[1:-1] > left[:-2]) & (left[1:-1] > left[2:])) + 1
         peaks = peaks[
             (left[peaks] > np.maximum(LINE, wide[peaks]))

@@ -104,6 +104,7 @@ INSIDE = {
     "is_composition": "registry",
     "law_of": "by_contact",
     "listed": "registry",
+    "one_step_simpler": "containment",
     "rungs": "ladder",
     "said_of": "classes",
     "simpler_laws": "registry",

@@ -25,6 +25,7 @@ from stickslip.friction.classes import said_of as said_of
 from stickslip.friction.composition import Composition as Composition
 from stickslip.friction.composition import Leaf as Leaf
 from stickslip.friction.containment import containment_of as containment_of
+from stickslip.friction.containment import one_step_simpler as one_step_simpler
 from stickslip.friction.ladder import Rung as Rung
 from stickslip.friction.ladder import rungs as rungs
 from stickslip.friction.ladder import usual_specifications as usual_specifications

@@ -25,10 +25,12 @@ SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
-FEWEST = 3
-"""Laws that are fitted, if there are so many."""
+FEWEST = 5
+"""Laws that are fitted, if there are so many: of Coulomb + viscous friction, those with another
+power of the speed, a drag, a step or a slope for each direction."""
 CLEARER = 0.5
-"""Error of a fitted force over that of the balance below which the fit has seen what it has not."""
+"""Error of a fitted force over that of the balance below which the fit of a law with a memory has
+seen what the balance has not. That of other laws has the narrower band."""
 TEXTBOOK = "lugre"
 """Law with a bristle that stands beside all others that have one."""
 ONE_MEMORY = "dahl-exponent"
@@ -38,6 +40,9 @@ ELASTIC = "elasto-plastic"
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
+SIMPLER = 1.1
+"""Error of the balance over that of the best structure up to which it does not speak for a part of
+which no prediction tells the parameters."""
 
 
 @final
@@ -92,21 +97,28 @@ class Explained:
         }
         return {name: one for name, one in named.items() if one} | {**self.starts}
 
-    def rejects(self, name: str, law: FrictionLaw | None) -> bool:
-        """Whether the force balance tells a law from that of the best structure."""
-        own = None if law is None else self.asked.fit_of(name, law)
-        return name != self.asked.best.name and self.asked.rejects(own)
+    def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
+        """Whether the force balance tells a law from that of the best structure.
+
+        One that lacks a part of which the record does not tell a parameter has to leave more.
+        """
+        if law is None or name == self.asked.best.name:
+            return False
+        own = self.asked.fit_of(name, law)
+        if not self.asked.rejects(own):
+            return False
+        return not (simplified and own and own.rms < SIMPLER * self.asked.explanation.best.rms)
 
     def errors_of(
         self, name: str, law: FrictionLaw, left: float = math.nan
     ) -> tuple[ModelError, ...]:
         """Return what is wrong with a fitted law, the rig or the record.
 
-        Of a fit that leaves far less force [N] than the balance's own best structure, the balance
-        has nothing to say about laws.
+        Of a law with a memory whose fit leaves far less force [N] than the balance's own best
+        structure, the balance has nothing to say.
         """
         found = errors_of(self.asked, law, name, self.errors, self.unit)
-        if not left < CLEARER * self.asked.explanation.best.rms:
+        if not (law.states and left < CLEARER * self.asked.explanation.best.rms):
             return found
         return tuple(one for one in found if one.kind not in ("law", "unexplained"))
 

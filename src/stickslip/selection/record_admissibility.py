@@ -1,6 +1,7 @@
 """Which fits to records may be taken, and which records no law explains."""
 
 import math
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from stickslip.identification import (
     step_intervals,
 )
 from stickslip.selection.applicability import one_way
+from stickslip.selection.identifiable import traded
 from stickslip.selection.record_verdict import RecordCandidate
 
 Array = NDArray[np.float64]
@@ -37,22 +39,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     correlated parameters is wide though all of them are needed together.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
-    seen = fit.optimum.best
-    steps = step_intervals(fit.free_parameters, seen, fit.inference)
-    for estimate in fit.estimates:
-        if not estimate.path.startswith("friction."):
-            continue
-        symbol = f"${estimate.quantity.symbol}$"
-        if estimate.path in fit.at_bounds:
-            reasons.append(f"{symbol} {_ran(fit, estimate)}")
-        elif estimate.reason:
-            reasons.append(f"{symbol} is not identified: {estimate.reason}")
-        elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
-            step, low, high = steps[estimate.path]
-            if not (shown and math.isfinite(high - low)):
-                reasons.append(_no_step(step, low, high, estimate.quantity.unit))
-        elif estimate.low <= 0.0 and not shown:
-            reasons.append(f"the interval of {symbol} includes 0")
+    reasons += [reason for _, reason in _unsure(fit, shown=shown)]
     if fit.one_way:
         reasons.append(
             "a constant force and the friction level cannot be told apart: the rows that are"
@@ -62,6 +49,43 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
         condition = number(fit.inference.condition, 2)
         reasons.append(f"condition number {condition}, above {number(SEPARABLE)}")
     return "; ".join(reasons)
+
+
+def unidentified(fit: RecordFit) -> frozenset[str]:
+    """Return the fields of a fitted law that the record does not tell, alone or from another one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Axis, CoulombViscous, Measurement, QuadraticDrag, fit
+    >>> v = np.linspace(0.1, 1.0, 40)
+    >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * v + 0.01 * np.cos(40.0 * v))
+    >>> sorted(unidentified(fit(Axis(inertia=1.0), QuadraticDrag, table)))
+    ['quadratic_coefficient']
+    """
+    found = {path for path, _ in _unsure(fit, shown=False)}
+    if fit.inference.condition > SEPARABLE:
+        found |= {path for path in traded(fit) if path.startswith("friction.")}
+    return frozenset(path.removeprefix("friction.") for path in found)
+
+
+def _unsure(fit: RecordFit, *, shown: bool) -> Iterator[tuple[str, str]]:
+    """Yield the paths of a law's parameters that are not identified, and in which way."""
+    steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
+    for estimate in fit.estimates:
+        path, symbol = estimate.path, f"${estimate.quantity.symbol}$"
+        if not path.startswith("friction."):
+            continue
+        if path in fit.at_bounds:
+            yield path, f"{symbol} {_ran(fit, estimate)}"
+        elif estimate.reason:
+            yield path, f"{symbol} is not identified: {estimate.reason}"
+        elif path in steps and steps[path][1] <= 0.0:
+            step, low, high = steps[path]
+            if not (shown and math.isfinite(high - low)):
+                yield path, _no_step(step, low, high, estimate.quantity.unit)
+        elif estimate.low <= 0.0 <= estimate.high and not shown:
+            yield path, f"the interval of {symbol} includes 0"
 
 
 def _no_step(step: float, low: float, high: float, unit: str) -> str:

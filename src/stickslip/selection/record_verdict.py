@@ -85,6 +85,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     from_balance: tuple[str, ...] = ()
     """Paths of values that the force balance found, and the fit held."""
+    simplifies: str = ""
+    """Name of the law of which it lacks a part that the record does not tell; empty of others."""
     whole: float = math.nan
     """Root mean square error of the motion simulated over whole records, with a constant force
     fitted beside the law; infinite where that fails, not a number where it was not asked for."""

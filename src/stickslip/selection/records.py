@@ -80,14 +80,23 @@ from stickslip.selection.record_verdict import (
     SecondRecord,
 )
 from stickslip.selection.record_wording import equals_of, outcomes, record_wording
+from stickslip.selection.simplification import one_part_less, untold
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 NEARER = 1.5
 """Factor between errors from which one law is far nearer than another, whatever they scatter by."""
+AS_WELL = 1.1
+"""Error over that of a law up to which one predicts as well that lacks what no record tells."""
+SIMPLER = 4
+"""Laws without a part of which a record does not tell a parameter that are fitted at most; half as
+many with a memory, whose fits take long."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
+TOO_FAR = 2.0
+"""Residual over that of a law from which one that lacks a part need not be scored."""
+NOT_AS_WELL = "not scored: it leaves far more than the law that has a part more"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
@@ -188,6 +197,9 @@ def select_records(
             progress=progress,
             executor=executor,
         )
+        if asked and laws is None:
+            work = partial(_judged, plan=plan, validate=validate, whole=purpose == "simulate")
+            judged = _simplified(fitted, work, judged, found.specs, asked, progress)
     if asked:
         judged = [with_errors(c, asked, judged, usual=laws is None) for c in judged]
     if lost:
@@ -578,13 +590,7 @@ def verdict_on(
     stated = standard_uncertainty(measurement, _quantity_of(scored))
     least = max(stated, ROUNDING * variation)
     scored = [_objected(c, scored, least) for c in scored]
-    searched = [c for c in scored if c.fit and not c.fit.search_failure]
-    sound = [c for c in searched if not c.refuted]
-    among = sound or searched or scored
-    closest = choose(among, uncertainty=least)
-    if asked is not None:
-        closest = _agreed(closest, among, asked, uncertainty=least)
-    closest = _doubted(_as_simulated(closest, among, asked, uncertainty=least))
+    closest = _named(scored, asked, uncertainty=least)
     if beside is not None:
         closest = beside(closest, least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
@@ -647,6 +653,111 @@ def verdict_on(
     )
 
 
+def _named(
+    scored: Sequence[RecordCandidate], asked: Explained | None, *, uncertainty: float
+) -> RecordCandidate:
+    """Return the candidate that is named, with what speaks against it as its doubt."""
+    searched = [c for c in scored if c.fit and not c.fit.search_failure]
+    sound = [c for c in searched if not c.refuted]
+    found = sound or searched or scored
+    among = [c for c in found if not c.simplifies] or found
+    among = _near(among, asked, uncertainty=uncertainty)
+    closest = choose(among, uncertainty=uncertainty)
+    if asked is not None:
+        closest = _agreed(closest, among, asked, uncertainty=uncertainty)
+    closest = _as_simulated(closest, among, asked, uncertainty=uncertainty)
+    return _doubted(_told(closest, found, asked, uncertainty=uncertainty))
+
+
+def _near(
+    among: Sequence[RecordCandidate], asked: Explained | None, *, uncertainty: float
+) -> list[RecordCandidate]:
+    """Return the laws that are not far from the best one, both on held-out blocks and on all rows.
+
+    What a part explains at a few places, such as presliding, scatters from block to block.
+    """
+    sound = [c for c in among if asked is None or not asked.rejects(c.name, c.law)]
+    best = min(sound or among, key=lambda c: c.score)
+    return [
+        c
+        for c in among
+        if c.score <= NEARER * max(best.score, uncertainty) or c.residual <= NEARER * best.residual
+    ]
+
+
+def _told(
+    closest: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    uncertainty: float,
+) -> RecordCandidate:
+    """Return a law without parts that the record does not tell, where one predicts as well."""
+
+    def order(c: RecordCandidate) -> tuple[int, int, float]:
+        return len(untold(c.fit)) if c.fit else 0, c.parameters, c.score
+
+    less = [
+        c
+        for c in among
+        if c.simplifies == closest.name or c.name in closest.simpler
+        if c.score <= AS_WELL * max(closest.score, uncertainty)
+        if as_good(c, closest, uncertainty=uncertainty)
+        if not c.whole > NEARER * closest.whole
+        if asked is None or not asked.rejects(c.name, c.law, simplified=True)
+        if order(c)[0] < order(closest)[0]
+    ]
+    return min(less, key=order, default=closest)
+
+
+def _simplified(
+    fitted: Callable[..., RecordCandidate],
+    work: Callable[[RecordCandidate], RecordCandidate],
+    judged: Sequence[RecordCandidate],
+    specs: Sequence[CandidateSpec],
+    asked: Explained,
+    watch: Watch | None,
+) -> list[RecordCandidate]:
+    """Return candidates with those one part simpler, as long as the named one is not all known.
+
+    A law that the balance composes may have parameters that the record does not tell. One without
+    some of them is named where it predicts as well, though better by less than is told apart.
+    """
+    known, every, whole, left = [*judged], [*specs], None, SIMPLER
+    while left > 0:
+        scored = [c for c in known if c.validation and math.isfinite(c.score)]
+        if not scored:
+            break
+        named = _named([_objected(c, scored, 0.0) for c in scored], asked, uncertainty=0.0)
+        assert named.fit is not None
+        whole = whole or named
+        new = next((one for one in one_part_less(named.fit) if not _among(one[0], every)), None)
+        if new is None:
+            break
+        spec, start = new
+        every.append(spec)
+        left -= 2 if takes_long(spec.law) else 1
+        rival = named.fit.fitted_law
+        less = fitted(spec, [start], rival.cost / rival.rows, watch)
+        if less.fit and less.residual > TOO_FAR * named.residual:
+            less = replace(less, dropped=NOT_AS_WELL)
+        known = with_contained([*known, replace(work(less), simplifies=whole.name)], every)
+    return known
+
+
+def _among(one: CandidateSpec, specs: Sequence[CandidateSpec]) -> bool:
+    """Whether a candidate is one of others, perhaps under another name."""
+
+    def size(spec: CandidateSpec) -> int:
+        kind = spec.law if isinstance(spec.law, type) else type(spec.law)
+        return len(kind.fit_order if spec.free is None else spec.free)
+
+    return any(
+        one.name == other.name or (contains(other, one) and size(one) == size(other))
+        for other in specs
+    )
+
+
 def until_stopped(watch: Watch) -> Watch:
     """Return a watcher that goes on saying so once it has asked to stop."""
     stopped: list[bool] = []
@@ -664,14 +775,16 @@ def with_errors(
 ) -> RecordCandidate:
     """Return a candidate with what the force balance says is wrong, and which values it gave.
 
-    That it asks for another law is not said of what predicts better than a fit of that law.
+    That it asks for another law is not said of what predicts better than a fit of that law, nor of
+    what predicts as well without a part of it that the record does not tell.
     """
     if c.fit is None:
         return c
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
     errors = asked.errors_of(c.name, c.fit.law, left)
-    if any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
+    far = asked.rejects(c.name, c.law, simplified=bool(c.simplifies))
+    if not far or any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
         errors = tuple(one for one in errors if one.kind != "law")
     return replace(
         c,

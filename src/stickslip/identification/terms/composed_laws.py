@@ -9,7 +9,18 @@ from typing import Any, final
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.evidence import SIGN, Explanation, Fit, Rule, Shape, Structure, Term, fit
+from stickslip.evidence import (
+    SIGN,
+    Explanation,
+    Fit,
+    Rule,
+    Shape,
+    Structure,
+    Term,
+    fades,
+    fit,
+    polished,
+)
 from stickslip.friction import (
     OPTIONAL,
     CandidateSpec,
@@ -86,6 +97,9 @@ class Asked:
     """By name, that of the best structure first, then those that are not told apart from it."""
     fits: Mapping[str, Fit]
     """The closest structure of each law, by the same names."""
+    _judged: dict[tuple[str, FrictionLaw], Fit | None] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @classmethod
     def of(cls, found: Explanation, load: float, inertia: float | None = None) -> "Asked":
@@ -134,17 +148,25 @@ class Asked:
         """
         if name in self.fits and not law.states:
             return self.fits[name]
+        if (name, law) not in self._judged:
+            self._judged[name, law] = self._fit_of(name, law)
+        return self._judged[name, law]
+
+    def _fit_of(self, name: str, law: FrictionLaw) -> Fit | None:
         balance, best = self.explanation.balance, self.explanation.best.structure
         made = partial(structure_of, law, best, loaded="load" in balance.references)
         structure = made()
         shapes = () if structure is None else structure.memories
         if not all(balance.resolves(shape[0], channel) for channel, shape in shapes):
             structure = made(bristles=False)
-        elif name in self.fits:
+        elif name in self.fits and not shapes:
             return self.fits[name]
         if structure is None:
-            return None
+            return self.fits.get(name)
         alike = [one for one in self.fits.values() if _searched_as(one.structure, structure)]
+        alike += [self.fits[name]] if name in self.fits and structure.memories else []
+        if structure.memories:  # a bristle off the values of its law by little is far off its path
+            alike.append(fit(balance, polished(balance, structure)))
         return min(alike, key=lambda one: one.rms) if alike else fit(balance, structure)
 
 
@@ -193,6 +215,7 @@ def structure_of(
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
     for leaf in leaves:
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
+        kind, par = ("viscous", ()) if (kind, par) == ("power", (1.0,)) else (kind, par)
         grows = loaded and kind == "level"
         if kind != "stribeck" or not bristles or not _fades(law, made):  # else the shape has it
             terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
@@ -203,7 +226,9 @@ def structure_of(
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
     if made.memory is None or not bristles:
         return found
-    return found.shaped(channel, _shape_of(law, made))
+    found = found.shaped(channel, _shape_of(law, made))
+    damped = made.memory.part.name == "lugre" and fades(found.shape(channel))
+    return found.having(Term("damping", (), channel)) if damped else found
 
 
 def _value(law: FrictionLaw, leaf: Leaf, name: str) -> float:
@@ -302,7 +327,7 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     terms, shape = _of(structure, channel), structure.shape(channel)
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
     levels, flow = _levels(structure, channel, terms), _flow(terms)
-    used = {"level", "load", "second", *both}
+    used = {"level", "load", "second", "damping", *both}
     used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
@@ -437,7 +462,8 @@ class _Coefficients:
             dahl = abs(shape[1] - 1.0) <= LIKE_DAHL or len(shape) == 5
             values["*", "yield_exponent"] = 1.0 if dahl else shape[1]
             critical = 2.0 * math.sqrt(stiffness * load * mass)
-            values["*", "bristle_damping"] = DAMPED * critical / load
+            damping = of("damping") / shape[0] or DAMPED * critical
+            values["*", "bristle_damping"] = damping / load
         values |= _factors(terms, of, level)
         return cls(values=values)
 

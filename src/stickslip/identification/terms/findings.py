@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, final
 
@@ -199,8 +199,8 @@ def errors_of(
     asked: Asked, law: FrictionLaw, name: str, errors: Sequence[ModelError], unit: str
 ) -> tuple[ModelError, ...]:
     """Return what is wrong with rig and record, and which law the balance asks for instead."""
-    own = asked.fit_of(name, law)
-    if own is None or name == asked.best.name or not asked.rejects(own):
+    own = None if name == asked.best.name else asked.fit_of(name, law)
+    if own is None or not asked.rejects(own):
         return tuple(errors)
     return (*errors, _law_asked_for(asked, own, unit))
 
@@ -228,16 +228,19 @@ def model_errors(
 ) -> tuple[ModelError, ...]:
     """Return the faults of an explanation, the largest first, and forces that no law has.
 
-    Where much is left unexplained no cause is named: that of the nearest structure would be a
-    guess.
+    Where much is left unexplained no cause is named, as that of the nearest structure would be a
+    guess, but that something is late or elastic if this explains more than is left.
     """
     far = _fitted_outliers(found.balance, measurement)
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
-        return (_unexplained(found, measurement), *far)
     others = any(one.taken is not None for one in found.balance.series)
+    error = partial(_error, measurement=measurement, hold=hold, response=response)
+    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
+        group = [_any_of(one) for one in found.faults if one.kinds[0] in LATE_OR_ELASTIC]
+        larger = [error(one, of_mechanism=False) for one in group if one.size > found.best.rms]
+        return (*larger, _unexplained(found, measurement), *far)
     instead = _late_instead(found, measurement, response)
     errors = [
-        _error(one, measurement, hold, response, of_mechanism=others and one.kinds[0] in MECHANICAL)
+        error(one, of_mechanism=others and one.kinds[0] in MECHANICAL)
         for one in found.faults
         if instead is None or not {*one.kinds} & {*CORRECTED}  # one cause, said once
     ]
@@ -257,6 +260,11 @@ def model_errors(
         if one is not None
     ]
     return (*sorted(errors, key=lambda one: -one.share), *far)
+
+
+def _any_of(fault: Fault) -> Fault:
+    """Return a fault as any of those that are late or elastic: more is left than tells which."""
+    return replace(fault, kinds=tuple(dict.fromkeys((*fault.kinds, *LATE_OR_ELASTIC))))
 
 
 def outlying(counts: Mapping[str, int], *, fitted: bool = False) -> tuple[ModelError, ...]:

@@ -1,0 +1,86 @@
+"""Laws without a part of which a record does not tell a parameter."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import MISSING, fields, replace
+
+import numpy as np
+
+from stickslip.friction import CandidateSpec, FrictionLaw, containment_of, law, one_step_simpler
+from stickslip.identification import FittedLaw, RecordFit
+from stickslip.selection.record_admissibility import unidentified
+
+
+def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
+    """Yield laws one part simpler, where their searches begin: none that lacks only what is known.
+
+    First those that do without most of what the record does not tell, then those that do without
+    least of what it tells.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Measurement, Stribeck
+    >>> from stickslip.identification import fit_record
+    >>> v = np.linspace(0.1, 1.0, 40)
+    >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * v + 0.01 * np.cos(40.0 * v))
+    >>> found = fit_record(Axis(inertia=1.0), Stribeck, table)
+    >>> [one.name for one, _ in one_part_less(found)]
+    ['coulomb-viscous']
+    """
+    unsure = untold(fit)
+    free = {one.path.removeprefix("friction.") for one in fit.estimates}
+    found = [(term, gone & free) for term, gone in one_step_simpler(type(fit.law)) if gone & unsure]
+    found.sort(key=lambda one: (-len(one[1] & unsure), len(one[1] - unsure)))
+    for term, _ in found:
+        start = _nearest(fit.law, law(term))
+        if start is None:
+            continue
+        less, looked_for = start
+        spec = CandidateSpec.of(less.name, less)
+        own = tuple(name for name in type(less).fit_order if looked_for.get(name, set()) & free)
+        beside = {
+            path: value
+            for path, value in fit.fitted_law.values.items()
+            if not path.startswith("friction.")
+        }
+        values = {f"friction.{name}": getattr(less, name) for name in own}
+        begin = FittedLaw(law=less, values=beside | values, cost=math.inf, rows=0)
+        yield replace(spec, free=own), begin
+
+
+def untold(fit: RecordFit) -> frozenset[str]:
+    """Return the fields of a fitted law that the record does not tell, or not from a simpler law.
+
+    An exponent whose interval has 1 in it is that of no power.
+    """
+    known = {one.path.removeprefix("friction."): one for one in fit.estimates}
+    found = set(unidentified(fit))
+    for term, _ in one_step_simpler(type(fit.law)):
+        how = containment_of(type(fit.law), law(term))
+        for name, value in () if how is None else how.values.items():
+            if name in known and not isinstance(value, str):
+                found |= {name} if known[name].low <= value <= known[name].high else set()
+    return frozenset(found)
+
+
+def _nearest(
+    rich: FrictionLaw, kind: type[FrictionLaw]
+) -> tuple[FrictionLaw, dict[str, set[str]]] | None:
+    """Return the simpler law nearest to a richer one, and which parameters each of its stands for.
+
+    None where the values of the richer law do not say those of the simpler one.
+    """
+    how = containment_of(type(rich), kind)
+    if how is None:
+        return None
+    sources: dict[str, set[str]] = {}
+    for name, source in how.values.items():
+        if isinstance(source, str) and getattr(rich, name) is not None:
+            sources.setdefault(source, set()).add(name)
+    values = {name: _mean(rich, names) for name, names in sources.items()} | {**how.where}
+    needed = {one.name for one in fields(kind) if one.default is MISSING}
+    return (kind(**values), sources) if needed <= {*values} else None
+
+
+def _mean(law: FrictionLaw, names: set[str]) -> float:
+    return float(np.mean([getattr(law, name) for name in sorted(names)]))
