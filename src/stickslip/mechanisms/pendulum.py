@@ -9,6 +9,12 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
+from stickslip.mechanisms.electric_motor import (
+    DCMotor,
+    driving,
+    driving_force,
+    driving_inertia,
+)
 from stickslip.quantities import Quantity
 
 
@@ -41,8 +47,8 @@ class Pendulum(Mechanism):
     """Distance of the bob from the pivot."""
     inertia: Annotated[float, Quantity("J", "kg m^2", low=0)] = 0.0
     """Moment of inertia of what turns beside the bob, about the pivot."""
-    drive: Drive | None = None
-    """Torque [N m]."""
+    drive: Drive | DCMotor | None = None
+    """Torque [N m], or a `DCMotor`, whose rotor adds to the inertia."""
     damping: Annotated[float, Quantity("c", "N m s/rad", low=0)] = 0.0
     """Damper at the pivot."""
     load: Annotated[float, Quantity("N", low=0)] = 1.0
@@ -53,6 +59,7 @@ class Pendulum(Mechanism):
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         inertia = self.mass * self.length * self.length + self.inertia
+        inertia = inertia + driving_inertia(self.drive)
         return 0.5 * inertia * q_dot["theta"] * q_dot["theta"]
 
     @override
@@ -67,7 +74,8 @@ class Pendulum(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"theta": drives.get("drive", 0.0) - self.damping * q_dot["theta"]}
+        torque = driving_force(self.drive, drives, q["theta"], q_dot["theta"])
+        return {"theta": torque - self.damping * q_dot["theta"]}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -83,7 +91,7 @@ class Pendulum(Mechanism):
     ) -> ContactInputs:
         weight = -self.mass * self.gravity * self.length * sin(q["theta"])
         return gear_inputs(
-            drives.get("drive", 0.0),
+            driving_force(self.drive, drives, q["theta"], q_dot["theta"]),
             weight - self.damping * q_dot["theta"],
             gravity=weight,
             position=q["theta"],
@@ -91,4 +99,4 @@ class Pendulum(Mechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        return {} if self.drive is None else {"drive": self.drive}
+        return driving(self.drive)
