@@ -41,12 +41,14 @@ from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of
 from stickslip.mechanisms.drive_period import cycle_or_none as cycle_or_none
 from stickslip.mechanisms.drive_period import repeats as repeats
+from stickslip.mechanisms.electric_motor import CurrentLoop as CurrentLoop
 from stickslip.mechanisms.electric_motor import DCMotor as _DCMotor
 from stickslip.mechanisms.electric_motor import LOOPS as LOOPS
 from stickslip.mechanisms.electric_motor import MotorLoop as MotorLoop
 from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
 from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
 from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
+from stickslip.mechanisms.electric_motor import motor_of as motor_of
 from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
@@ -421,6 +423,7 @@ __all__ = [
     "ClutchTrain",
     "Contact",
     "ContactInputs",
+    "CurrentLoop",
     "DCMotor",
     "DiscBrake",
     "Guide",

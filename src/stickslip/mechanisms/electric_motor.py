@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
@@ -19,10 +19,10 @@ class MotorLoop(Parametrised, ABC):
 
     name: ClassVar[str]
     """``type`` in rig files."""
-    wanted: ClassVar[str] = "a loop, PositionLoop(...) or VelocityLoop(...)"
+    wanted: ClassVar[str] = "a loop, PositionLoop(...), VelocityLoop(...) or CurrentLoop()"
 
     @abstractmethod
-    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
         """Return the voltage [V] that is asked for, before limits.
 
         Parameters
@@ -33,6 +33,8 @@ class MotorLoop(Parametrised, ABC):
             Position of the driven coordinate [m or rad].
         rate : float or array
             Its rate [m/s or rad/s].
+        motor : DCMotor
+            The motor that is commanded.
 
         Returns
         -------
@@ -48,7 +50,8 @@ class PositionLoop(MotorLoop):
 
     Examples
     --------
-    >>> PositionLoop(gain=20.0, rate_gain=0.5).voltage(0.3, 0.1, 2.0)
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4)
+    >>> PositionLoop(gain=20.0, rate_gain=0.5).voltage(0.3, 0.1, 2.0, motor)
     3.0
     """
 
@@ -61,7 +64,7 @@ class PositionLoop(MotorLoop):
     measured position and not of the error."""
 
     @override
-    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
         return self.gain * (goal - position) - self.rate_gain * rate
 
 
@@ -72,7 +75,8 @@ class VelocityLoop(MotorLoop):
 
     Examples
     --------
-    >>> VelocityLoop(gain=2.0).voltage(1.0, 0.0, 0.75)
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4)
+    >>> VelocityLoop(gain=2.0).voltage(1.0, 0.0, 0.75, motor)
     0.5
     """
 
@@ -82,8 +86,30 @@ class VelocityLoop(MotorLoop):
     """Voltage per error of the velocity."""
 
     @override
-    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
         return self.gain * (goal - rate)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CurrentLoop(MotorLoop):
+    """The voltage that gives the current that is asked for, as far as limits allow.
+
+    The loop of industrial servo drives and of current modes of servos, which is faster than
+    anything that moves.
+
+    Examples
+    --------
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4, loop=CurrentLoop())
+    >>> motor.current(1.5, 0.0, 2.0), motor.voltage(1.5, 0.0, 2.0)
+    (1.5, 5.3)
+    """
+
+    name: ClassVar[str] = "current"
+
+    @override
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        return motor.resistance * goal + motor.back_emf * motor.gear_ratio * rate
 
 
 @final
@@ -102,8 +128,8 @@ class DCMotor(Parametrised):
     have an event. Losses of the gear that grow with what it transmits belong to the friction law
     (`BamM3` to `BamM6`, or a part with ``[transmitted]``).
 
-    `drive` is the command: a voltage [V], or with a `loop` the position or velocity that it is
-    asked for. For a loop that samples, see `stickslip.control.closed_loop`.
+    `drive` is the command: a voltage [V], or with a `loop` the position, velocity or current that
+    it is asked for. For a loop that samples, see `stickslip.control.closed_loop`.
 
     Examples
     --------
@@ -144,7 +170,8 @@ class DCMotor(Parametrised):
     current_limit: Annotated[float, Quantity("i_max", "A", low=0)] | None = None
     """Largest current; 0 is an open winding. No limit if not given."""
     loop: MotorLoop | None = None
-    """`PositionLoop` or `VelocityLoop`, to which `drive` is the goal; none if that is a voltage."""
+    """`PositionLoop`, `VelocityLoop` or `CurrentLoop`, to which `drive` is the goal; none if that
+    is a voltage."""
     drive: Drive | None = None
     """Voltage [V], or the goal of the loop; 0 if not given."""
 
@@ -185,7 +212,7 @@ class DCMotor(Parametrised):
         float or array
             Voltage [V], without the droop of the supply.
         """
-        asked = command if self.loop is None else self.loop.voltage(command, position, rate)
+        asked = command if self.loop is None else self.loop.voltage(command, position, rate, self)
         if self.supply is None:
             return asked
         return _within(asked, self.supply, "voltage")
@@ -236,21 +263,6 @@ class DCMotor(Parametrised):
         """
         return self.gear_ratio * self.torque_constant * self.current(command, position, rate)
 
-    def commanded(self, command: Drive | None) -> "DCMotor":
-        """Return the same motor with another command.
-
-        Parameters
-        ----------
-        command : Drive or None
-            The new `drive`.
-
-        Returns
-        -------
-        DCMotor
-            The motor with it.
-        """
-        return replace(self, drive=command)
-
 
 def _within(value: Scalar, most: Scalar, what: str) -> Scalar:
     """Return a value cut at a limit; runs have an event where that begins and ends."""
@@ -258,8 +270,22 @@ def _within(value: Scalar, most: Scalar, what: str) -> Scalar:
     return where(value < -most, -most, where(value > most, most, value, named), named)
 
 
-LOOPS: Mapping[str, type[MotorLoop]] = {loop.name: loop for loop in (PositionLoop, VelocityLoop)}
+LOOPS: Mapping[str, type[MotorLoop]] = {
+    loop.name: loop for loop in (PositionLoop, VelocityLoop, CurrentLoop)
+}
 """The loops by the ``type`` they have in rig files."""
+
+
+def motor_of(mechanism: object) -> DCMotor | None:
+    """Return the motor that drives a mechanism; None if there is none.
+
+    Examples
+    --------
+    >>> motor_of(DCMotor(resistance=2.0, torque_constant=0.5)) is None
+    True
+    """
+    driver = getattr(mechanism, "drive", None)
+    return driver if isinstance(driver, DCMotor) else None
 
 
 def driving_force(

@@ -18,6 +18,7 @@ from stickslip.errors import InputError
 from stickslip.evidence import derivative, play
 from stickslip.experiments import (
     Measurement,
+    as_recorded,
     between_gaps,
     noise_of,
     step_of,
@@ -40,7 +41,7 @@ from stickslip.identification.force_map.data import (
     weighs,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.series.applied_force import applied_force
+from stickslip.identification.series.applied_force import applied_force, goes_straight
 from stickslip.identification.series.inverse_dynamics import (
     HARMONICS,
     HIGHEST,
@@ -109,7 +110,7 @@ def balanced(
     found: list[MotionSegment] = []
     for number, record in enumerate(measurement.records()):
         t = times_of(record)
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        set_up = as_recorded(mechanism, record)
         length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
@@ -205,7 +206,7 @@ def _stretch(
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
-    joined = hold == "first" or "force" not in record.quantities()
+    joined = goes_straight(record, hold)
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
     inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)

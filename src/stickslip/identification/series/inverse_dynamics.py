@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement, between_gaps
+from stickslip.experiments import Measurement, as_recorded, between_gaps
 from stickslip.formatting import estimate, percent, quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
@@ -179,9 +179,7 @@ def inverse_dynamics(
     inertia = bool(names)
     parts = []
     for record in measurement.records():
-        set_up = (
-            with_values(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        )
+        set_up = as_recorded(mechanism, record)
         for piece in _pieces(record):
             parts.append(_columns(set_up, piece, cutoff, decimate, directional=directional))
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
