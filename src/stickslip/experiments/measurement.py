@@ -69,6 +69,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
 )
 """What can be measured, by name; the second unit is that of an axis that turns."""
 
+ELECTRIC = ("current", "voltage")
+"""What drives a motor, and no mechanism without one."""
+
 TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
 """How it can be given how far a body came; a trial has one of them."""
 

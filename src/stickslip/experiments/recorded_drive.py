@@ -3,12 +3,10 @@
 from dataclasses import replace
 
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.measurement import ELECTRIC, Measurement
 from stickslip.mechanisms import CurrentLoop, DCMotor, Mechanism, PositionLoop, motor_of
 from stickslip.quantities import vary
 
-ELECTRIC = ("current", "voltage")
-"""What drives a motor, and no mechanism without one."""
 COMMANDS = ("force", *ELECTRIC, "reference")
 """What may have driven a record; the first of those that it has is what acts."""
 
@@ -55,8 +53,8 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     if what == "force":
         raise InputError(
             f"the record has a force and {type(mechanism).__name__} a motor, which is driven by"
-            " current, voltage or a reference: leave the motor out, and add its rotor to the inertia, or leave the force"
-            " out."
+            " current, voltage or a reference: leave out the motor, whose rotor is then added to the"
+            " inertia, or the force."
         )
     return replace(mechanism, drive=_taking(motor, what))  # type: ignore[call-arg]  # it has one
 

@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
 from stickslip.experiments.differentiation import acceleration_of
-from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.recorded_drive import COMMANDS, ELECTRIC
+from stickslip.experiments.measurement import ELECTRIC, Array, Measurement
+from stickslip.experiments.recorded_drive import COMMANDS
 from stickslip.experiments.slicing import between_gaps
 from stickslip.formatting import number, percent
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
