@@ -23,7 +23,7 @@ from stickslip.quantities import Quantity
 class Pendulum(Mechanism):
     """A hanging pendulum with friction in its pivot.
 
-    The angle `theta` is counted from below. With the default load of 1, friction levels read as
+    The angle `theta` is counted from below, or from the zero of an encoder (`rest_angle`). With the default load of 1, friction levels read as
     torques [N m] at the pivot.
 
     Examples
@@ -55,6 +55,8 @@ class Pendulum(Mechanism):
     """Load of the friction law: 1 where levels are torques."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    rest_angle: Annotated[float, Quantity("theta_0", "rad")] = 0.0
+    """Angle at which the pendulum hangs, where it is not counted from there."""
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -64,7 +66,7 @@ class Pendulum(Mechanism):
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        return self.mass * self.gravity * self.length * (1.0 - cos(q["theta"]))
+        return self.mass * self.gravity * self.length * (1.0 - cos(q["theta"] - self.rest_angle))
 
     @override
     def forces(
@@ -89,7 +91,7 @@ class Pendulum(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
-        weight = -self.mass * self.gravity * self.length * sin(q["theta"])
+        weight = -self.mass * self.gravity * self.length * sin(q["theta"] - self.rest_angle)
         return gear_inputs(
             driving_force(self.drive, drives, q["theta"], q_dot["theta"]),
             weight - self.damping * q_dot["theta"],
