@@ -1,0 +1,225 @@
+"""Servos: do intervals of motor and gear hold, and which gear law does a measured servo ask for?
+
+``python -m benchmarks.servos --rigs 20 --seed 1`` makes up hobby servos: a motor with unknown
+resistance and torque constant, a gear with the friction of `BamM4`, an arm of known mass, and a
+position loop that samples, with an encoder of 4096 counts and a PWM of 885. The law, R and k_t are
+fitted to the angle and the voltage that such a servo reports. Counted is how many nominal 95 %
+intervals hold the true value, and whether the pairs that the record does not separate are named.
+
+``python -m benchmarks.servos --measured`` fits laws to the servo in ``bam_xl330`` of
+``STICKSLIP_DATA`` and prints the table of the how-to guide on servos: each law is fitted to the
+records of all gains but one, and its error is that on the gain that was left out.
+
+Results are appended to a file line by line, and a run that was killed goes on where it was.
+"""
+
+import argparse
+import math
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.rigs import Array, Random, between
+from benchmarks.synthetic_truth import judged, run, share
+from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Sampled
+from stickslip.errors import StickslipError
+from stickslip.friction import LAWS, law
+from stickslip.mechanisms import DCMotor, PositionLoop
+
+VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
+COUNT = 2.0 * math.pi / 4096
+"""Step of the encoder [rad]."""
+SUPPLY, DUTIES = 7.4, 885
+"""Voltage of the supply [V], and counts of the full duty."""
+PERIOD, DURATION = 4e-3, 16.0
+"""Of the loop, and of a record [s]."""
+TOGETHER = 0.95
+"""Correlation beyond which two estimates are named together."""
+RESULTS, MEASURED = "servos.jsonl", "servo_laws.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Servo:
+    """A servo with an arm, its friction, and the goal that it follows."""
+
+    rig: Pendulum
+    law: BamM4
+    gain: float
+    """Of the position loop [V/rad]."""
+    swings: tuple[tuple[float, float, float], ...]
+    """Amplitude [rad], frequency [Hz] and phase of the parts of the goal."""
+
+    def goal(self, t: float) -> float:
+        """Return the goal [rad] at a time."""
+        return sum(a * math.sin(2.0 * math.pi * f * t + phase) for a, f, phase in self.swings)
+
+
+def draw(random: Random) -> Servo:
+    """Return a random servo; what its gear takes grows with the torque that it transmits."""
+    arm, length = between(random, 0.2, 0.6), between(random, 0.08, 0.14)
+    weight = arm * 9.81 * length
+    k_t = weight / between(random, 0.6, 1.4)
+    motor = DCMotor(
+        resistance=SUPPLY * k_t / weight / between(random, 2.5, 5.0),
+        torque_constant=k_t,
+        rotor_inertia=arm * length**2 * between(random, 0.1, 0.6),
+        supply=SUPPLY,
+    )
+    kinetic = weight * between(random, 0.03, 0.1)
+    friction = BamM4(
+        kinetic_coefficient=kinetic,
+        static_coefficient=kinetic * float(random.uniform(1.2, 1.8)),
+        transmitted_coefficient=between(random, 0.08, 0.25),
+        transmitted_static_surplus=between(random, 0.03, 0.1),
+        stribeck_velocity=between(random, 0.2, 0.8),
+        fading_exponent=1.0,
+        viscous_coefficient=weight * between(random, 0.02, 0.08),
+    )
+    swings = (
+        (float(random.uniform(0.5, 0.9)), between(random, 0.3, 0.6), float(random.uniform(0, 6))),
+        (float(random.uniform(0.2, 0.5)), between(random, 0.9, 1.6), float(random.uniform(0, 6))),
+    )
+    rig = Pendulum(mass=arm, length=length, drive=motor)
+    return Servo(rig=rig, law=friction, gain=between(random, 15.0, 40.0), swings=swings)
+
+
+def recorded(servo: Servo) -> Measurement:
+    """Return what a servo reports: angle, voltage and goal at each sample of its loop."""
+    pid = PID(proportional=servo.gain, reference=servo.goal, state="theta", rate=None, limit=SUPPLY)
+    loop = closed_loop(
+        servo.rig,
+        servo.law,
+        pid,
+        period=PERIOD,
+        t_end=DURATION,
+        limit=SUPPLY,
+        step=SUPPLY / DUTIES,
+        quantisation={"theta": COUNT},
+        y0={"theta": 0.5 * servo.goal(0.0)},
+    )
+    return Measurement(
+        time=loop.t,
+        position=loop.measured["theta"],
+        voltage=loop.commands,
+        reference=[servo.goal(t) for t in loop.t],
+        turning=True,
+    )
+
+
+def rate(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
+    """Return how the intervals of one servo are."""
+    del candidates
+    random = np.random.default_rng([seed, number])
+    servo = draw(random)
+    began = time.process_time()
+    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": "bam-m4", "route": route}
+    record = recorded(servo)
+    motor = servo.rig.drive
+    assert isinstance(motor, DCMotor)
+    off = np.exp(random.uniform(-0.3, 0.3, 2))
+    guess = replace(
+        motor,
+        resistance=motor.resistance * float(off[0]),
+        torque_constant=motor.torque_constant * float(off[1]),
+    )
+    true = {f"friction.{name}": getattr(servo.law, name) for name in servo.law.fit_order}
+    true |= dict(zip(VARIED, (motor.resistance, motor.torque_constant), strict=True))
+    try:
+        found = fit(
+            replace(servo.rig, drive=guess),
+            BamM4,
+            record,
+            vary=["friction.*", *VARIED],
+            fixed={"fading_exponent": 1.0},
+            route=route,
+            settings=RecordSettings(hold="zero"),
+        )
+    except StickslipError as error:
+        return row | {"error": str(error), "seconds": time.process_time() - began}
+    estimates = {one.path: one for one in found.estimates}
+    table = found.inference.of_record.correlation
+    paths = found.free_parameters.paths
+    pairs = [
+        (i, j)
+        for i in range(len(paths))
+        for j in range(i)
+        if np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER
+    ]
+    symbols = [item.quantity.symbol for item in found.free_parameters.items]
+    said = " ".join(found.sentences)
+    return row | {
+        "seconds": time.process_time() - began,
+        "residual": found.rms,
+        "true": {path: true[path] for path in paths if path in true},
+        "found": {
+            path: [one.value, one.low, one.high, one.reason] for path, one in estimates.items()
+        },
+        "pairs": [[symbols[j], symbols[i]] for i, j in pairs],
+        "named": [f"{symbols[j]} and {symbols[i]} are" in said for i, j in pairs],
+        "said": list(found.sentences),
+    }
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the coverage of intervals, of all and by parameter, and what was named."""
+    hits: dict[str, list[bool]] = {}
+    unbounded: dict[str, int] = {}
+    for row in rows:
+        for path, true in row.get("true", {}).items():
+            _, low, high, reason = row["found"][path]
+            name = path.rpartition(".")[2]
+            if reason or not math.isfinite(high - low):
+                unbounded[name] = unbounded.get(name, 0) + 1
+            else:
+                hits.setdefault(name, []).append(low <= true <= high)
+    every = [hit for own in hits.values() for hit in own]
+    failed = [row for row in rows if "error" in row]
+    yield f"{len(rows)} servos, {len(failed)} without a fit: {[row['error'] for row in failed]}"
+    yield f"coverage of nominal 95 %: {share(every)}"
+    for name, own in hits.items():
+        yield f"  {name:28} {share(own)}; {unbounded.get(name, 0)} without an interval"
+    named = [one for row in rows for one in row.get("named", ())]
+    yield f"pairs with a correlation above {TOGETHER}: {len(named)}, named {sum(named)}"
+    both = [["R", "k_t"] in row.get("pairs", ()) for row in rows if "error" not in row]
+    yield f"R and k_t among them: {share(both)}"
+    seconds = [row["seconds"] for row in rows]
+    yield f"processor time: median {np.median(seconds):.0f} s, largest {max(seconds):.0f} s"
+
+
+ROUTES = ("inverse-dynamics", "shooting")
+
+
+def main() -> None:
+    """Run the study, or fit the laws to the measured servo, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--rigs", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
+    parser.add_argument("--file", type=Path)
+    options = parser.parse_args()
+    file = options.file or Path(RESULTS)
+    for line in run(
+        file,
+        rigs=options.rigs,
+        seed=options.seed,
+        jobs=options.jobs,
+        candidates=(),
+        route=options.route,
+        rated=rate,
+    ):
+        print(line, flush=True)
+    rows = judged(file, options.seed, options.route, "")
+    print(*summary(rows), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
