@@ -14,12 +14,12 @@ Results are appended to a file line by line, and a run that was killed goes on w
 """
 
 import argparse
+import json
 import math
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -194,6 +194,204 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     yield f"processor time: median {np.median(seconds):.0f} s, largest {max(seconds):.0f} s"
 
 
+GAINS = (100, 200, 800)
+"""Gains of the measured servo, in its own unit; one in turn is held out."""
+MEASURED_LAWS = (
+    "coulomb-viscous",
+    "stribeck",
+    "bam-m1",
+    "bam-m2",
+    "bam-m3",
+    "bam-m4",
+    "bam-m5",
+    "bam-m6",
+    "level + weight[motor] + weight[external] + viscous",
+    "level + weight[transmitted] + power",
+)
+DROOP = 0.14
+"""Resistance of the measured servo's supply [ohm]: regression of the recorded bus voltage on duty
+times current, with R and k_t of the law of M3."""
+GRID = 5e-3
+"""Steps [s] on which records and runs are compared, as in BAM."""
+SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
+UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
+OPEN = {"mechanism.drive.current_limit": 0.0}
+"""A winding that is not connected."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Log:
+    """One file of the measured servo, on an even grid."""
+
+    name: str
+    gain: int
+    time: Array
+    angle: Array
+    goal: Array
+    voltage: Array
+    off: float
+    """When the winding was opened [s]; infinity if it was not."""
+
+    def records(self) -> Iterator[Measurement]:
+        """Yield the part that was driven, and the part with an open winding."""
+        for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
+            if rows.any():
+                t = self.time[rows]
+                yield Measurement(
+                    time=t - t[0],
+                    position=self.angle[rows],
+                    voltage=self.voltage[rows] * (not label),
+                    turning=True,
+                    name=self.name + label,
+                    overrides=OPEN if label else {},
+                )
+
+
+def logs(folder: Path) -> list[Log]:
+    """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
+    import pandas as pd
+
+    found = []
+    for file in sorted(folder.glob("*.parquet")):
+        d = pd.read_parquet(file)
+        t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
+        bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
+        grid = np.arange(t[0], t[-1], GRID)
+        columns = (d["q_rad"], d["q_goal_rad"], d["pwm_count"] / DUTIES * bus)
+        angle, goal, voltage = (np.interp(grid, t, column.to_numpy()) for column in columns)
+        off = float(t[~on][0]) if not on.all() else math.inf
+        gain = int(file.stem.partition("_")[0].removeprefix("kp"))
+        found.append(
+            Log(
+                name=file.stem,
+                gain=gain,
+                time=grid - grid[0],
+                angle=angle,
+                goal=goal,
+                voltage=voltage,
+                off=off - grid[0],
+            )
+        )
+    return found
+
+
+def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
+    """Return the mean absolute error [rad] of the angle over a record simulated in closed loop."""
+    motor = rig.drive
+    assert isinstance(motor, DCMotor)
+    gain = log.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
+    motor = replace(
+        motor,
+        supply=SUPPLY,
+        supply_resistance=DROOP,
+        loop=PositionLoop(gain=gain),
+        drive=Sampled(times=log.time, values=log.goal),
+    )
+    end = float(log.time[-1])
+    first = min(log.off, end)
+    start = {"theta": float(log.angle[0])}
+    run_on = simulate(replace(rig, drive=motor), friction, t_end=first, y0=start)
+    wanted = log.time[log.time <= first]
+    angles = [run_on.at(wanted)["theta"]]
+    if first < end:
+        last = {name: float(run_on[name][-1]) for name in ("theta", "omega")}
+        opened = replace(rig, drive=replace(motor, drive=None, loop=None, current_limit=0.0))
+        rest = log.time[log.time > first]
+        drop = simulate(opened, friction, t_end=end - first, y0=last)
+        angles.append(drop.at(rest - first)["theta"])
+    return float(np.mean(np.abs(np.concatenate(angles) - log.angle)))
+
+
+def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> Iterator[str]:
+    """Fit laws to the measured servo and append what is found to a file; yield progress."""
+    every = logs(folder)
+    rig = Pendulum(
+        mass=0.49,
+        length=0.1,
+        gravity=9.80665,
+        rest_angle=0.0,
+        drive=DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=1e-3, current_limit=100.0),
+    )
+    vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
+
+    def fitted(start: Any, friction: Any, chosen: Sequence[Log], settings: RecordSettings) -> Any:
+        trials = tuple(record for one in chosen for record in one.records())
+        whole = Measurement(trials=trials, name="xl330")
+        return fit(start, friction, whole, vary=vary, route="shooting", settings=settings)
+
+    done = {row["law"] for row in rows_of(file)}
+    for name in names:
+        if name in done:
+            continue
+        began = time.process_time()
+        row: dict[str, Any] = {"law": name}
+        try:
+            whole = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
+            row |= {
+                "title": whole.law.title,
+                "segments": whole.rms,
+                "loop": [closed_loop_error(whole.mechanism, whole.law, one) for one in every],
+                "found": [
+                    [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
+                    for one in whole.estimates
+                ],
+                "said": list(whole.sentences),
+            }
+            held: dict[str, list[float]] = {}
+            for gain in GAINS:
+                own = [one for one in every if one.gain != gain]
+                part = fitted(whole.mechanism, whole.law, own, replace(SETTINGS, starts=1))
+                held[str(gain)] = [
+                    closed_loop_error(part.mechanism, part.law, one)
+                    for one in every
+                    if one.gain == gain
+                ]
+            row["held_out"] = held
+        except StickslipError as error:
+            row["error"] = str(error)
+        row["seconds"] = time.process_time() - began
+        with file.open("a", encoding="utf-8") as out:
+            out.write(json.dumps(row) + "\n")
+        yield f"{name}: {row['seconds']:.0f} s {row.get('error', '')}"
+
+
+def rows_of(file: Path) -> list[dict[str, Any]]:
+    """Return the rows of a file; none if there is none."""
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    return [json.loads(line) for line in lines]
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the lines of the table of laws, in Markdown."""
+    yield "| law | held out, mrad | in sample, mrad | shares of the torque | R, ohm | k_t, N m/A |"
+    yield "|---|---|---|---|---|---|"
+    for row in rows:
+        if "error" in row:
+            yield f"| {row['law']} | {row['error']} | | | | |"
+            continue
+        errors = np.array([one for own in row["held_out"].values() for one in own])
+        by_gain = [float(np.mean(own)) for own in row["held_out"].values()]
+        spread = float(np.std(by_gain, ddof=1)) / math.sqrt(len(by_gain))
+        found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
+        shares = [
+            interval(name, one)
+            for name, one in found.items()
+            if any(word in name for word in ("transmitted", "motor_", "external_"))
+        ]
+        yield (
+            f"| {row['law']} | {1e3 * errors.mean():.0f} ± {1e3 * spread:.0f}"
+            f" | {1e3 * np.mean(row['loop']):.0f} | {', '.join(shares) or '-'}"
+            f" | {interval('', found['resistance'])} | {interval('', found['torque_constant'])} |"
+        )
+
+
+def interval(name: str, found: Sequence[Any]) -> str:
+    """Return an estimate with its interval, or without one."""
+    symbol, value, low, high, reason = found
+    ends = "no interval" if reason else f"{low:.2g} to {high:.2g}"
+    return f"{symbol + ' = ' if name else ''}{value:.3g} ({ends})"
+
+
 ROUTES = ("inverse-dynamics", "shooting")
 
 
@@ -204,8 +402,18 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
+    parser.add_argument("--measured", action="store_true")
     parser.add_argument("--file", type=Path)
     options = parser.parse_args()
+    if options.measured:
+        data = os.environ.get("STICKSLIP_DATA", "")
+        folder, file = Path(data) / "bam_xl330", options.file or Path(MEASURED)
+        if not data or not folder.is_dir():
+            parser.error("STICKSLIP_DATA must name a folder that has bam_xl330.")
+        for line in measured(file, folder):
+            print(line, flush=True)
+        print(*table(rows_of(file)), sep="\n")
+        return
     file = options.file or Path(RESULTS)
     for line in run(
         file,

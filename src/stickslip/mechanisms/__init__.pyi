@@ -204,7 +204,7 @@ class Pendulum(_Pendulum):  # type: ignore[misc]  # final but for this
         damping: _Given = ...,
         load: _Given = ...,
         gravity: _Given = ...,
-        rest_angle: _Given = ...,
+        rest_angle: _Given | None = ...,
     ) -> None: ...
 
 @final

@@ -23,8 +23,8 @@ from stickslip.quantities import Quantity
 class Pendulum(Mechanism):
     """A hanging pendulum with friction in its pivot.
 
-    The angle `theta` is counted from below, or from the zero of an encoder (`rest_angle`). With the default load of 1, friction levels read as
-    torques [N m] at the pivot.
+    The angle `theta` is counted from below, or from the zero of an encoder (`rest_angle`). With
+    the default load of 1, friction levels read as torques [N m] at the pivot.
 
     Examples
     --------
@@ -55,8 +55,12 @@ class Pendulum(Mechanism):
     """Load of the friction law: 1 where levels are torques."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
-    rest_angle: Annotated[float, Quantity("theta_0", "rad")] = 0.0
-    """Angle at which the pendulum hangs, where it is not counted from there."""
+    rest_angle: Annotated[float, Quantity("theta_0", "rad")] | None = None
+    """Angle at which the pendulum hangs; it is counted from there if not given."""
+
+    def _leaning(self, q: Mapping[str, Scalar]) -> Scalar:
+        """Return the angle from where it hangs."""
+        return q["theta"] if self.rest_angle is None else q["theta"] - self.rest_angle
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -66,7 +70,7 @@ class Pendulum(Mechanism):
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        return self.mass * self.gravity * self.length * (1.0 - cos(q["theta"] - self.rest_angle))
+        return self.mass * self.gravity * self.length * (1.0 - cos(self._leaning(q)))
 
     @override
     def forces(
@@ -91,7 +95,7 @@ class Pendulum(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
-        weight = -self.mass * self.gravity * self.length * sin(q["theta"] - self.rest_angle)
+        weight = -self.mass * self.gravity * self.length * sin(self._leaning(q))
         return gear_inputs(
             driving_force(self.drive, drives, q["theta"], q_dot["theta"]),
             weight - self.damping * q_dot["theta"],
