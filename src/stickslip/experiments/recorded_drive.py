@@ -52,9 +52,9 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
         return mechanism
     if what == "force":
         raise InputError(
-            f"the record has a force, and {type(mechanism).__name__} a motor, which takes a current,"
-            " a voltage or a reference: leave out the motor, whose rotor is then added to the"
-            " inertia, or leave out the force."
+            f"the record has a force, and {type(mechanism).__name__} a motor, which takes a"
+            " current, a voltage or a reference: leave out the force, or the motor, whose rotor is"
+            " then part of the inertia."
         )
     return replace(mechanism, drive=_taking(motor, what))  # type: ignore[call-arg]  # it has one
 
