@@ -197,23 +197,21 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 GAINS = (100, 200, 800)
 """Gains of the measured servo, in its own unit; one in turn is held out."""
 MEASURED_LAWS = (
-    "coulomb-viscous",
-    "stribeck",
-    "bam-m1",
-    "bam-m2",
     "bam-m3",
-    "bam-m4",
-    "bam-m5",
-    "bam-m6",
+    "bam-m1",
     "level + weight[motor] + weight[external] + viscous",
-    "level + weight[transmitted] + power",
+    "bam-m5",
+    "bam-m4",
+    "bam-m6",
+    "bam-m2",
 )
 DROOP = 0.14
 """Resistance of the measured servo's supply [ohm]: regression of the recorded bus voltage on duty
 times current, with R and k_t of the law of M3."""
 GRID = 5e-3
 """Steps [s] on which records and runs are compared, as in BAM."""
-SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
+SETTINGS = RecordSettings(segment=6.0, resolution=240, starts=2, position_zeros=False)
+"""Records are simulated as a whole, through the loop."""
 UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
 OPEN = {"mechanism.drive.current_limit": 0.0}
 """A winding that is not connected."""
@@ -228,37 +226,41 @@ class Log:
     time: Array
     angle: Array
     goal: Array
-    voltage: Array
     off: float
     """When the winding was opened [s]; infinity if it was not."""
 
+    @property
+    def volts(self) -> float:
+        """Gain of its position loop [V/rad], by the formula of its firmware."""
+        return self.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
+
     def records(self) -> Iterator[Measurement]:
-        """Yield the part that was driven, and the part with an open winding."""
+        """Yield the part that was driven, with its goal, and the part with an open winding."""
         for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
             if rows.any():
                 t = self.time[rows]
                 yield Measurement(
                     time=t - t[0],
                     position=self.angle[rows],
-                    voltage=self.voltage[rows] * (not label),
+                    reference=self.goal[rows],
                     turning=True,
                     name=self.name + label,
-                    overrides=OPEN if label else {},
+                    overrides={"mechanism.drive.loop.gain": self.volts, **(OPEN if label else {})},
                 )
 
 
 def logs(folder: Path) -> list[Log]:
-    """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
+    """Return the measured files."""
     import pandas as pd
 
     found = []
     for file in sorted(folder.glob("*.parquet")):
         d = pd.read_parquet(file)
         t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
-        bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
         grid = np.arange(t[0], t[-1], GRID)
-        columns = (d["q_rad"], d["q_goal_rad"], d["pwm_count"] / DUTIES * bus)
-        angle, goal, voltage = (np.interp(grid, t, column.to_numpy()) for column in columns)
+        angle = np.interp(grid, t, d["q_rad"].to_numpy())
+        last = np.searchsorted(t, grid, side="right") - 1  # goals are held
+        goal = d["q_goal_rad"].to_numpy()[last]
         off = float(t[~on][0]) if not on.all() else math.inf
         gain = int(file.stem.partition("_")[0].removeprefix("kp"))
         found.append(
@@ -268,7 +270,6 @@ def logs(folder: Path) -> list[Log]:
                 time=grid - grid[0],
                 angle=angle,
                 goal=goal,
-                voltage=voltage,
                 off=off - grid[0],
             )
         )
@@ -279,14 +280,8 @@ def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
     """Return the mean absolute error [rad] of the angle over a record simulated in closed loop."""
     motor = rig.drive
     assert isinstance(motor, DCMotor)
-    gain = log.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
-    motor = replace(
-        motor,
-        supply=SUPPLY,
-        supply_resistance=DROOP,
-        loop=PositionLoop(gain=gain),
-        drive=Sampled(times=log.time, values=log.goal),
-    )
+    loop, goal = PositionLoop(gain=log.volts), Sampled(times=log.time, values=log.goal)
+    motor = replace(motor, loop=loop, drive=goal)
     end = float(log.time[-1])
     first = min(log.off, end)
     start = {"theta": float(log.angle[0])}
@@ -310,7 +305,15 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
         length=0.1,
         gravity=9.80665,
         rest_angle=0.0,
-        drive=DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=1e-3, current_limit=100.0),
+        drive=DCMotor(
+            resistance=4.0,
+            torque_constant=0.4,
+            rotor_inertia=1e-3,
+            supply=SUPPLY,
+            supply_resistance=DROOP,
+            current_limit=100.0,
+            loop=PositionLoop(gain=1.0),
+        ),
     )
     vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
 
