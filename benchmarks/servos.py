@@ -197,21 +197,23 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 GAINS = (100, 200, 800)
 """Gains of the measured servo, in its own unit; one in turn is held out."""
 MEASURED_LAWS = (
-    "bam-m3",
     "bam-m1",
-    "level + weight[motor] + weight[external] + viscous",
+    "bam-m3",
     "bam-m5",
+    "level + weight[motor] + weight[external] + viscous",
     "bam-m4",
-    "bam-m6",
     "bam-m2",
+    "bam-m6",
 )
 DROOP = 0.14
 """Resistance of the measured servo's supply [ohm]: regression of the recorded bus voltage on duty
 times current, with R and k_t of the law of M3."""
 GRID = 5e-3
 """Steps [s] on which records and runs are compared, as in BAM."""
-SETTINGS = RecordSettings(segment=6.0, resolution=240, starts=2, position_zeros=False)
-"""Records are simulated as a whole, through the loop."""
+SETTINGS = RecordSettings(resolution=40, starts=2, position_zeros=False)
+"""Records are simulated through the loop, in segments of 1 s ..."""
+WHOLE = replace(SETTINGS, segment=6.0, resolution=240, starts=1)
+"""... and as a whole, as the published errors are."""
 UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
 OPEN = {"mechanism.drive.current_limit": 0.0}
 """A winding that is not connected."""
@@ -276,6 +278,12 @@ def logs(folder: Path) -> list[Log]:
     return found
 
 
+def joined(chosen: Sequence[Log]) -> Measurement:
+    """Return files as trials of one measurement."""
+    trials = tuple(record for one in chosen for record in one.records())
+    return Measurement(trials=trials, name="xl330")
+
+
 def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
     """Return the mean absolute error [rad] of the angle over a record simulated in closed loop."""
     motor = rig.drive
@@ -318,9 +326,8 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
     vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
 
     def fitted(start: Any, friction: Any, chosen: Sequence[Log], settings: RecordSettings) -> Any:
-        trials = tuple(record for one in chosen for record in one.records())
-        whole = Measurement(trials=trials, name="xl330")
-        return fit(start, friction, whole, vary=vary, route="shooting", settings=settings)
+        record = joined(chosen)
+        return fit(start, friction, record, vary=vary, route="shooting", settings=settings)
 
     done = {row["law"] for row in rows_of(file)}
     for name in names:
@@ -329,27 +336,24 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
         began = time.process_time()
         row: dict[str, Any] = {"law": name}
         try:
-            whole = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
+            found = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
             row |= {
-                "title": whole.law.title,
-                "segments": whole.rms,
-                "loop": [closed_loop_error(whole.mechanism, whole.law, one) for one in every],
+                "title": found.law.title,
+                "rms": found.rms,
                 "found": [
                     [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
-                    for one in whole.estimates
+                    for one in found.estimates
                 ],
-                "said": list(whole.sentences),
+                "said": list(found.sentences),
+                "held_out": {},
             }
-            held: dict[str, list[float]] = {}
             for gain in GAINS:
                 own = [one for one in every if one.gain != gain]
-                part = fitted(whole.mechanism, whole.law, own, replace(SETTINGS, starts=1))
-                held[str(gain)] = [
-                    closed_loop_error(part.mechanism, part.law, one)
-                    for one in every
-                    if one.gain == gain
-                ]
-            row["held_out"] = held
+                part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
+                rest = [one for one in every if one.gain == gain]
+                row["held_out"][str(gain)] = part.score(joined(rest)).rms
+            whole = fitted(found.mechanism, found.law, every, WHOLE)
+            row["loop"] = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
         except StickslipError as error:
             row["error"] = str(error)
         row["seconds"] = time.process_time() - began
@@ -366,15 +370,18 @@ def rows_of(file: Path) -> list[dict[str, Any]]:
 
 def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the lines of the table of laws, in Markdown."""
-    yield "| law | held out, mrad | in sample, mrad | shares of the torque | R, ohm | k_t, N m/A |"
+    yield (
+        "| law | held-out error over 1 s, mrad | over 6 s in sample, mrad | share of the torque"
+        " | R, ohm | k_t, N m/A |"
+    )
     yield "|---|---|---|---|---|---|"
     for row in rows:
         if "error" in row:
             yield f"| {row['law']} | {row['error']} | | | | |"
             continue
-        errors = np.array([one for own in row["held_out"].values() for one in own])
-        by_gain = [float(np.mean(own)) for own in row["held_out"].values()]
-        spread = float(np.std(by_gain, ddof=1)) / math.sqrt(len(by_gain))
+        errors = np.array(list(row["held_out"].values()))
+        spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
+        mean = math.sqrt(float(np.mean(errors**2)))
         found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
         shares = [
             interval(name, one)
@@ -382,7 +389,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             if any(word in name for word in ("transmitted", "motor_", "external_"))
         ]
         yield (
-            f"| {row['law']} | {1e3 * errors.mean():.0f} ± {1e3 * spread:.0f}"
+            f"| {row['law']} | {1e3 * mean:.0f} ± {1e3 * spread:.0f}"
             f" | {1e3 * np.mean(row['loop']):.0f} | {', '.join(shares) or '-'}"
             f" | {interval('', found['resistance'])} | {interval('', found['torque_constant'])} |"
         )
