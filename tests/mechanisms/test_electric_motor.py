@@ -13,6 +13,7 @@ from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import rig_toml
 from stickslip.mechanisms import DCMotor, PositionLoop, VelocityLoop
+from stickslip.plots.animation.animation_frame import moments_of
 
 MOTOR = DCMotor(
     resistance=3.0,
@@ -241,3 +242,21 @@ def test_a_rig_with_a_motor_is_written_and_read_again(tmp_path):
 def test_a_droop_without_a_supply_is_refused():
     with pytest.raises(ParameterError, match="supply"):
         DCMotor(resistance=1.0, torque_constant=1.0, supply_resistance=0.1)
+
+
+def test_an_animation_shows_the_torque_of_a_motor_and_not_its_voltage():
+    servo = Pendulum(mass=0.3, length=0.12, drive=replace(MOTOR, drive=constant(6.0)))
+    run = simulate(servo, LAW, t_end=0.1)
+    (moment,) = moments_of(run, servo, np.array([0.05]))
+    current = (6.0 - 0.021 * 20.0 * moment["omega"]) / 3.0
+    assert moment["drive"] == pytest.approx(20.0 * 0.02 * current, rel=1e-12)
+
+
+def test_commands_come_in_steps_within_the_limit():
+    servo = Axis(inertia=INERTIA, drive=MOTOR, rotary=True)
+    loop = closed_loop(
+        servo, LAW, lambda t, _: 10.0 * t, period=0.01, t_end=0.2, limit=1.0, step=0.3
+    )
+    np.testing.assert_allclose(loop.commands[:6], [0.0, 0.0, 0.3, 0.3, 0.3, 0.6], atol=1e-12)
+    assert loop.commands[-1] == 1.0
+    assert loop.requested[-1] == pytest.approx(1.9)
