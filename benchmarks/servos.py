@@ -197,11 +197,11 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 GAINS = (100, 200, 800)
 """Gains of the measured servo, in its own unit; one in turn is held out."""
 MEASURED_LAWS = (
-    "bam-m1",
     "bam-m3",
+    "bam-m1",
     "bam-m5",
-    "level + weight[motor] + weight[external] + viscous",
     "bam-m4",
+    "level + weight[motor] + weight[external] + viscous",
     "bam-m2",
     "bam-m6",
 )
@@ -210,10 +210,10 @@ DROOP = 0.14
 times current, with R and k_t of the law of M3."""
 GRID = 5e-3
 """Steps [s] on which records and runs are compared, as in BAM."""
-SETTINGS = RecordSettings(resolution=40, starts=2, position_zeros=False)
-"""Records are simulated through the loop, in segments of 1 s ..."""
-WHOLE = replace(SETTINGS, segment=6.0, resolution=240, starts=1)
-"""... and as a whole, as the published errors are."""
+SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
+"""Records are simulated under the recorded voltage, in segments of 1 s ..."""
+WHOLE = replace(SETTINGS, hold="zero", segment=6.0, resolution=240, starts=1)
+"""... and through the loop as a whole, as the published errors are."""
 UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
 OPEN = {"mechanism.drive.current_limit": 0.0}
 """A winding that is not connected."""
@@ -228,6 +228,7 @@ class Log:
     time: Array
     angle: Array
     goal: Array
+    voltage: Array
     off: float
     """When the winding was opened [s]; infinity if it was not."""
 
@@ -236,23 +237,26 @@ class Log:
         """Gain of its position loop [V/rad], by the formula of its firmware."""
         return self.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
 
-    def records(self) -> Iterator[Measurement]:
-        """Yield the part that was driven, with its goal, and the part with an open winding."""
+    def records(self, *, loop: bool) -> Iterator[Measurement]:
+        """Yield the part that was driven, by voltage or goal, and that of the open winding."""
+        what, gain = (
+            ("reference", {"mechanism.drive.loop.gain": self.volts}) if loop else ("voltage", {})
+        )
         for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
             if rows.any():
                 t = self.time[rows]
                 yield Measurement(
                     time=t - t[0],
                     position=self.angle[rows],
-                    reference=self.goal[rows],
+                    **{what: self.goal[rows] if loop else self.voltage[rows] * (not label)},
                     turning=True,
                     name=self.name + label,
-                    overrides={"mechanism.drive.loop.gain": self.volts, **(OPEN if label else {})},
+                    overrides={**gain, **(OPEN if label else {})},
                 )
 
 
 def logs(folder: Path) -> list[Log]:
-    """Return the measured files."""
+    """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
     import pandas as pd
 
     found = []
@@ -260,7 +264,9 @@ def logs(folder: Path) -> list[Log]:
         d = pd.read_parquet(file)
         t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
         grid = np.arange(t[0], t[-1], GRID)
+        bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
         angle = np.interp(grid, t, d["q_rad"].to_numpy())
+        voltage = np.interp(grid, t, d["pwm_count"].to_numpy() / DUTIES * bus)
         last = np.searchsorted(t, grid, side="right") - 1  # goals are held
         goal = d["q_goal_rad"].to_numpy()[last]
         off = float(t[~on][0]) if not on.all() else math.inf
@@ -272,15 +278,16 @@ def logs(folder: Path) -> list[Log]:
                 time=grid - grid[0],
                 angle=angle,
                 goal=goal,
+                voltage=voltage,
                 off=off - grid[0],
             )
         )
     return found
 
 
-def joined(chosen: Sequence[Log]) -> Measurement:
+def joined(chosen: Sequence[Log], *, loop: bool = False) -> Measurement:
     """Return files as trials of one measurement."""
-    trials = tuple(record for one in chosen for record in one.records())
+    trials = tuple(record for one in chosen for record in one.records(loop=loop))
     return Measurement(trials=trials, name="xl330")
 
 
@@ -317,16 +324,13 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
             resistance=4.0,
             torque_constant=0.4,
             rotor_inertia=1e-3,
-            supply=SUPPLY,
-            supply_resistance=DROOP,
             current_limit=100.0,
-            loop=PositionLoop(gain=1.0),
         ),
     )
     vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
 
     def fitted(start: Any, friction: Any, chosen: Sequence[Log], settings: RecordSettings) -> Any:
-        record = joined(chosen)
+        record = joined(chosen, loop=settings is WHOLE)
         return fit(start, friction, record, vary=vary, route="shooting", settings=settings)
 
     done = {row["law"] for row in rows_of(file)}
@@ -352,7 +356,10 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
                 part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
                 rest = [one for one in every if one.gain == gain]
                 row["held_out"][str(gain)] = part.score(joined(rest)).rms
-            whole = fitted(found.mechanism, found.law, every, WHOLE)
+            motor = found.mechanism.drive
+            loop = PositionLoop(gain=1.0)
+            motor = replace(motor, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
+            whole = fitted(replace(found.mechanism, drive=motor), found.law, every, WHOLE)
             row["loop"] = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
         except StickslipError as error:
             row["error"] = str(error)

@@ -50,7 +50,7 @@ from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.identification.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, stops_of
-from stickslip.quantities import fields_of, parameters, vary
+from stickslip.quantities import fields_of, full_path, parameters, vary
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -346,8 +346,10 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
 def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, hold = wanted.mechanism, choice.settings.holding
-    masses = [path for path in wanted.unknown if is_mass(mechanism, path)]
-    others = [path for path in wanted.unknown if path not in masses]
+    known = [path for path, *_ in parameters(mechanism, "mechanism")]
+    unknown = [full_path(name, known) for name in wanted.unknown]
+    masses = [path for path in unknown if is_mass(mechanism, path)]
+    others = [path for path in unknown if path not in masses]
     mass = inertia_of(mechanism, measurement, masses)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
