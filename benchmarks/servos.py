@@ -133,7 +133,7 @@ def rate(seed: int, number: int, *, candidates: Sequence[str], route: str) -> di
     true = {f"friction.{name}": getattr(servo.law, name) for name in servo.law.fit_order}
     true |= dict(zip(VARIED, (motor.resistance, motor.torque_constant), strict=True))
     try:
-        found = fit(
+        found: Any = fit(
             replace(servo.rig, drive=guess),
             BamM4,
             record,
@@ -239,16 +239,15 @@ class Log:
 
     def records(self, *, loop: bool) -> Iterator[Measurement]:
         """Yield the part that was driven, by voltage or goal, and that of the open winding."""
-        what, gain = (
-            ("reference", {"mechanism.drive.loop.gain": self.volts}) if loop else ("voltage", {})
-        )
+        gain = {"mechanism.drive.loop.gain": self.volts} if loop else {}
         for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
             if rows.any():
                 t = self.time[rows]
                 yield Measurement(
                     time=t - t[0],
                     position=self.angle[rows],
-                    **{what: self.goal[rows] if loop else self.voltage[rows] * (not label)},
+                    voltage=None if loop else self.voltage[rows] * (not label),
+                    reference=self.goal[rows] if loop else None,
                     turning=True,
                     name=self.name + label,
                     overrides={**gain, **(OPEN if label else {})},

@@ -1,6 +1,7 @@
 """The mechanism of a record: with what was different in it, and driven by what was recorded."""
 
 from dataclasses import replace
+from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import ELECTRIC, Measurement
@@ -38,10 +39,10 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     >>> one.inertia, one.drive.supply
     (2.0, None)
     """
-    changes, motor, what = record.overrides, motor_of(mechanism), command_of(record)
-    if changes:
-        mechanism = vary(mechanism, "mechanism", changes)
-        motor = motor_of(mechanism)
+    what = command_of(record)
+    if record.overrides:
+        mechanism = vary(mechanism, "mechanism", record.overrides)
+    motor: Any = motor_of(mechanism)
     if motor is None:
         if what in ELECTRIC:
             raise InputError(

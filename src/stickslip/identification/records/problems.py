@@ -387,7 +387,10 @@ def _with_rederived(
     problem: ForceMap, starts: Sequence[Array], again: RederivedBalance
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return a problem, and start values, with parameters for which friction is derived anew."""
-    known = {path: rest for path, *rest in parameters(again.mechanism, "mechanism")}
+    known = {
+        path: (quantity, value)
+        for path, quantity, value in parameters(again.mechanism, "mechanism")
+    }
     level = float(np.median(np.abs(problem.measured)))
     items = [mechanism_unknown(path, *known[path], level) for path in again.paths]
     added = [item.start for item in items]
