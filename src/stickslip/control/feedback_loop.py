@@ -79,7 +79,7 @@ class ClosedLoop(InPanels, Tabular):
     requested: "NDArray[np.float64]"
     """What it returned (n,), before limits; of m drives (n, m)."""
     commands: "NDArray[np.float64]"
-    """The same within the limit (n,) or (n, m): what acts, a delay later."""
+    """The same in whole steps within the limit (n,) or (n, m): what acts, a delay later."""
     period: float
     """Time between samples [s]."""
     delay: float
@@ -140,6 +140,7 @@ def closed_loop(
     hold: Literal["zero", "first"] = "zero",
     drive: str | Sequence[str] | None = None,
     limit: float | None = None,
+    step: float | None = None,
     y0: Mapping[str, float] | Sequence[float] | None = None,
     noise: Mapping[str, float] | None = None,
     quantisation: Mapping[str, float] | None = None,
@@ -178,6 +179,9 @@ def closed_loop(
         mechanism has one. A sequence names several, as the joints of an arm have.
     limit : float, optional
         Largest command, in the drive's unit; a larger one is cut. None if not given.
+    step : float, optional
+        Step of commands, in the drive's unit, such as the voltage of one count of a PWM; commands
+        are rounded to it. None if they have none.
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`.
     noise : mapping, optional
@@ -224,7 +228,7 @@ def closed_loop(
     solver = EventDriven() if solver is None else solver
     law = event_driven_law(mechanism, law)
     _check(controller, solver, hold, limit)
-    timing = Timing(period=period, delay=delay, limit=limit)
+    timing = Timing(period=period, delay=delay, limit=limit, step=step)
     last = END.check("closed_loop", "t_end", t_end)
     names = (*mechanism.coordinates, *mechanism.rates)
     sensors = Sensors(names, noise=noise, quantisation=quantisation, seed=seed)
@@ -375,14 +379,14 @@ def _result(
         refuse(run)
     asked = np.array(book.asked)
     asked = asked if drives else asked[:, 0]
-    cut = timing.limit if timing.limit is not None else math.inf
+    commands = np.array([timing.within(value) for value in asked.flat]).reshape(asked.shape)
     return ClosedLoop(
         run=run,
         mechanism=driven,
         t=np.array(book.t),
         measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
         requested=asked,
-        commands=np.clip(asked, -cut, cut),
+        commands=commands,
         period=timing.period,
         delay=timing.delay,
         drives=drives,

@@ -23,6 +23,8 @@ class Timing(Parametrised):
     """Time from a sample to the moment at which its command takes effect [s]."""
     limit: Annotated[float, Quantity("u_max", above=0)] | None = None
     """Largest magnitude of a command, in its unit; None if there is none."""
+    step: Annotated[float, Quantity("u_q", above=0)] | None = None
+    """Step of commands, in their unit; None if they have none."""
 
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
@@ -37,7 +39,9 @@ class Timing(Parametrised):
         return whole, self.delay - whole * self.period
 
     def within(self, command: float) -> float:
-        """Return a command within the limit."""
+        """Return a command in whole steps, within the limit."""
+        if self.step is not None:
+            command = self.step * round(command / self.step)
         if self.limit is None:
             return command
         return min(max(command, -self.limit), self.limit)

@@ -60,12 +60,17 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "spring_force": Quantity("F_s", "N", or_unit="N m"),
         "pull": Quantity("x_p", "m", or_unit="rad"),
         "reference": Quantity("x_r", "m", or_unit="rad"),
+        "voltage": Quantity("u_m", "V"),
+        "current": Quantity("i", "A"),
         "travel": Quantity("s", "m"),
         "mean_velocity": Quantity("v_m", "m/s"),
         "travel_per_cycle": Quantity("s_c", "m"),
     }
 )
 """What can be measured, by name; the second unit is that of an axis that turns."""
+
+ELECTRIC = ("current", "voltage")
+"""What drives a motor, and no mechanism without one."""
 
 TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
 """How it can be given how far a body came; a trial has one of them."""
@@ -145,6 +150,10 @@ class Measurement(Tabular, InPanels):
         Position of the far end of that spring [m].
     reference : array (n,) or float, optional
         Position that a controller was asked for [m].
+    voltage : array (n,) or float, optional
+        Voltage of the motor that drives the mechanism [V]; of a PWM, duty times supply.
+    current : array (n,) or float, optional
+        Current of that motor [A].
     travel : float or array (n,), optional
         Distance [m] from the start to the final rest; under a drive that repeats itself, and of a
         cart or capsule that drives itself, to the end of the run. An array is repeats of one run.
@@ -238,6 +247,8 @@ class Measurement(Tabular, InPanels):
     spring_force: Values = ABSENT
     pull: Values = ABSENT
     reference: Values = ABSENT
+    voltage: Values = ABSENT
+    current: Values = ABSENT
     travel: Values = ABSENT
     mean_velocity: Values = ABSENT
     travel_per_cycle: Values = ABSENT

@@ -15,6 +15,7 @@ from stickslip.experiments.line import along
 from stickslip.experiments.measurement import (
     BESIDE,
     BY_JOINT,
+    ELECTRIC,
     SAMPLED,
     TRAVELS,
     Array,
@@ -37,7 +38,7 @@ from stickslip.experiments.readers.unit_conversion import (
     load_stated,
     with_motors,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Numbers
 from stickslip.units import shown
 
@@ -281,7 +282,9 @@ class _Files:
         reading = self.reading
         frame, stated = with_motors(frame, reading.gain, reading.motor_constant)
         joints = [*self._joint_columns(frame)]
-        wanted = ("time", *SAMPLED, *joints, SECOND)
+        electric = () if motor_of(self.mechanism) else ELECTRIC
+        sampled = (name for name in SAMPLED if name not in electric)
+        wanted = ("time", *sampled, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
             if key not in (*wanted, TRIAL, *BESIDE, *reading.motor_constant):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])

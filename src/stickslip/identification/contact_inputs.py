@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement, unit_of_input
+from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
@@ -324,11 +324,12 @@ def typical_inputs(
         return {}
     every: dict[str, list[Array]] = {name: [] for name in law.inputs}
     for record in measurement.records():
-        set_up = vary(mechanism, "mechanism", record.overrides)
+        set_up = as_recorded(mechanism, record)
+        names = {"position": "position", "velocity": "velocity", "force": command_of(record)}
         signals: dict[str, Any] = {
-            name: record.values(name)
-            for name in ("position", "velocity", "force")
-            if name in record.quantities()
+            name: record.values(column)
+            for name, column in names.items()
+            if column in record.quantities()
         }
         if record.time is None:
             time = np.arange(max(map(np.size, signals.values()), default=1), dtype=float)

@@ -43,6 +43,14 @@ from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of
 from stickslip.mechanisms.drive_period import cycle_or_none as cycle_or_none
 from stickslip.mechanisms.drive_period import repeats as repeats
+from stickslip.mechanisms.electric_motor import CurrentLoop as CurrentLoop
+from stickslip.mechanisms.electric_motor import DCMotor as _DCMotor
+from stickslip.mechanisms.electric_motor import LOOPS as LOOPS
+from stickslip.mechanisms.electric_motor import MotorLoop as MotorLoop
+from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
+from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
+from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
+from stickslip.mechanisms.electric_motor import motor_of as motor_of
 from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
@@ -79,12 +87,13 @@ MECHANISM_MODULES: dict[str, str]
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Axis(_Axis):  # type: ignore[misc]  # final but for this
+    drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
         rotary: bool = ...,
         inertia: _Given,
-        drive: _Drive | None = ...,
+        drive: _Drive | _DCMotor | None = ...,
         stiffness: _Given = ...,
         damping: _Given = ...,
         load: _Given = ...,
@@ -125,6 +134,24 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
         restitution: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DCMotor(_DCMotor):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        resistance: _Given,
+        torque_constant: _Given,
+        back_emf_constant: _Given | None = ...,
+        gear_ratio: _Given = ...,
+        rotor_inertia: _Given = ...,
+        supply: _Given | None = ...,
+        supply_resistance: _Given | None = ...,
+        current_limit: _Given | None = ...,
+        loop: _MotorLoop | None = ...,
+        drive: _Drive | None = ...,
     ) -> None: ...
 
 @final
@@ -171,16 +198,18 @@ class Link(_Link):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Pendulum(_Pendulum):  # type: ignore[misc]  # final but for this
+    drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
         mass: _Given,
         length: _Given,
         inertia: _Given = ...,
-        drive: _Drive | None = ...,
+        drive: _Drive | _DCMotor | None = ...,
         damping: _Given = ...,
         load: _Given = ...,
         gravity: _Given = ...,
+        rest_angle: _Given | None = ...,
     ) -> None: ...
 
 @final
@@ -202,6 +231,16 @@ class PendulumCart(_PendulumCart):  # type: ignore[misc]  # final but for this
         wheelbase: _Given | None = ...,
         pivot_height: _Given = ...,
         centre_height: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PositionLoop(_PositionLoop):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        gain: _Given,
+        rate_gain: _Given = ...,
     ) -> None: ...
 
 @final
@@ -384,6 +423,15 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
         offset: _Given = ...,
     ) -> None: ...
 
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class VelocityLoop(_VelocityLoop):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        gain: _Given,
+    ) -> None: ...
+
 __all__ = [
     "Axis",
     "BlockChain",
@@ -392,8 +440,11 @@ __all__ = [
     "ClutchTrain",
     "Contact",
     "ContactInputs",
+    "CurrentLoop",
+    "DCMotor",
     "DiscBrake",
     "Guide",
+    "LOOPS",
     "Lining",
     "Link",
     "MECHANISMS",
@@ -401,8 +452,10 @@ __all__ = [
     "MatrixMechanism",
     "Mechanism",
     "Motor",
+    "MotorLoop",
     "Pendulum",
     "PendulumCart",
+    "PositionLoop",
     "Prescribed",
     "Robot",
     "RobotDescription",
@@ -416,6 +469,7 @@ __all__ = [
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
+    "VelocityLoop",
     "gear_inputs",
     "given_inputs",
     "mechanisms",

@@ -17,6 +17,12 @@ from stickslip.mechanisms.base import (
     gear_inputs,
     stops_between,
 )
+from stickslip.mechanisms.electric_motor import (
+    DCMotor,
+    driving,
+    driving_force,
+    driving_inertia,
+)
 from stickslip.quantities import Quantity
 
 
@@ -44,8 +50,8 @@ class Axis(LinearOrRotary, BoundedMechanism):
 
     inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2]."""
-    drive: Drive | None = None
-    """Force [N] or torque [N m]."""
+    drive: Drive | DCMotor | None = None
+    """Force [N] or torque [N m], or a `DCMotor`, whose rotor adds to the inertia."""
     stiffness: Annotated[float, Quantity("k", "N/m", low=0, or_unit="N m/rad")] = 0.0
     """Spring towards x = 0."""
     damping: Annotated[float, Quantity("c", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
@@ -63,7 +69,8 @@ class Axis(LinearOrRotary, BoundedMechanism):
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        return 0.5 * self.inertia * q_dot["x"] * q_dot["x"]
+        inertia = self.inertia + driving_inertia(self.drive)
+        return 0.5 * inertia * q_dot["x"] * q_dot["x"]
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
@@ -77,7 +84,8 @@ class Axis(LinearOrRotary, BoundedMechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"x": drives.get("drive", 0.0) - self.damping * q_dot["x"] - self.offset}
+        force = driving_force(self.drive, drives, q["x"], q_dot["x"])
+        return {"x": force - self.damping * q_dot["x"] - self.offset}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -92,7 +100,8 @@ class Axis(LinearOrRotary, BoundedMechanism):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         external = -self.stiffness * q["x"] - self.damping * q_dot["x"] - self.offset
-        return gear_inputs(drives.get("drive", 0.0), external, position=q["x"])
+        force = driving_force(self.drive, drives, q["x"], q_dot["x"])
+        return gear_inputs(force, external, position=q["x"])
 
     @override
     def stops(self) -> tuple[Stop, ...]:
@@ -100,4 +109,4 @@ class Axis(LinearOrRotary, BoundedMechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        return {} if self.drive is None else {"drive": self.drive}
+        return driving(self.drive)

@@ -9,13 +9,13 @@ import numpy as np
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
 from stickslip.experiments.differentiation import acceleration_of
-from stickslip.experiments.measurement import Array, Measurement
+from stickslip.experiments.measurement import ELECTRIC, Array, Measurement
+from stickslip.experiments.recorded_drive import COMMANDS
 from stickslip.experiments.slicing import between_gaps
 from stickslip.formatting import number, percent
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 
-DRIVES: Final = ("force", "reference")
 """What drives a record in time."""
 OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
@@ -44,7 +44,7 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
     """Say that nothing was recorded that could drive a motion, nor does the mechanism."""
     known = record.quantities()
     moved = "position" in known or "velocity" in known
-    if record.time is None or not moved or {*known} & {*DRIVES, *OTHERS}:
+    if record.time is None or not moved or {*known} & {*COMMANDS, *OTHERS}:
         return
     if mechanism is not None and mechanism.drives():
         return
@@ -63,7 +63,7 @@ def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
     A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
     position alone was recorded, has the forces that its parameters say.
     """
-    measured = {*record.quantities()} & {*DRIVES, *OTHERS}
+    measured = {*record.quantities()} & {*COMMANDS, *OTHERS}
     return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
 
 
@@ -127,7 +127,7 @@ def _undriven(record: Measurement) -> bool:
     known = {*record.quantities()}
     if (
         record.time is None
-        or known & {"reference", *OTHERS}
+        or known & {"reference", *ELECTRIC, *OTHERS}
         or not known & {"position", "velocity"}
     ):
         return False

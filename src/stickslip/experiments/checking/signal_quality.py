@@ -14,9 +14,12 @@ from stickslip.formatting import number, percent, quantity
 LIMITED: Final = ("force", "spring_force")
 """What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
 NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
-LARGEST: Final = {"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7}
+LARGEST: Final = {
+    **{"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7},
+    **{"V": 1e4, "A": 1e4},
+}
 HUGE: Final = 1e60
-WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians"}
+WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians", "V": "volts", "A": "amperes"}
 SPANNED: Final = ("m", "rad")
 SMALLEST_SPAN: Final = 1e-6
 LONGEST_RUN: Final = 20

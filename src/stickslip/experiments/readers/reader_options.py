@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias, final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES
+from stickslip.experiments.measurement import BESIDE, BY_JOINT, ELECTRIC, QUANTITIES
 from stickslip.experiments.parameter_paths import PREFIX, canonical
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.spelling import Speaker
 from stickslip.experiments.readers.time_base import Repair, repairs
 from stickslip.experiments.units import read_gain
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Quantity
 from stickslip.units import shown
 
@@ -146,7 +146,9 @@ def check_columns(
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown quantity in columns 'positon'. Did you mean ...
     """
-    known = ("time", *QUANTITIES, *BESIDE, *OF_TRIALS, "trial")
+    electric = () if motor_of(mechanism) else ELECTRIC
+    quantities = (name for name in QUANTITIES if name not in electric)
+    known = ("time", *quantities, *BESIDE, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
         if name in (*known, *currents) or (rest and first in ("initial", PREFIX, *BY_JOINT)):

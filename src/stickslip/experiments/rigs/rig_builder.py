@@ -56,6 +56,7 @@ from stickslip.formatting import joined
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
     LINKS,
+    DCMotor,
     LinearOrRotary,
     Mechanism,
     as_rotary,
@@ -277,20 +278,26 @@ def _varied(mechanism: Table) -> tuple[str, ...]:
     """Return the paths of the parameters that are marked to be fitted."""
     if isinstance(mechanism, UrdfTable) and mechanism.links == "unknown":
         return (LINKS,)
-    return tuple(
-        f"{PREFIX}.{name}"
-        for name, value in mechanism.given().items()
-        if isinstance(value, Given) and value.marked
-    )
+    return tuple(path for path, value in _numbers(mechanism, PREFIX) if value.marked)
 
 
 def _doubts(mechanism: Table) -> dict[str, float]:
     """Return the uncertainties of the mechanism's parameters by path."""
     return {
-        f"{PREFIX}.{name}": value.uncertainty
-        for name, value in mechanism.given().items()
-        if isinstance(value, Given) and value.uncertainty is not None
+        path: value.uncertainty
+        for path, value in _numbers(mechanism, PREFIX)
+        if value.uncertainty is not None
     }
+
+
+def _numbers(table: Table, key: str) -> Iterator[tuple[str, Given]]:
+    """Yield the numbers of a table, and of those below it that may be marked, by path."""
+    for name, value in table.given().items():
+        if isinstance(value, Given):
+            yield f"{key}.{name}", value
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, Table):  # of several, none may be marked
+                yield from _numbers(one, f"{key}.{name}")
 
 
 def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
@@ -359,11 +366,26 @@ def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> d
             values[name] = _build(value, path, file, overridden)
         elif isinstance(value, list):
             made = [_build(one, path, file, overridden) for one in value]
+            if any(isinstance(one, DCMotor) for one in made):
+                values[name] = _alone(made, path, file)
+                continue
             drive = all(isinstance(one, Drive) for one in made)
             values[name] = _sum(made) if drive else tuple(made)
         else:
             values[name] = value.value if isinstance(value, Given) else value
     return values
+
+
+def _alone(made: list[Any], path: str, file: str) -> DCMotor:
+    """Return a motor; nothing can be added to it."""
+    if len(made) > 1:
+        raise InputError(
+            f"{file}: {path}: a {DCMotor.name} stands alone: add drives to the command of the"
+            " motor, its own drive."
+        )
+    (motor,) = made
+    assert isinstance(motor, DCMotor)
+    return motor
 
 
 def _sum(drives: list[Drive]) -> Drive:

@@ -13,13 +13,20 @@ import typing
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Union
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_validator,
+)
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import check_uncertainty, read_number
-from stickslip.mechanisms import MOTORS, Mechanism, Motor
+from stickslip.mechanisms import LOOPS, MOTORS, DCMotor, Mechanism, Motor, MotorLoop
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import NUMBER_WITH_UNIT, shown
 
@@ -302,12 +309,14 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         if isinstance(part, type) and issubclass(part, Parametrised)
     ]
     if Drive in parts:
-        return drive_tables()
+        motor = DCMotor in parts and table_of(DCMotor, DCMotor.name, mark, "", measured)
+        return drive_tables(motor or None)
     for part in parts:
         if part in MEMBERS:
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
-            tables = {kind: table_of(one, kind, moved=inner) for kind, one in members}
+            marks = (mark, inner, measured) if part is MotorLoop else ("", inner, False)
+            tables = {kind: table_of(one, kind, *marks) for kind, one in members}
             return choice({kind: _or_in_file(table, inner) for kind, table in tables.items()})
     if len(parts) == 1:
         return _alone(parts[0])
@@ -335,7 +344,7 @@ def _or_in_file(table: type[Table], moved: str) -> type[Table]:
     return model
 
 
-MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}
+MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS, MotorLoop: LOOPS}
 """What parts of mechanisms are chosen from, by their ``type``."""
 
 
@@ -347,9 +356,10 @@ def _inner_unit(cls: type) -> str:
     return str(units[-1]) if len(units) > 1 and units[-1] in {"m", "rad"} else ""
 
 
-def drive_tables() -> Any:
-    """Return the type of a table of a drive, or of several that are summed."""
-    drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
+def drive_tables(motor: type[Table] | None = None) -> Any:
+    """Return the type of a table of a drive, or of several that are summed, or of a motor."""
+    tables = {kind: table_of(drive, kind) for kind, drive in DRIVES.items()}
+    drives: Any = choice(tables if motor is None else {**tables, DCMotor.name: motor})
     return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
 
 

@@ -7,7 +7,7 @@ from typing import Any, get_args, get_type_hints
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, Sum
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import Friction, FrictionLaw, Laws, assigned, laws
-from stickslip.mechanisms import MOTORS, Mechanism, mechanisms, without_given
+from stickslip.mechanisms import LOOPS, MOTORS, DCMotor, Mechanism, mechanisms, without_given
 from stickslip.quantities import Parametrised, fields_of
 
 
@@ -92,7 +92,7 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
     table: dict[str, object] = {"type": kind} if kind else {}
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
-        kinds: Mapping[str, type] = PROFILES if _is_profile(root, field.name) else MOTORS
+        kinds: Mapping[str, type] = PROFILES if _is_profile(root, field.name) else DRIVERS
         name = next((name for name, kind in kinds.items() if type(value) is kind), None)
         if name is not None:
             table[field.name] = _table(value, name)
@@ -112,6 +112,10 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
         elif isinstance(value, Parametrised):
             table[field.name] = _table(value, "")
     return table
+
+
+DRIVERS: Mapping[str, type] = {**MOTORS, **LOOPS, DCMotor.name: DCMotor}
+"""What has a ``type`` beside drives and motions."""
 
 
 def _differing(part: Parametrised) -> dict[str, object]:

@@ -183,6 +183,10 @@ def step_intervals(
     return found
 
 
+PART = 0.1
+"""Share of the direction that a record separates least from which a parameter is named in it."""
+
+
 def sentences_of(
     free_parameters: FreeParameters,
     jacobian: ResidualJacobian,
@@ -209,14 +213,23 @@ def sentences_of(
             )
     lines += _together(free_parameters, inference, at_bounds)
     if inference.condition > SEPARABLE:
-        symbols = ", ".join(
-            item.quantity.symbol for item in free_parameters.items if not item.quantity.nuisance
-        )
+        symbols = ", ".join(_inseparable(free_parameters, jacobian))
         lines.append(
             f"This record cannot separate {symbols}: the condition number is"
             f" {number(inference.condition, 2)}, above the limit of {number(SEPARABLE)}."
         )
     return tuple(lines)
+
+
+def _inseparable(free_parameters: FreeParameters, jacobian: ResidualJacobian) -> list[str]:
+    """Return the symbols of what the record separates least: what takes part in that direction."""
+    quantities = [item.quantity for item in free_parameters.items]
+    symbols = ["links" if one.nuisance else one.symbol for one in quantities]
+    size = np.linalg.norm(jacobian.slopes, axis=0)
+    seen = np.flatnonzero(size > 0.0)
+    weakest = np.linalg.svd(jacobian.slopes[:, seen] / size[seen], full_matrices=False)[2][-1]
+    found = [*dict.fromkeys(symbols[k] for k in seen[np.abs(weakest) > PART])]
+    return found if len(found) > 1 else [*dict.fromkeys(symbols)]
 
 
 def offset_left_out(

@@ -6,7 +6,7 @@ friction there balances the other forces, as far as a law can hold it.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -18,6 +18,7 @@ from stickslip.errors import InputError
 from stickslip.evidence import derivative, play
 from stickslip.experiments import (
     Measurement,
+    as_recorded,
     between_gaps,
     noise_of,
     step_of,
@@ -40,7 +41,7 @@ from stickslip.identification.force_map.data import (
     weighs,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.series.applied_force import applied_force
+from stickslip.identification.series.applied_force import applied_force, goes_straight
 from stickslip.identification.series.inverse_dynamics import (
     HARMONICS,
     HIGHEST,
@@ -110,7 +111,7 @@ def balanced(
     found: list[MotionSegment] = []
     for number, record in enumerate(measurement.records()):
         t = times_of(record)
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        set_up = as_recorded(mechanism, record)
         length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
@@ -130,6 +131,25 @@ def balanced(
             " longer, or choose the route shooting."
         )
     return tuple(found)
+
+
+@final
+@dataclass(frozen=True)
+class RederivedBalance:
+    """Derives the friction of a record with other values of parameters of the mechanism."""
+
+    paths: tuple[str, ...]
+    """Paths of these parameters."""
+    mechanism: Mechanism
+    """Has all other values."""
+    measurement: Measurement
+    """The record."""
+    derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]]
+    """`balanced` with its settings."""
+
+    def __call__(self, values: Mapping[str, float]) -> tuple[MotionSegment, ...]:
+        """Return the stretches at values by path."""
+        return self.derive(vary(self.mechanism, "mechanism", values), self.measurement)
 
 
 @final
@@ -154,16 +174,14 @@ class BalanceProblemBuilder:
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
-        own = balanced(
-            self.mechanism, record, hold=self.hold, segment=length, resolved=self.resolved
+        return self._along(
+            partial(balanced, hold=self.hold, segment=length, resolved=self.resolved), record
         )
-        return self._along(own, record)
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
         """Return the problem that is fitted: usually of rows that slip, as rests judge a law."""
-        own = balanced(
-            self.mechanism,
-            record,
+        derive = partial(
+            balanced,
             hold=self.hold,
             segment=length,
             slipping=self.slipping,
@@ -171,23 +189,32 @@ class BalanceProblemBuilder:
             wider=self.wider,
             samples=self.finer * SAMPLES,
         )
-        return self._along(own, record)
+        return self._along(derive, record)
 
-    def _along(self, stretches: Sequence[MotionSegment], record: Measurement) -> ForceMap:
-        mass = mass_of(self.mechanism)
-        return replace(self.problem.along(stretches, record), mass=mass, derived=(mass,))
+    def _along(
+        self,
+        derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]],
+        record: Measurement,
+    ) -> ForceMap:
+        mass, rederived = mass_of(self.mechanism), self.problem.rederived
+        if rederived is not None:
+            rederived = RederivedBalance(rederived.paths, self.mechanism, record, derive)
+        problem = self.problem.along(derive(self.mechanism, record), record)
+        return replace(problem, mass=mass, derived=(mass,), rederived=rederived)
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "BalanceProblemBuilder":
         """Return what builds the same with other bounds or start values of the unknowns."""
         return replace(self, problem=self.problem.with_free_parameters(free_parameters))
 
     def at(self, values: Array) -> "BalanceProblemBuilder":
-        """Return what derives friction with the mass among values (p,); residuals stay the same."""
-        if not self.problem.linear:
-            return self
-        (path,) = self.problem.linear
-        mass = float(values[self.problem.free_parameters.paths.index(path)])
-        return replace(self, mechanism=vary(self.mechanism, "mechanism", {path: mass}))
+        """Return what derives friction with the mass, and others of the mechanism, of values (p,).
+
+        Residuals stay the same.
+        """
+        again = () if self.problem.rederived is None else self.problem.rederived.paths
+        paths = self.problem.free_parameters.paths
+        own = {path: float(values[paths.index(path)]) for path in (*self.problem.linear, *again)}
+        return replace(self, mechanism=vary(self.mechanism, "mechanism", own)) if own else self
 
 
 def _stretch(
@@ -214,7 +241,7 @@ def _stretch(
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
-    joined = hold == "first" or "force" not in record.quantities()
+    joined = goes_straight(record, hold)
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
     inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,17 @@ class _Local:
         return columns - self.basis @ (self.basis.T @ columns)
 
 
+class Rederivation(Protocol):
+    """Derives friction anew with other values of parameters in which it is not linear."""
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Paths of these parameters of the mechanism."""
+
+    def __call__(self, values: Mapping[str, float]) -> Sequence[MotionSegment]:
+        """Return the stretches at values by path."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ForceMap(RecordProblem):
@@ -104,6 +115,9 @@ class ForceMap(RecordProblem):
     one_way: bool = False
     """Whether friction was derived along slip in one direction only, and nobody gave the constant
     force beside it: that is a part of the level."""
+    rederived: Rederivation | None = None
+    """Derives the stretches anew where parameters are looked for in which friction is not linear,
+    such as those of a motor, on whose torque the friction of its gear depends, too."""
     of_applied: bool = False
     """Whether what is measured is the applied force, of which friction is a part."""
 
@@ -212,6 +226,8 @@ class ForceMap(RecordProblem):
         only: Sequence[int] | None = None,
         slopes: bool = True,
     ) -> ResidualJacobian:
+        if self.rederived is not None:
+            return self._rederived(self.rederived, values, near, only, slopes=slopes)
         masks = [one.rows_of(only) for one in self.stretches]
         segment = np.concatenate(
             [one.segment[mask] for one, mask in zip(self.stretches, masks, strict=True)]
@@ -245,6 +261,45 @@ class ForceMap(RecordProblem):
     @override
     def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
+
+    def _rederived(
+        self,
+        rederived: Rederivation,
+        values: Array,
+        near: ResidualJacobian | None,
+        only: Sequence[int] | None,
+        *,
+        slopes: bool,
+    ) -> ResidualJacobian:
+        """Return what stretches derived at these values leave; slopes by them are differences."""
+        at = [self.free_parameters.paths.index(path) for path in rederived.paths]
+
+        def seen(values: Array, *, slopes: bool) -> ResidualJacobian:
+            own = dict(zip(rederived.paths, values[at].tolist(), strict=True))
+            try:
+                stretches = tuple(rederived(own))
+            except (ParameterError, ArithmeticError):
+                rows = [one.segment[one.rows_of(only)] for one in self.stretches]
+                return _failed(values, np.concatenate(rows))
+            one = replace(self, stretches=stretches, rederived=None)
+            return one.linearise(values, near, only=only, slopes=slopes)
+
+        here = seen(values, slopes=slopes)
+        if not (slopes and here.finite):
+            return here
+        table = here.slopes.copy()
+        for column in at:
+            start = self.free_parameters.items[column].start
+            step = MOVED * (max(abs(values[column]), abs(start)) or 1.0)
+            there = seen(values + step * (np.arange(len(values)) == column), slopes=False)
+            table[:, column] = (here.residual - there.residual) / step
+        return ResidualJacobian(
+            values=values,
+            residual=here.residual,
+            slopes=table,
+            segment=here.segment,
+            memory=here.memory,
+        )
 
     def _linear(self, values: Array) -> Array:
         """Return the parameters of the mechanism that are looked for (k,)."""

@@ -19,6 +19,7 @@ from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
 from stickslip.identification.force_map.force_balance import (
     BalanceProblemBuilder,
+    RederivedBalance,
     balanced,
     positive_noise,
 )
@@ -34,11 +35,12 @@ from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
-from stickslip.identification.series.inverse_dynamics import mass_of, positions_of
+from stickslip.identification.series.inverse_dynamics import is_mass, mass_of, positions_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     joined,
     law_unknowns,
+    mechanism_unknown,
     mechanism_unknowns,
     scales_of,
 )
@@ -48,7 +50,7 @@ from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.identification.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, stops_of
-from stickslip.quantities import fields_of, vary
+from stickslip.quantities import fields_of, full_path, parameters, vary
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -352,12 +354,17 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
 def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, hold = wanted.mechanism, choice.settings.holding
-    mass = inertia_of(mechanism, measurement, wanted.unknown)
+    known = [path for path, *_ in parameters(mechanism, "mechanism")]
+    unknown = [full_path(name, known) for name in wanted.unknown]
+    masses = [path for path in unknown if is_mass(mechanism, path)]
+    others = [path for path in unknown if path not in masses]
+    mass = inertia_of(mechanism, measurement, masses)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
     slipping = not memory_is_seen(wanted.law, measurement)
     resolved = choice.resolved or not slipping
-    own = partial(balanced, mechanism, measurement, hold=hold, slipping=slipping, resolved=resolved)
+    derive = partial(balanced, hold=hold, slipping=slipping, resolved=resolved)
+    own = partial(derive, mechanism, measurement)
     stretches = own()
     _check_inputs(wanted, measurement, stretches)
     if mass is not None:
@@ -375,10 +382,32 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
         mass=mass_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
-    if mass is not None:
+    if others:
+        again = RederivedBalance(tuple(others), mechanism, measurement, derive)
+        problem, starts = _with_rederived(problem, starts, again)
+    if wanted.unknown:
         _refuse_overrides(measurement, problem.free_parameters)
     build = BalanceProblemBuilder(mechanism, problem, hold, slipping, resolved)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def _with_rederived(
+    problem: ForceMap, starts: Sequence[Array], again: RederivedBalance
+) -> tuple[ForceMap, tuple[Array, ...]]:
+    """Return a problem, and start values, with parameters for which friction is derived anew."""
+    known = {
+        path: (quantity, value)
+        for path, quantity, value in parameters(again.mechanism, "mechanism")
+    }
+    level = float(np.median(np.abs(problem.measured)))
+    items = [mechanism_unknown(path, *known[path], level) for path in again.paths]
+    added = [item.start for item in items]
+    free = problem.free_parameters
+    free = replace(free, items=(*free.items, *items))
+    return (
+        replace(problem.with_free_parameters(free), rederived=again),
+        tuple(np.append(start, added) for start in starts),
+    )
 
 
 def memory_is_seen(law: FrictionLaw | type[FrictionLaw], measurement: Measurement) -> bool:

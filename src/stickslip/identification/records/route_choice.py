@@ -330,10 +330,14 @@ def whole_record_error(fit: RecordFit) -> float:
         return math.nan
     usual = RecordSettings() if fit.hold is None else fit.hold.applied(RecordSettings())
     offset = ("mechanism.offset",) if "offset" in mechanism.__dataclass_fields__ else ()
-    asked: Wanted = Parameters(mechanism=mechanism, law=fit.law, free=(), unknown=offset)
+    # of a mechanism without such a force, all stays as it was fitted
+    free = () if offset else None
+    asked: Wanted = Parameters(mechanism=mechanism, law=fit.law, free=free, unknown=offset)
     try:
         whole = _by_segments(_whole(measurement, usual))
         problem = simulated(whole, asked, measurement).problem
+        if not offset:
+            return settled(problem, problem.free_parameters.start).rms
         start = np.full(len(problem.free_parameters), fit.offset)
         return improve(problem, start, rounds=WHOLE, flat=SUSPECT)[0].rms
     except StickslipError:

@@ -4,10 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.experiments import Measurement, command_of
+from stickslip.mechanisms import Mechanism, motor_of, slip_of
 
 Array = NDArray[np.float64]
+
+
+def goes_straight(record: Measurement, hold: str) -> bool:
+    """Whether what drives a record goes straight from sample to sample: references always do."""
+    return hold == "first" or command_of(record) not in {"force", "voltage", "current"}
 
 
 def driven(measurement: Measurement) -> bool:
@@ -23,9 +28,8 @@ def driven(measurement: Measurement) -> bool:
 
 
 def _drives(record: Measurement) -> bool:
-    known = record.quantities()
-    name = next((one for one in ("force", "reference") if one in known), None)
-    return name is not None and bool(np.any(record.values(name)))
+    name = command_of(record)
+    return bool(name) and bool(np.any(record.values(name)))
 
 
 def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
@@ -43,9 +47,7 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     return bool(mechanism.drives()) and any(
-        record.time is not None
-        and not record.joints
-        and not {"force", "reference"}.intersection(record.quantities())
+        record.time is not None and not record.joints and not command_of(record)
         for record in measurement.records()
     )
 
@@ -76,6 +78,8 @@ def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
 def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
     """Return the force (n,) [N] that drives a record; None if it moves by itself.
 
+    Of a motor that is its command, a voltage [V], a current [A] or the goal of its loop.
+
     A record with a reference and without a force is one in closed loop. Its controller is part of
     the mechanism: its gains are a spring and a damper towards the reference, so the mechanism needs
     ``stiffness`` and ``damping``, and the force is what they pull with from the reference's side.
@@ -90,6 +94,8 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
     known = record.quantities()
     if "force" in known:
         return np.asarray(record.values("force"))
+    if motor_of(mechanism) is not None:
+        return np.asarray(record.values(command_of(record))) if command_of(record) else None
     if "reference" not in known:
         return None
     stiffness = float(getattr(mechanism, "stiffness", 0.0))

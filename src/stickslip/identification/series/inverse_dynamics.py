@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement, between_gaps
+from stickslip.experiments import Measurement, as_recorded, between_gaps
 from stickslip.formatting import estimate, percent, quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
@@ -44,6 +44,8 @@ LEAST = 30
 """Samples a record must have."""
 ROUNDS = 20
 """Times that robust regression weighs anew, at most."""
+SAME = 1e-9
+"""Share by which two masses differ that are the same."""
 SETTLED = 1e-6
 """Change of the estimates, as shares of the force, at which it ends."""
 
@@ -179,9 +181,7 @@ def inverse_dynamics(
     inertia = bool(names)
     parts = []
     for record in measurement.records():
-        set_up = (
-            with_values(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        )
+        set_up = as_recorded(mechanism, record)
         for piece in _pieces(record):
             parts.append(_columns(set_up, piece, cutoff, decimate, directional=directional))
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -211,6 +211,23 @@ def check_is_mass(names: Iterable[str]) -> None:
     for name in names:
         if name.rpartition(".")[2] not in ("inertia", "mass"):
             raise InputError(f"inverse dynamics identifies the mass of a mechanism, not {name!r}.")
+
+
+def is_mass(mechanism: Mechanism, path: str) -> bool:
+    """Whether a parameter of a mechanism is its mass as it moves, and nothing else.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> is_mass(Axis(inertia=2.0), "mechanism.inertia")
+    True
+    >>> is_mass(Pendulum(mass=2.0, length=0.5), "mechanism.mass")
+    False
+    """
+    if path not in ("mechanism.inertia", "mechanism.mass"):
+        return False
+    mass = mass_of(mechanism)
+    return abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= SAME * mass
 
 
 def times_of(record: Measurement) -> Array:

@@ -18,6 +18,7 @@ from stickslip.identification.series.inertia import REVERSED
 from stickslip.identification.series.inverse_dynamics import (
     InverseDynamics,
     inverse_dynamics,
+    is_mass,
     mass_of,
     positions_of,
 )
@@ -291,22 +292,26 @@ def mechanism_unknowns(
     for path in dict.fromkeys(path for path in paths if path not in held):
         quantity, value = known[path]
         name = path.rpartition(".")[2]
-        start = {"inertia": scales.inertia, "mass": scales.inertia, "offset": scales.offset}
-        log = quantity.above is not None
-        begin = start.get(name, value)
-        most = (REACH if name in NUISANCE else 1e3) * (scales.level + abs(begin))
-        found.append(
-            FreeParameter(
-                path=path,
-                quantity=quantity,
-                start=begin,
-                low=1e-3 * begin if log else max(quantity.low, -most),
-                high=1e3 * begin if log else most,
-                log=log,
-                guessed=True,
-            )
-        )
+        begin = scales.offset if name == "offset" else value
+        begin = scales.inertia if is_mass(mechanism, path) else begin
+        found.append(mechanism_unknown(path, quantity, begin, scales.level))
     return tuple(found)
+
+
+def mechanism_unknown(path: str, quantity: Quantity, start: float, level: float) -> FreeParameter:
+    """Return an unknown of a mechanism under friction of a level [N], with wide bounds."""
+    log = quantity.above is not None
+    name = path.rpartition(".")[2]
+    most = (REACH if name in NUISANCE else 1e3) * (level + abs(start))
+    return FreeParameter(
+        path=path,
+        quantity=quantity,
+        start=start,
+        low=1e-3 * start if log else max(quantity.low, -most),
+        high=1e3 * start if log else min(quantity.high, most),
+        log=log,
+        guessed=True,
+    )
 
 
 def joined(law: FrictionLaw, items: Sequence[FreeParameter]) -> FreeParameters:

@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, as_recorded
 from stickslip.formatting import joined, number
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
     drives_itself,
+    goes_straight,
     inside,
 )
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, Hold
 from stickslip.identification.shooting.multiple_shooting import Segment
-from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.quantities import vary
+from stickslip.mechanisms import Mechanism, motor_of, slip_of
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,8 @@ def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
             f"{type(mechanism).__name__} has no drive that a measured force can replace; use Axis"
             " or SpringBlock."
         )
-    return replace(mechanism, drive=drive)  # type: ignore[call-arg]  # it has one, as was seen
+    motor = motor_of(mechanism)
+    return replace(mechanism, drive=drive if motor is None else replace(motor, drive=drive))  # type: ignore[call-arg]  # it has one, as was seen
 
 
 def segments_of(
@@ -85,7 +86,7 @@ def segments_of(
     quantity = measured_quantity(measurement) if quantity is None else quantity
     found: list[Segment] = []
     for index, record in enumerate(loaded(mechanism, measurement).records()):
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        set_up = as_recorded(mechanism, record)
         time = np.asarray(record.time)
         for first, last in _stretches(time, length):
             rows = _rows(first, last, resolution)
@@ -134,7 +135,7 @@ def _segment(
     force = applied_force(mechanism, record)
     if force is not None:
         part = slice(first, last + 1)
-        joined = hold == "first" or "force" not in record.quantities()
+        joined = goes_straight(record, hold)
         pushed = bool(np.any(force))  # a force of 0 is no drive, and takes the mechanism's own off
         drive = _drive(record.time[part], force[part], stride, joined=joined) if pushed else None
         mechanism = with_drive(mechanism, drive)

@@ -9,13 +9,18 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.evidence import Series, outliers
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, as_recorded
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
 from stickslip.identification.force_map.data import load_along
 from stickslip.identification.force_map.joint_balance import joint_series
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
-from stickslip.identification.series.applied_force import applied_force, driven, drives_itself
+from stickslip.identification.series.applied_force import (
+    applied_force,
+    driven,
+    drives_itself,
+    goes_straight,
+)
 from stickslip.identification.series.inverse_dynamics import (
     LEAST,
     known_forces,
@@ -83,7 +88,7 @@ def _forces(mechanism: Mechanism, record: Measurement, unknown: Sequence[str]) -
         force = still if applied is None else known_forces(one, x, v, applied)[1]
         return force - still, np.append(still, [mass, load_along(one, record, len(x))[0]])
 
-    given = _set_up(mechanism, record)
+    given = as_recorded(mechanism, record)
     applied, still = on(given)
     columns = {}
     for path in unknown:
@@ -197,7 +202,7 @@ def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
 def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:
     """Return the normal forces [N] at the samples (n,) of each record."""
     return [
-        load_along(_set_up(mechanism, one), one, len(np.asarray(one.time)))
+        load_along(as_recorded(mechanism, one), one, len(np.asarray(one.time)))
         for one in measurement.records()
     ]
 
@@ -229,10 +234,6 @@ def _value(mechanism: Mechanism, path: str) -> float:
     return next(value for name, _, value in parameters(mechanism, "mechanism") if name == path)
 
 
-def _set_up(mechanism: Mechanism, record: Measurement) -> Mechanism:
-    return vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-
-
 def _series(
     mechanism: Mechanism,
     record: Measurement,
@@ -249,7 +250,7 @@ def _series(
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
     forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
-    mass = None if finds_mass(unknown) else mass_of(_set_up(mechanism, record))
+    mass = None if finds_mass(unknown) else mass_of(as_recorded(mechanism, record))
     varies = bool(np.ptp(forces.taken) > 0.0)
     extra = dict(forces.columns)
     if varies or extra:
@@ -266,5 +267,5 @@ def _series(
         extra=extra,
         covariates=covariates,
         velocity=velocity if "position" not in known else None,
-        hold=hold == "zero" and "force" in known,
+        hold=not goes_straight(record, hold),
     )

@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from stickslip.drives import Drive
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import Mechanism, slipping
+from stickslip.mechanisms import Mechanism, motor_of, slipping
 from stickslip.plots.animation.scenes.bounding_boxes import (
     Extent,
     Scales,
@@ -155,7 +156,7 @@ WORDS: Final = {0: "stick", 1: "slip forward", -1: "slip backward", 2: "at stop"
 def moments_of(
     run: Trajectory, mechanism: Mechanism, times: "np.typing.NDArray[np.float64]"
 ) -> list[Moment]:
-    """Return the columns of a run and the values of its drives at each of some times.
+    """Return the columns of a run, and its drives or the torque of its motor, at some times.
 
     Examples
     --------
@@ -170,11 +171,20 @@ def moments_of(
     seen = run.at(times)
     columns = {name: seen[name] for name in run.names}
     drives = {name: drive for name, drive in mechanism.drives().items() if name not in run.names}
+    motor = motor_of(mechanism)
+
+    def acting(drive: Drive, t: float, row: int) -> float:
+        value = drive.value(t)
+        if motor is None or drive is not motor.drive:
+            return value
+        place, rate = (columns[n][row] for n in (mechanism.coordinates[0], mechanism.rates[0]))
+        return float(motor.force(value, place, rate))
+
     return [
         {
             "t": float(t),
             **{name: float(values[row]) for name, values in columns.items()},
-            **{name: drive.value(float(t)) for name, drive in drives.items()},
+            **{name: acting(drive, float(t), row) for name, drive in drives.items()},
         }
         for row, t in enumerate(times)
     ]

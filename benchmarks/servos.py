@@ -1,0 +1,449 @@
+"""Servos: do intervals of motor and gear hold, and which gear law does a measured servo ask for?
+
+``python -m benchmarks.servos --rigs 20 --seed 1`` makes up hobby servos: a motor with unknown
+resistance and torque constant, a gear with the friction of `BamM4`, an arm of known mass, and a
+position loop that samples, with an encoder of 4096 counts and a PWM of 885. The law, R and k_t are
+fitted to the angle and the voltage that such a servo reports. Counted is how many nominal 95 %
+intervals hold the true value, and whether the pairs that the record does not separate are named.
+
+``python -m benchmarks.servos --measured`` fits laws to the servo in ``bam_xl330`` of
+``STICKSLIP_DATA`` and prints the table of the how-to guide on servos: each law is fitted to the
+records of all gains but one, and its error is that on the gain that was left out.
+
+Results are appended to a file line by line, and a run that was killed goes on where it was.
+"""
+
+import argparse
+import json
+import math
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.rigs import Array, Random, between
+from benchmarks.synthetic_truth import judged, run, share
+from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Sampled
+from stickslip.errors import StickslipError
+from stickslip.friction import LAWS, law
+from stickslip.mechanisms import DCMotor, PositionLoop
+
+VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
+COUNT = 2.0 * math.pi / 4096
+"""Step of the encoder [rad]."""
+SUPPLY, DUTIES = 7.4, 885
+"""Voltage of the supply [V], and counts of the full duty."""
+PERIOD, DURATION = 4e-3, 16.0
+"""Of the loop, and of a record [s]."""
+TOGETHER = 0.95
+"""Correlation beyond which two estimates are named together."""
+RESULTS, MEASURED = "servos.jsonl", "servo_laws.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Servo:
+    """A servo with an arm, its friction, and the goal that it follows."""
+
+    rig: Pendulum
+    law: BamM4
+    gain: float
+    """Of the position loop [V/rad]."""
+    swings: tuple[tuple[float, float, float], ...]
+    """Amplitude [rad], frequency [Hz] and phase of the parts of the goal."""
+
+    def goal(self, t: float) -> float:
+        """Return the goal [rad] at a time."""
+        return sum(a * math.sin(2.0 * math.pi * f * t + phase) for a, f, phase in self.swings)
+
+
+def draw(random: Random) -> Servo:
+    """Return a random servo; what its gear takes grows with the torque that it transmits."""
+    arm, length = between(random, 0.2, 0.6), between(random, 0.08, 0.14)
+    weight = arm * 9.81 * length
+    k_t = weight / between(random, 0.6, 1.4)
+    motor = DCMotor(
+        resistance=SUPPLY * k_t / weight / between(random, 2.5, 5.0),
+        torque_constant=k_t,
+        rotor_inertia=arm * length**2 * between(random, 0.1, 0.6),
+        supply=SUPPLY,
+    )
+    kinetic = weight * between(random, 0.03, 0.1)
+    friction = BamM4(
+        kinetic_coefficient=kinetic,
+        static_coefficient=kinetic * float(random.uniform(1.2, 1.8)),
+        transmitted_coefficient=between(random, 0.08, 0.25),
+        transmitted_static_surplus=between(random, 0.03, 0.1),
+        stribeck_velocity=between(random, 0.2, 0.8),
+        fading_exponent=1.0,
+        viscous_coefficient=weight * between(random, 0.02, 0.08),
+    )
+    swings = (
+        (float(random.uniform(0.5, 0.9)), between(random, 0.3, 0.6), float(random.uniform(0, 6))),
+        (float(random.uniform(0.2, 0.5)), between(random, 0.9, 1.6), float(random.uniform(0, 6))),
+    )
+    rig = Pendulum(mass=arm, length=length, drive=motor)
+    return Servo(rig=rig, law=friction, gain=between(random, 15.0, 40.0), swings=swings)
+
+
+def recorded(servo: Servo) -> Measurement:
+    """Return what a servo reports: angle, voltage and goal at each sample of its loop."""
+    pid = PID(proportional=servo.gain, reference=servo.goal, state="theta", rate=None, limit=SUPPLY)
+    loop = closed_loop(
+        servo.rig,
+        servo.law,
+        pid,
+        period=PERIOD,
+        t_end=DURATION,
+        limit=SUPPLY,
+        step=SUPPLY / DUTIES,
+        quantisation={"theta": COUNT},
+        y0={"theta": 0.5 * servo.goal(0.0)},
+    )
+    return Measurement(
+        time=loop.t,
+        position=loop.measured["theta"],
+        voltage=loop.commands,
+        reference=[servo.goal(t) for t in loop.t],
+        turning=True,
+    )
+
+
+def rate(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
+    """Return how the intervals of one servo are."""
+    del candidates
+    random = np.random.default_rng([seed, number])
+    servo = draw(random)
+    began = time.process_time()
+    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": "bam-m4", "route": route}
+    record = recorded(servo)
+    motor = servo.rig.drive
+    assert isinstance(motor, DCMotor)
+    off = np.exp(random.uniform(-0.3, 0.3, 2))
+    guess = replace(
+        motor,
+        resistance=motor.resistance * float(off[0]),
+        torque_constant=motor.torque_constant * float(off[1]),
+    )
+    true = {f"friction.{name}": getattr(servo.law, name) for name in servo.law.fit_order}
+    true |= dict(zip(VARIED, (motor.resistance, motor.torque_constant), strict=True))
+    try:
+        found: Any = fit(
+            replace(servo.rig, drive=guess),
+            BamM4,
+            record,
+            vary=["friction.*", *VARIED],
+            fixed={"fading_exponent": 1.0},
+            route=route,
+            settings=RecordSettings(hold="zero"),
+        )
+    except StickslipError as error:
+        return row | {"error": str(error), "seconds": time.process_time() - began}
+    estimates = {one.path: one for one in found.estimates}
+    table = found.inference.of_record.correlation
+    paths = found.free_parameters.paths
+    pairs = [
+        (i, j)
+        for i in range(len(paths))
+        for j in range(i)
+        if np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER
+    ]
+    symbols = [item.quantity.symbol for item in found.free_parameters.items]
+    said = " ".join(found.sentences)
+    return row | {
+        "seconds": time.process_time() - began,
+        "residual": found.rms,
+        "true": {path: true[path] for path in paths if path in true},
+        "found": {
+            path: [one.value, one.low, one.high, one.reason] for path, one in estimates.items()
+        },
+        "pairs": [[symbols[j], symbols[i]] for i, j in pairs],
+        "named": [f"{symbols[j]} and {symbols[i]} are" in said for i, j in pairs],
+        "said": list(found.sentences),
+    }
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the coverage of intervals, of all and by parameter, and what was named."""
+    hits: dict[str, list[bool]] = {}
+    unbounded: dict[str, int] = {}
+    for row in rows:
+        for path, true in row.get("true", {}).items():
+            _, low, high, reason = row["found"][path]
+            name = path.rpartition(".")[2]
+            if reason or not math.isfinite(high - low):
+                unbounded[name] = unbounded.get(name, 0) + 1
+            else:
+                hits.setdefault(name, []).append(low <= true <= high)
+    every = [hit for own in hits.values() for hit in own]
+    failed = [row for row in rows if "error" in row]
+    yield f"{len(rows)} servos, {len(failed)} without a fit: {[row['error'] for row in failed]}"
+    yield f"coverage of nominal 95 %: {share(every)}"
+    for name, own in hits.items():
+        yield f"  {name:28} {share(own)}; {unbounded.get(name, 0)} without an interval"
+    named = [one for row in rows for one in row.get("named", ())]
+    yield f"pairs with a correlation above {TOGETHER}: {len(named)}, named {sum(named)}"
+    both = [["R", "k_t"] in row.get("pairs", ()) for row in rows if "error" not in row]
+    yield f"R and k_t among them: {share(both)}"
+    seconds = [row["seconds"] for row in rows]
+    yield f"processor time: median {np.median(seconds):.0f} s, largest {max(seconds):.0f} s"
+
+
+GAINS = (100, 200, 800)
+"""Gains of the measured servo, in its own unit; one in turn is held out."""
+MEASURED_LAWS = (
+    "bam-m3",
+    "bam-m1",
+    "bam-m5",
+    "bam-m4",
+    "level + weight[motor] + weight[external] + viscous",
+    "bam-m2",
+    "bam-m6",
+)
+DROOP = 0.14
+"""Resistance of the measured servo's supply [ohm]: regression of the recorded bus voltage on duty
+times current, with R and k_t of the law of M3."""
+GRID = 5e-3
+"""Steps [s] on which records and runs are compared, as in BAM."""
+SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
+"""Records are simulated under the recorded voltage, in segments of 1 s ..."""
+WHOLE = replace(SETTINGS, hold="zero", segment=6.0, resolution=240, starts=1)
+"""... and through the loop as a whole, as the published errors are."""
+UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
+OPEN = {"mechanism.drive.current_limit": 0.0}
+"""A winding that is not connected."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Log:
+    """One file of the measured servo, on an even grid."""
+
+    name: str
+    gain: int
+    time: Array
+    angle: Array
+    goal: Array
+    voltage: Array
+    off: float
+    """When the winding was opened [s]; infinity if it was not."""
+
+    @property
+    def volts(self) -> float:
+        """Gain of its position loop [V/rad], by the formula of its firmware."""
+        return self.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
+
+    def records(self, *, loop: bool) -> Iterator[Measurement]:
+        """Yield the part that was driven, by voltage or goal, and that of the open winding."""
+        gain = {"mechanism.drive.loop.gain": self.volts} if loop else {}
+        for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
+            if rows.any():
+                t = self.time[rows]
+                yield Measurement(
+                    time=t - t[0],
+                    position=self.angle[rows],
+                    voltage=None if loop else self.voltage[rows] * (not label),
+                    reference=self.goal[rows] if loop else None,
+                    turning=True,
+                    name=self.name + label,
+                    overrides={**gain, **(OPEN if label else {})},
+                )
+
+
+def logs(folder: Path) -> list[Log]:
+    """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
+    import pandas as pd
+
+    found = []
+    for file in sorted(folder.glob("*.parquet")):
+        d = pd.read_parquet(file)
+        t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
+        grid = np.arange(t[0], t[-1], GRID)
+        bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
+        angle = np.interp(grid, t, d["q_rad"].to_numpy())
+        voltage = np.interp(grid, t, d["pwm_count"].to_numpy() / DUTIES * bus)
+        last = np.searchsorted(t, grid, side="right") - 1  # goals are held
+        goal = d["q_goal_rad"].to_numpy()[last]
+        off = float(t[~on][0]) if not on.all() else math.inf
+        gain = int(file.stem.partition("_")[0].removeprefix("kp"))
+        found.append(
+            Log(
+                name=file.stem,
+                gain=gain,
+                time=grid - grid[0],
+                angle=angle,
+                goal=goal,
+                voltage=voltage,
+                off=off - grid[0],
+            )
+        )
+    return found
+
+
+def joined(chosen: Sequence[Log], *, loop: bool = False) -> Measurement:
+    """Return files as trials of one measurement."""
+    trials = tuple(record for one in chosen for record in one.records(loop=loop))
+    return Measurement(trials=trials, name="xl330")
+
+
+def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
+    """Return the mean absolute error [rad] of the angle over a record simulated in closed loop."""
+    motor = rig.drive
+    assert isinstance(motor, DCMotor)
+    loop, goal = PositionLoop(gain=log.volts), Sampled(times=log.time, values=log.goal)
+    motor = replace(motor, loop=loop, drive=goal)
+    end = float(log.time[-1])
+    first = min(log.off, end)
+    start = {"theta": float(log.angle[0])}
+    run_on = simulate(replace(rig, drive=motor), friction, t_end=first, y0=start)
+    wanted = log.time[log.time <= first]
+    angles = [run_on.at(wanted)["theta"]]
+    if first < end:
+        last = {name: float(run_on[name][-1]) for name in ("theta", "omega")}
+        opened = replace(rig, drive=replace(motor, drive=None, loop=None, current_limit=0.0))
+        rest = log.time[log.time > first]
+        drop = simulate(opened, friction, t_end=end - first, y0=last)
+        angles.append(drop.at(rest - first)["theta"])
+    return float(np.mean(np.abs(np.concatenate(angles) - log.angle)))
+
+
+def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> Iterator[str]:
+    """Fit laws to the measured servo and append what is found to a file; yield progress."""
+    every = logs(folder)
+    rig = Pendulum(
+        mass=0.49,
+        length=0.1,
+        gravity=9.80665,
+        rest_angle=0.0,
+        drive=DCMotor(
+            resistance=4.0,
+            torque_constant=0.4,
+            rotor_inertia=1e-3,
+            current_limit=100.0,
+        ),
+    )
+    vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
+
+    def fitted(start: Any, friction: Any, chosen: Sequence[Log], settings: RecordSettings) -> Any:
+        record = joined(chosen, loop=settings is WHOLE)
+        return fit(start, friction, record, vary=vary, route="shooting", settings=settings)
+
+    done = {row["law"] for row in rows_of(file)}
+    for name in names:
+        if name in done:
+            continue
+        began = time.process_time()
+        row: dict[str, Any] = {"law": name}
+        try:
+            found = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
+            row |= {
+                "title": found.law.title,
+                "rms": found.rms,
+                "found": [
+                    [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
+                    for one in found.estimates
+                ],
+                "said": list(found.sentences),
+                "held_out": {},
+            }
+            for gain in GAINS:
+                own = [one for one in every if one.gain != gain]
+                part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
+                rest = [one for one in every if one.gain == gain]
+                row["held_out"][str(gain)] = part.score(joined(rest)).rms
+            motor = found.mechanism.drive
+            loop = PositionLoop(gain=1.0)
+            motor = replace(motor, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
+            whole = fitted(replace(found.mechanism, drive=motor), found.law, every, WHOLE)
+            row["loop"] = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
+        except StickslipError as error:
+            row["error"] = str(error)
+        row["seconds"] = time.process_time() - began
+        with file.open("a", encoding="utf-8") as out:
+            out.write(json.dumps(row) + "\n")
+        yield f"{name}: {row['seconds']:.0f} s {row.get('error', '')}"
+
+
+def rows_of(file: Path) -> list[dict[str, Any]]:
+    """Return the rows of a file; none if there is none."""
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    return [json.loads(line) for line in lines]
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the lines of the table of laws, in Markdown."""
+    yield (
+        "| law | held-out error over 1 s, mrad | over 6 s in sample, mrad | share of the torque"
+        " | R, ohm | k_t, N m/A |"
+    )
+    yield "|---|---|---|---|---|---|"
+    for row in rows:
+        if "error" in row:
+            yield f"| {row['law']} | {row['error']} | | | | |"
+            continue
+        errors = np.array(list(row["held_out"].values()))
+        spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
+        mean = math.sqrt(float(np.mean(errors**2)))
+        found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
+        shares = [
+            interval(name, one)
+            for name, one in found.items()
+            if any(word in name for word in ("transmitted", "motor_", "external_"))
+        ]
+        yield (
+            f"| {row['law']} | {1e3 * mean:.0f} ± {1e3 * spread:.0f}"
+            f" | {1e3 * np.mean(row['loop']):.0f} | {', '.join(shares) or '-'}"
+            f" | {interval('', found['resistance'])} | {interval('', found['torque_constant'])} |"
+        )
+
+
+def interval(name: str, found: Sequence[Any]) -> str:
+    """Return an estimate with its interval, or without one."""
+    symbol, value, low, high, reason = found
+    ends = "no interval" if reason else f"{low:.2g} to {high:.2g}"
+    return f"{symbol + ' = ' if name else ''}{value:.3g} ({ends})"
+
+
+ROUTES = ("inverse-dynamics", "shooting")
+
+
+def main() -> None:
+    """Run the study, or fit the laws to the measured servo, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--rigs", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
+    parser.add_argument("--measured", action="store_true")
+    parser.add_argument("--file", type=Path)
+    options = parser.parse_args()
+    if options.measured:
+        data = os.environ.get("STICKSLIP_DATA", "")
+        folder, file = Path(data) / "bam_xl330", options.file or Path(MEASURED)
+        if not data or not folder.is_dir():
+            parser.error("STICKSLIP_DATA must name a folder that has bam_xl330.")
+        for line in measured(file, folder):
+            print(line, flush=True)
+        print(*table(rows_of(file)), sep="\n")
+        return
+    file = options.file or Path(RESULTS)
+    for line in run(
+        file,
+        rigs=options.rigs,
+        seed=options.seed,
+        jobs=options.jobs,
+        candidates=(),
+        route=options.route,
+        rated=rate,
+    ):
+        print(line, flush=True)
+    rows = judged(file, options.seed, options.route, "")
+    print(*summary(rows), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

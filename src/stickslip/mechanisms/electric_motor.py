@@ -1,0 +1,326 @@
+"""An electric motor behind a gear: what it gives of a voltage, and the loop that commands it."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar, where
+from stickslip.quantities import Parametrised, Quantity
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorLoop(Parametrised, ABC):
+    """What makes a voltage of the command of a motor."""
+
+    name: ClassVar[str]
+    """``type`` in rig files."""
+    wanted: ClassVar[str] = "a loop, PositionLoop(...), VelocityLoop(...) or CurrentLoop()"
+
+    @abstractmethod
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        """Return the voltage [V] that is asked for, before limits.
+
+        Parameters
+        ----------
+        goal : float or array
+            What the loop is asked for.
+        position : float or array
+            Position of the driven coordinate [m or rad].
+        rate : float or array
+            Its rate [m/s or rad/s].
+        motor : DCMotor
+            The motor that is commanded.
+
+        Returns
+        -------
+        float or array
+            Voltage [V].
+        """
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PositionLoop(MotorLoop):
+    """A voltage proportional to the position error, less a share of the rate.
+
+    Examples
+    --------
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4)
+    >>> PositionLoop(gain=20.0, rate_gain=0.5).voltage(0.3, 0.1, 2.0, motor)
+    3.0
+    """
+
+    name: ClassVar[str] = "position"
+
+    gain: Annotated[float, Quantity("K_p", "V/m", low=0, or_unit="V/rad")]
+    """Voltage per error of the position."""
+    rate_gain: Annotated[float, Quantity("K_d", "V s/m", low=0, or_unit="V s/rad")] = 0.0
+    """Voltage per rate, against the motion: the derivative part of firmware that takes it of the
+    measured position and not of the error."""
+
+    @override
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        return self.gain * (goal - position) - self.rate_gain * rate
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class VelocityLoop(MotorLoop):
+    """A voltage proportional to the error of the velocity.
+
+    Examples
+    --------
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4)
+    >>> VelocityLoop(gain=2.0).voltage(1.0, 0.0, 0.75, motor)
+    0.5
+    """
+
+    name: ClassVar[str] = "velocity"
+
+    gain: Annotated[float, Quantity("K_v", "V s/m", low=0, or_unit="V s/rad")]
+    """Voltage per error of the velocity."""
+
+    @override
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        return self.gain * (goal - rate)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CurrentLoop(MotorLoop):
+    """The voltage that gives the current that is asked for, as far as limits allow.
+
+    The loop of industrial servo drives and of current modes of servos, which is faster than
+    anything that moves.
+
+    Examples
+    --------
+    >>> motor = DCMotor(resistance=3.0, torque_constant=0.4, loop=CurrentLoop())
+    >>> motor.current(1.5, 0.0, 2.0), motor.voltage(1.5, 0.0, 2.0)
+    (1.5, 5.3)
+    """
+
+    name: ClassVar[str] = "current"
+
+    @override
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        return motor.resistance * goal + motor.back_emf * motor.gear_ratio * rate
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DCMotor(Parametrised):
+    """A DC motor, or a brushless one with its inverter, behind a gear, as the drive of a mechanism.
+
+    It turns `gear_ratio` times as far as the driven coordinate x moves:
+
+    * current: i = (u - k_e n x') / R, limited to `current_limit`
+    * force or torque along the coordinate: n k_t i
+    * inertia of the rotor along the coordinate: n^2 J_r
+
+    The inductance of the winding is left out: its time constant, about a millisecond, is short
+    beside that of the motion. The voltage u is limited to the supply. Where a limit is met, runs
+    have an event. Losses of the gear that grow with what it transmits belong to the friction law
+    (`BamM3` to `BamM6`, or a part with ``[transmitted]``).
+
+    `drive` is the command: a voltage [V], or with a `loop` the position, velocity or current that
+    it is asked for. For a loop that samples, see `stickslip.control.closed_loop`.
+
+    Examples
+    --------
+    A servo with an arm goes to 0.5 rad, and rests where the torque left is below the friction:
+
+    >>> from stickslip import CoulombViscous, Pendulum, simulate
+    >>> from stickslip.drives import Sampled
+    >>> motor = DCMotor(
+    ...     resistance=3.0, torque_constant=0.4, rotor_inertia=2e-3, supply=7.4,
+    ...     loop=PositionLoop(gain=40.0), drive=Sampled(times=[0.0], values=[0.5]),
+    ... )  # fmt: skip
+    >>> servo = Pendulum(mass=0.2, length=0.1, drive=motor)
+    >>> law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.01)
+    >>> run = simulate(servo, law, t_end=2.0)
+    >>> [event.reason for event in run.events[:2]], round(float(run["theta"][-1]), 4)
+    (['voltage leaves its limit', 'reversal'], 0.4833)
+    """
+
+    name: ClassVar[str] = "dc-motor"
+    """``type`` in rig files."""
+    wanted: ClassVar[str] = "a motor, DCMotor(...)"
+
+    resistance: Annotated[float, Quantity("R", "ohm", above=0)]
+    """Resistance of the winding, with that of its leads and transistors."""
+    torque_constant: Annotated[float, Quantity("k_t", "N m/A", above=0)]
+    """Torque per current: of the motor, or with a gear ratio of 1 of the output shaft."""
+    back_emf_constant: Annotated[float, Quantity("k_e", "V s/rad", low=0)] | None = None
+    """Voltage per speed; the torque constant, which it equals in SI units, if not given."""
+    gear_ratio: Annotated[float, Quantity("n", above=0)] = 1.0
+    """Angle of the motor over that of the output; of a linear axis, radians per metre."""
+    rotor_inertia: Annotated[float, Quantity("J_r", "kg m^2", low=0)] = 0.0
+    """Moment of inertia of the rotor about its own axis."""
+    supply: Annotated[float, Quantity("U", "V", above=0)] | None = None
+    """Voltage of the supply, which limits that of the motor; no limit if not given."""
+    supply_resistance: Annotated[float, Quantity("R_s", "ohm", low=0)] | None = None
+    """Resistance of supply and cable, by which the supply droops: its current is that of the motor
+    times the duty, u over U. None if not given."""
+    current_limit: Annotated[float, Quantity("i_max", "A", low=0)] | None = None
+    """Largest current; 0 is an open winding. No limit if not given."""
+    loop: MotorLoop | None = None
+    """`PositionLoop`, `VelocityLoop` or `CurrentLoop`, to which `drive` is the goal; none if that
+    is a voltage."""
+    drive: Drive | None = None
+    """Voltage [V], or the goal of the loop; 0 if not given."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters: a supply droops from its voltage."""
+        super().__post_init__()
+        if self.supply_resistance is not None and self.supply is None:
+            raise ParameterError(
+                "DCMotor.supply_resistance (R_s) is that of a supply: give supply, its voltage"
+                " without current, too."
+            )
+
+    @property
+    def inertia(self) -> Scalar:
+        """Inertia of the rotor along the driven coordinate [kg m^2 or kg]."""
+        return self.gear_ratio * self.gear_ratio * self.rotor_inertia
+
+    @property
+    def back_emf(self) -> Scalar:
+        """Voltage per speed of the motor [V s/rad]."""
+        return self.torque_constant if self.back_emf_constant is None else self.back_emf_constant
+
+    def voltage(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+        """Return the voltage [V] that is switched to the motor, within the supply's.
+
+        Parameters
+        ----------
+        command : float or array
+            Value of `drive`.
+        position : float or array
+            Position of the driven coordinate [m or rad].
+        rate : float or array
+            Its rate [m/s or rad/s].
+
+        Returns
+        -------
+        float or array
+            Voltage [V], without the droop of the supply.
+        """
+        asked = command if self.loop is None else self.loop.voltage(command, position, rate, self)
+        if self.supply is None:
+            return asked
+        return _within(asked, self.supply, "voltage")
+
+    def current(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+        """Return the current [A].
+
+        Parameters
+        ----------
+        command : float or array
+            Value of `drive`.
+        position : float or array
+            Position of the driven coordinate [m or rad].
+        rate : float or array
+            Its rate [m/s or rad/s].
+
+        Returns
+        -------
+        float or array
+            Current of the motor [A].
+        """
+        voltage = self.voltage(command, position, rate)
+        resistance = self.resistance
+        if self.supply_resistance is not None:
+            duty = voltage / self.supply
+            resistance = resistance + self.supply_resistance * duty * duty
+        current = (voltage - self.back_emf * self.gear_ratio * rate) / resistance
+        if self.current_limit is None:
+            return current
+        return _within(current, self.current_limit, "current")
+
+    def force(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
+        """Return the force [N] or torque [N m] along the driven coordinate.
+
+        Parameters
+        ----------
+        command : float or array
+            Value of `drive`.
+        position : float or array
+            Position of the driven coordinate [m or rad].
+        rate : float or array
+            Its rate [m/s or rad/s].
+
+        Returns
+        -------
+        float or array
+            Force or torque, without that of the rotor's inertia.
+        """
+        return self.gear_ratio * self.torque_constant * self.current(command, position, rate)
+
+
+def _within(value: Scalar, most: Scalar, what: str) -> Scalar:
+    """Return a value cut at a limit; runs have an event where that begins and ends."""
+    named = (f"{what} meets its limit", f"{what} leaves its limit")
+    return where(value < -most, -most, where(value > most, most, value, named), named)
+
+
+LOOPS: Mapping[str, type[MotorLoop]] = {
+    loop.name: loop for loop in (PositionLoop, VelocityLoop, CurrentLoop)
+}
+"""The loops by the ``type`` they have in rig files."""
+
+
+def motor_of(mechanism: object) -> DCMotor | None:
+    """Return the motor that drives a mechanism; None if there is none.
+
+    Examples
+    --------
+    >>> motor_of(DCMotor(resistance=2.0, torque_constant=0.5)) is None
+    True
+    """
+    driver = getattr(mechanism, "drive", None)
+    return driver if isinstance(driver, DCMotor) else None
+
+
+def driving_force(
+    driver: Drive | DCMotor | None, drives: Mapping[str, Scalar], position: Scalar, rate: Scalar
+) -> Scalar:
+    """Return the force or torque of the field ``drive`` of a mechanism.
+
+    Examples
+    --------
+    >>> motor = DCMotor(resistance=2.0, torque_constant=0.5)
+    >>> driving_force(motor, {"drive": 6.0}, 0.0, 4.0), driving_force(None, {"drive": 6.0}, 0, 4)
+    (1.0, 6.0)
+    """
+    command = drives.get("drive", 0.0)
+    return driver.force(command, position, rate) if isinstance(driver, DCMotor) else command
+
+
+def driving_inertia(driver: Drive | DCMotor | None) -> Scalar:
+    """Return the inertia that a driver adds to what it drives.
+
+    Examples
+    --------
+    >>> driving_inertia(DCMotor(resistance=2.0, torque_constant=0.5, rotor_inertia=1e-6))
+    1e-06
+    """
+    return driver.inertia if isinstance(driver, DCMotor) else 0.0
+
+
+def driving(driver: Drive | DCMotor | None) -> Mapping[str, Drive]:
+    """Return the drives of the field ``drive`` of a mechanism, by name.
+
+    Examples
+    --------
+    >>> driving(DCMotor(resistance=2.0, torque_constant=0.5))
+    {}
+    """
+    drive = driver.drive if isinstance(driver, DCMotor) else driver
+    return {} if drive is None else {"drive": drive}

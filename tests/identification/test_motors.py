@@ -1,0 +1,223 @@
+"""Records of a motor's voltage, current or goal: its constants and the friction of its gear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    BamM1,
+    BamM3,
+    Measurement,
+    Pendulum,
+    RecordSettings,
+    fit,
+    load_measurement,
+    load_rig,
+    simulate,
+)
+from stickslip.drives import Sampled
+from stickslip.errors import InputError
+from stickslip.mechanisms import DCMotor, PositionLoop
+
+GAIN, SUPPLY = 25.0, 7.4
+M1 = BamM1(kinetic_coefficient=0.05, viscous_coefficient=0.02)
+M3 = BamM3(kinetic_coefficient=0.02, transmitted_coefficient=0.2, viscous_coefficient=0.02)
+TRUE = DCMotor(
+    resistance=3.2,
+    torque_constant=0.35,
+    rotor_inertia=2e-3,
+    supply=SUPPLY,
+    loop=PositionLoop(gain=GAIN),
+)
+SERVO = Pendulum(mass=0.49, length=0.1, drive=TRUE)
+GUESS = replace(SERVO, drive=replace(TRUE, resistance=4.0, torque_constant=0.3))
+R, K = "mechanism.drive.resistance", "mechanism.drive.torque_constant"
+SETTINGS = RecordSettings(hold="first", starts=2)
+
+
+def recorded(law, *, lasting=10.0, noise=2e-4, seed=0):
+    """Return angle, voltage, current and goal of a servo at 200 Hz."""
+    t = np.arange(0.0, lasting, 0.005)
+    goal = 0.9 * np.sin(2.0 * np.pi * 0.45 * t) + 0.5 * np.sin(2.0 * np.pi * 1.3 * t + 1.0)
+    drive = Sampled(times=t, values=goal, hold="first")
+    run = simulate(replace(SERVO, drive=replace(TRUE, drive=drive)), law, t_end=lasting).at(t)
+    voltage = np.clip(GAIN * (goal - run["theta"]), -SUPPLY, SUPPLY)
+    current = (voltage - 0.35 * run["omega"]) / 3.2
+    seen = run["theta"] + noise * np.random.default_rng(seed).standard_normal(t.size)
+    return Measurement(
+        time=t, position=seen, voltage=voltage, current=current, reference=goal, turning=True
+    )
+
+
+@pytest.fixture(scope="module")
+def gear():
+    return recorded(M3)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return recorded(M1)
+
+
+def by(found):
+    return {one.path: one for one in found.estimates}
+
+
+@pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])
+def test_a_recorded_voltage_tells_motor_and_gear_where_friction_grows_with_the_torque(gear, route):
+    record = replace(gear, current=None)
+    found = by(fit(GUESS, BamM3, record, vary=["friction.*", R, K], route=route, settings=SETTINGS))
+    true = {
+        R: 3.2,
+        K: 0.35,
+        "friction.transmitted_coefficient": 0.2,
+        "friction.viscous_coefficient": 0.02,
+        "friction.kinetic_coefficient": 0.02,
+    }
+    for path, value in true.items():
+        one = found[path]
+        assert one.bounded
+        # straight lines between samples cut the corners of the voltage at 5 ms
+        assert one.value == pytest.approx(value, rel=0.04)
+
+
+def test_what_one_voltage_cannot_separate_is_named_and_has_no_interval(plain):
+    record = replace(plain, current=None)
+    found = fit(
+        GUESS,
+        BamM1,
+        record,
+        vary=["friction.*", R, K],
+        route="inverse-dynamics",
+        settings=SETTINGS,
+    )
+    known = by(found)
+    for path in (R, K, "friction.viscous_coefficient"):
+        assert not known[path].bounded
+    assert known["friction.kinetic_coefficient"].bounded
+    (sentence,) = [one for one in found.sentences if "cannot separate" in one]
+    assert "separate sigma_2, R, k_t:" in sentence
+    # what it does tell: torque per voltage, and the whole damping
+    motor = found.mechanism.drive
+    push = motor.torque_constant / motor.resistance
+    assert push == pytest.approx(0.35 / 3.2, rel=2e-3)
+    damping = found.law.viscous_coefficient + push * motor.torque_constant
+    assert damping == pytest.approx(0.02 + 0.35**2 / 3.2, rel=2e-3)
+
+
+def test_with_one_of_them_known_the_others_are_found(plain):
+    record = replace(plain, current=None)
+    found = by(
+        fit(
+            replace(GUESS, drive=replace(GUESS.drive, resistance=3.2)),
+            BamM1,
+            record,
+            vary=["friction.*", K],
+            route="inverse-dynamics",
+            settings=SETTINGS,
+        )
+    )
+    assert found[K].value == pytest.approx(0.35, rel=2e-3)
+    assert found["friction.viscous_coefficient"].value == pytest.approx(0.02, rel=0.02)
+
+
+def dropped(angle, seed):
+    """Return a swing with an open winding, from an angle."""
+    t = np.arange(0.0, 3.0, 0.005)
+    still = replace(SERVO, drive=replace(TRUE, loop=None, supply=None, current_limit=0.0))
+    run = simulate(still, M1, t_end=3.0, y0={"theta": angle}).at(t)
+    return Measurement(
+        time=t,
+        position=run["theta"] + 2e-4 * np.random.default_rng(seed).standard_normal(t.size),
+        voltage=0.0 * t,
+        turning=True,
+        overrides={"mechanism.drive.current_limit": 0.0},
+    )
+
+
+def test_swings_with_an_open_winding_separate_them(plain):
+    drops = [dropped(angle, seed) for seed, angle in enumerate((1.2, -1.0, 0.8, -1.3))]
+    both = Measurement(trials=(replace(plain, current=None, reference=None), *drops))
+    start = replace(GUESS, drive=replace(GUESS.drive, loop=None, current_limit=100.0))
+    found = by(
+        fit(
+            start,
+            BamM1,
+            both,
+            vary=["friction.*", R, K],
+            route="inverse-dynamics",
+            settings=SETTINGS,
+        )
+    )
+    assert found[R].bounded
+    assert found[K].bounded
+    assert found[K].value == pytest.approx(0.35, rel=0.02)
+    assert found[R].value == pytest.approx(3.2, rel=0.02)
+
+
+def test_a_recorded_current_tells_the_torque_constant_whatever_the_resistance(gear):
+    found = by(
+        fit(
+            GUESS,
+            BamM3,
+            gear,
+            vary=["friction.*", K],
+            route="inverse-dynamics",
+            settings=SETTINGS,
+        )
+    )
+    assert found[K].value == pytest.approx(0.35, rel=5e-3)
+    assert found["friction.transmitted_coefficient"].value == pytest.approx(0.2, rel=0.02)
+
+
+def test_a_record_of_the_goal_alone_is_fitted_through_the_loop(gear):
+    record = replace(gear, current=None, voltage=None)
+    found = fit(
+        replace(GUESS, drive=replace(GUESS.drive, resistance=3.2)),
+        BamM3,
+        record,
+        vary=["friction.*", K],
+        route="shooting",
+        settings=SETTINGS,
+    )
+    assert found.rms < 2.5e-4
+    assert by(found)[K].value == pytest.approx(0.35, rel=0.01)
+    assert found.law.transmitted_coefficient == pytest.approx(0.2, rel=0.02)
+
+
+def test_what_drives_a_record_must_fit_the_mechanism(gear):
+    record = replace(gear, current=None)
+    bare = replace(SERVO, drive=None)
+    with pytest.raises(InputError, match=r"voltage of a motor needs that motor"):
+        fit(bare, BamM1, record)
+    with pytest.raises(InputError, match=r"one of a position loop"):
+        fit(replace(SERVO, drive=replace(TRUE, loop=None)), BamM1, replace(record, voltage=None))
+    pushed = replace(record, voltage=None, reference=None, force=record.voltage)
+    with pytest.raises(InputError, match=r"has a force, and Pendulum a motor"):
+        fit(SERVO, BamM1, pushed)
+
+
+def test_a_file_with_a_voltage_is_read_where_the_rig_has_a_motor(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        "time [s],position [deg],pwm\n" + "".join(f"{0.1 * k},{k},{100 * k}\n" for k in range(5))
+    )
+    file = tmp_path / "servo.toml"
+    file.write_text(
+        """
+[mechanism]
+type = "pendulum"
+mass = 0.49
+length = 0.1
+drive = { type = "dc-motor", resistance = 3.0, torque_constant = 0.4 }
+[data]
+file = "log.csv"
+columns = { voltage = "pwm" }
+gain = { voltage = 0.01 }
+"""
+    )
+    record = load_rig(file).measurement
+    assert record.quantities() == ("position", "voltage")
+    np.testing.assert_allclose(record.values("voltage"), np.arange(5.0), rtol=1e-12)
+    with pytest.raises(InputError, match=r"voltage is not a quantity.*force with a gain"):
+        load_measurement(tmp_path / "log.csv", columns={"voltage": "pwm"})
