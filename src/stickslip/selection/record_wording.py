@@ -339,10 +339,9 @@ def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate], sc
     if what != best.fit.problem.quantity:
         scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
     beside = "".join(f"; Coulomb + viscous friction: {scale.error(c.whole)}" for c in usual)
-    return (
-        " Simulated over the whole record, with a constant force fitted beside the law:"
-        f" {scale.error(best.whole)}{beside}."
-    )
+    has_offset = "offset" in best.fit.mechanism.__dataclass_fields__
+    force = ", with a constant force fitted beside the law" if has_offset else ""
+    return f" Simulated over the whole record{force}: {scale.error(best.whole)}{beside}."
 
 
 def _second_text(
