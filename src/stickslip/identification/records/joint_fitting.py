@@ -380,8 +380,8 @@ class JointFitter:
         with with_doubts(self.measurement, asked.mechanism):
             ready, found = self._searched(asked, near, changed, contained, progress)
         paths = ready.problem.free_parameters.paths
-        known = dict(zip(paths, found.best.values.tolist(), strict=True))
-        if not _allows(ready.mechanism, {path: known[path] for path in self.motion.torques.linear}):
+        ends = dict(zip(paths, found.best.values.tolist(), strict=True))
+        if not _allows(ready.mechanism, {path: ends[path] for path in self.motion.torques.linear}):
             raise ConvergenceError(
                 "the links that explain the forces best have no positive mass matrix: record a"
                 " motion that moves them more, or leave 'links' out of vary."

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +60,7 @@ def told_links(
     rows = np.bincount(joint, minlength=len(stretches))
     left = np.sqrt(np.bincount(joint, residual**2, minlength=len(stretches)) / np.maximum(rows, 1))
     weighed = np.column_stack([table, forces]) / np.maximum(left, 1e-300)[joint, None]
-    triangle = np.linalg.qr(weighed, mode="r")
+    triangle = np.asarray(np.linalg.qr(weighed, mode="r"), dtype=float)
     passed = min((one.passed or 1.0 for own in stretches for one in own), default=1.0)
     poses = _poses(robot, measurement)
     kept, values = list(range(len(told))), dict[str, float]()
@@ -76,7 +77,7 @@ def told_links(
 
 def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
     """Return a robot with parameters of its equations where some fields are 0."""
-    found: dict[int, dict[str, float]] = {}
+    found: dict[int, dict[str, Any]] = {}
     for path in paths:
         _, _, index, name = path.split(".")
         found.setdefault(int(index), {})[name] = getattr(robot.joints[int(index)], name) or NOTHING

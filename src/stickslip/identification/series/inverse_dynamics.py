@@ -227,7 +227,7 @@ def is_mass(mechanism: Mechanism, path: str) -> bool:
     if path not in ("mechanism.inertia", "mechanism.mass"):
         return False
     mass = mass_of(mechanism)
-    return abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= SAME * mass
+    return bool(abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= SAME * mass)
 
 
 def times_of(record: Measurement) -> Array:
