@@ -72,7 +72,6 @@ INSIDE = {
     "sentences_of": "checking.finding",
     "spread_of": "estimates",
     "step_of": "differentiation",
-    "unit_at_unit_load": "estimates",
     "unit_of_input": "measurement",
     "unit_on": "estimates",
     "usual_top_speed": "differentiation",

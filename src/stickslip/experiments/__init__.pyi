@@ -33,7 +33,6 @@ from stickslip.experiments.estimates import Levels as Levels
 from stickslip.experiments.estimates import equated as equated
 from stickslip.experiments.estimates import levels_at as levels_at
 from stickslip.experiments.estimates import spread_of as spread_of
-from stickslip.experiments.estimates import unit_at_unit_load as unit_at_unit_load
 from stickslip.experiments.estimates import unit_on as unit_on
 from stickslip.experiments.hashing import of_files as of_files
 from stickslip.experiments.hashing import with_files as with_files
