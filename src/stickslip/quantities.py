@@ -168,8 +168,7 @@ class Quantity:
         Value at which a fit begins, as a multiple of the scale.
     per_load : bool
         Whether the value, times the normal force, makes friction, as those do whose `scale` has
-        ``level``, ``stiffness`` or ``damping``. Needs to be said where another scale, or none, hides
-        it.
+        ``level``, ``stiffness`` or ``damping``. To be said where another scale, or none, hides it.
 
     Raises
     ------
