@@ -72,6 +72,7 @@ INSIDE = {
     "sentences_of": "checking.finding",
     "spread_of": "estimates",
     "step_of": "differentiation",
+    "tells_load": "measurement",
     "unit_of_input": "measurement",
     "unit_on": "estimates",
     "usual_top_speed": "differentiation",

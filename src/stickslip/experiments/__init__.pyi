@@ -40,6 +40,7 @@ from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
 from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
 from stickslip.experiments.measurement import as_turning as as_turning
+from stickslip.experiments.measurement import tells_load as tells_load
 from stickslip.experiments.measurement import unit_of_input as unit_of_input
 from stickslip.experiments.parameter_paths import all_paths as all_paths
 from stickslip.experiments.parameter_paths import canonical as canonical

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
 from stickslip.experiments.readers.toml import paths_of
+from stickslip.experiments.rigs.rig_models import ITS_TABLE
 from stickslip.units import shown
 
 _WANTED = {
@@ -66,7 +67,8 @@ def complaint(
     if kind == "misplaced":
         return ParameterError(f"{where}: {_join(key, context['key'])}: {context['cure']}.")
     if kind == "value_error":
-        return ParameterError(f"{where}: {key} {context['error']}")
+        text = str(context["error"]).replace(ITS_TABLE, key.rpartition(".")[0])
+        return ParameterError(f"{where}: {key} {text}")
     wanted = _WANTED.get(kind)
     if kind == "literal_error":
         wanted = f"must be {context['expected']}"

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stickslip.experiments import Measurement, levels_at
+from stickslip.experiments import Measurement, levels_at, tells_load
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
@@ -23,10 +23,7 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     unit_load = levels_at(mechanism) != "per load"
-    known = "load" in measurement.quantities() or any(
-        "mechanism.load" in record.overrides for record in measurement.records()
-    )
-    return unit_load and not known
+    return unit_load and not tells_load(measurement)
 
 
 def in_forces(
