@@ -312,10 +312,17 @@ def _name(rig: Rig, law: str | None) -> str:
             " [friction.coulomb]."
         )
     if law is not None:
-        law = rig.name_of(law)
-        if law not in rig.laws:
-            raise UnknownNameError(f"law of {rig.path}:", law, rig.laws)
-        return law
+        name = rig.name_of(law)
+        if name not in rig.laws:
+            if name in rig.named or name in rig.given:
+                raise InputError(
+                    f"{rig.path}: the law {law} lacks values: fit it first, with `stickslip fit"
+                    f" {rig.path} --law {law} -o law.toml`, and give that file, or write all values"
+                    " into its table."
+                )
+            called = {table for table, one in rig.tables.items() if one in rig.laws}
+            raise UnknownNameError(f"law of {rig.path}:", law, {*rig.laws, *called})
+        return name
     for known in (rig.named, tuple(rig.laws)):
         if len(known) == 1 and known[0] in rig.laws:
             return known[0]

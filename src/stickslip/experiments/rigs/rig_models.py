@@ -214,7 +214,8 @@ class Table(BaseModel):
             if key in cls.misplaced:
                 raise PydanticCustomError("misplaced", "", {"key": key, "cure": cls.misplaced[key]})
             if key not in known:
-                raise PydanticCustomError("unknown_key", "", {"key": key, "known": list(known)})
+                context = {"key": key, "known": list(known), "value": data[key]}
+                raise PydanticCustomError("unknown_key", "", context)
         for key, field in known.items():
             if field.is_required() and key not in data:
                 marks = [mark for mark in field.metadata if isinstance(mark, Number)]

@@ -50,6 +50,12 @@ def complaint(
         where = place(full, file, [*overridden, full] if made else overridden)
         table = f" in {_heading(key)}" if key else ""
         known = context["known"]
+        of_law = key.partition(".")[0] == "friction" and isinstance(context["value"], dict)
+        if of_law and not nearest(context["key"], known):
+            return InputError(
+                f"{where}: [{full}] has the name of no law or contact: add law = "
+                f'"level + viscous", or another one, under [{full}].'
+            )
         if not key and context["key"] in overridden:  # the end of a path, perhaps
             ends = {path.rpartition(".")[2] for path in paths_of(raw)} - {context["key"]}
             known = ends if nearest(context["key"], ends) else known
