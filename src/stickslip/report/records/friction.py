@@ -92,7 +92,7 @@ def course(speed: Array, force: Array, speed_unit: str, force_unit: str) -> str:
         return f"is {shown.quantity(float(force[-1]))} at all speeds"
     first = float(force[0])
     start = "0" if abs(first) <= 0.01 * size else f"{shown.quantity(first, 2)} near rest"
-    legs = []
+    legs: list[str] = []
     for before, here in itertools.pairwise((0, *at)):
         turn = "grows" if force[here] > force[before] else "falls"
         where = quantity(float(speed[here]), speed_unit, 3 if here == len(speed) - 1 else 2)
