@@ -351,7 +351,22 @@ class Renamed(ast.NodeTransformer):
         return node
 
 
+def renew() -> None:
+    """Write the table of named laws and all stubs, or nothing."""
+    table = NAMED.with_name("__init__.py")
+    before = table.read_text(encoding="utf-8")
+    table.write_text(with_named_laws(), encoding="utf-8")  # before the package is imported
+    try:
+        written = {folder(one) / "__init__.pyi": stub(one) for one in PACKAGES}
+    except BaseException:
+        table.write_text(before, encoding="utf-8")
+        raise
+    for path, text in written.items():
+        path.write_text(text, encoding="utf-8")
+
+
 if __name__ == "__main__":
-    NAMED.with_name("__init__.py").write_text(with_named_laws(), encoding="utf-8")
-    for package in PACKAGES:
-        (folder(package) / "__init__.pyi").write_text(stub(package), encoding="utf-8")
+    try:
+        renew()
+    except ValueError as error:  # of the package: what an entry says is wrong
+        sys.exit(f"{error} Nothing was written.")

@@ -133,6 +133,9 @@ the normal force. ``+`` and ``-`` stand for forward and backward slip alone. Wit
 value and bounds are no multiples but values.
 """
 
+PER_LOAD = ("level", "level+", "level-", "stiffness", "damping")
+"""Those of them that are over the normal force."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
@@ -165,6 +168,9 @@ class Quantity:
         there is `at_least`.
     start : float, optional
         Value at which a fit begins, as a multiple of the scale.
+    per_load : bool
+        Whether the value, times the normal force, makes friction, as those do whose `scale` has
+        ``level``, ``stiffness`` or ``damping``. To be said where another scale, or none, hides it.
 
     Raises
     ------
@@ -194,8 +200,11 @@ class Quantity:
     scale: str = ""
     bounds: tuple[float, float] | None = None
     start: float | None = None
+    per_load: bool = False
 
     def __post_init__(self) -> None:
+        if sum(power for name, power in self.powers.items() if name in PER_LOAD) == 1:
+            object.__setattr__(self, "per_load", True)
         if not self.scale and self.bounds is None and self.start is None:
             return
         label = f"Quantity {self.symbol!r}"
@@ -258,6 +267,18 @@ class Quantity:
     def powers(self) -> Mapping[str, int]:
         """The sizes that the scale is made of, and their powers."""
         return {name: power for name, power in _powers(self.scale).items() if name != "1"}
+
+    @property
+    def force_unit(self) -> str:
+        """The unit of the value times a normal force; its own if it is not over one.
+
+        Shapes and shares are pure numbers at any normal force, and so is a factor on levels.
+        """
+        if not self.per_load or (self.scale == "none" and self.unit == "1"):
+            return self.unit
+        over = self.unit.removeprefix("1/")
+        simple = {"1": "N", "N": "1", "N^2": "1/N"}.get(over)
+        return simple or (f"N {self.unit}" if over == self.unit else f"N/{over}")
 
     def scaled_by(self, sizes: Mapping[str, float]) -> float:
         """Return what start value and bounds are multiples of.
@@ -799,6 +820,8 @@ TURNED = {
     "N s/m": "N m s/rad",
     "N s^2/m^2": "N m s^2/rad^2",
     "1/m": "1/rad",
+    "N/s": "N m/s",
+    "N/K": "N m/K",
     "s/m": "s/rad",
     "1/N": "1/N/m",
     "1/N^2": "1/N^2/m^2",

@@ -132,6 +132,28 @@ assert toy.force(0.25, load=0.0) == 1.0
     assert "class ToyEntry(" in stub
 
 
+def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(tree: Tree) -> None:
+    folder = tree / "src/stickslip/friction"
+    path, tables = folder / "named.py", [folder / "__init__.py", folder / "__init__.pyi"]
+    entry = ENTRY.replace("coulomb1785", "coulomb1875")
+    path.write_text(path.read_text(encoding="utf-8") + entry, encoding="utf-8")
+    before = [one.read_text(encoding="utf-8") for one in tables]
+    done = subprocess.run(
+        [sys.executable, "tools/stubs.py"],
+        cwd=tree,
+        env={**os.environ, "PYTHONPATH": str(tree / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert "toy-entry" in line
+    assert "'coulomb1875', which friction/references.bib does not have: write 'coulomb1785'" in line
+    assert [one.read_text(encoding="utf-8") for one in tables] == before
+
+
 def test_a_mechanism_touches_three_places(tree: Tree) -> None:
     line = '    "Capsule": "capsule",'
     places = contributed(

@@ -16,7 +16,7 @@ from stickslip import (
     characterize,
     simulate,
 )
-from stickslip.characterization import TESTS, Bench, cycle_energy
+from stickslip.characterization import TESTS, Bench, battery, cycle_energy
 from stickslip.characterization.bench import there_and_back
 from stickslip.characterization.break_away import break_away
 from stickslip.characterization.cost import cost
@@ -27,8 +27,9 @@ from stickslip.characterization.lag import lag
 from stickslip.characterization.passivity import passivity
 from stickslip.characterization.steady import steady_curve
 from stickslip.characterization.stick_slip import stick_slip_map
+from stickslip.cli.characterize import _show
 from stickslip.documents import document, json_text
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
@@ -352,3 +353,26 @@ def test_latched_laws_are_tested_by_runs_and_what_cannot_be_is_said():
     assert np.isnan(found.cost.largest_rate)
     # searched only as far as shorter steps give the same energies
     assert (found.passivity is None) == ("passivity" in found.failed)
+
+
+def test_a_law_that_creeps_within_small_speeds_is_moved_to_and_fro_briefly():
+    found = characterize("tanh-stribeck", tests=["presliding"])
+    assert not found.failed
+    assert found.presliding.sentence.startswith("It neither deflects nor holds")
+    law, most = found.law, float(np.abs(found.presliding.force).max())
+    # 1 % of the smoothing velocity, where tanh(u) = u to within u^2 / 3
+    at_most = law.static_coefficient * 0.01
+    assert most == pytest.approx(at_most, rel=1e-3)
+
+
+def test_a_test_that_fails_is_told_beside_the_table_in_words_of_the_bench(monkeypatch, capsys):
+    def ends(_bench):
+        raise SimulationError("Reached the end. 1000000 steps led to 45 s. Use EventDriven(...).")
+
+    monkeypatch.setattr(battery, "TESTS", {**TESTS, "drift": ends})
+    found = characterize("coulomb", tests=["drift"])
+    assert found.told("drift") == "no result"
+    assert found.failed["drift"].startswith("Reached the end. The bench cannot follow this law")
+    assert "EventDriven" not in found.failed["drift"]
+    _show(found)
+    assert "drift: Reached the end. The bench" in " ".join(capsys.readouterr().out.split())

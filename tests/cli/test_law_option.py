@@ -221,3 +221,40 @@ def test_a_law_gets_its_temperature_from_the_rig_or_from_the_only_record(simulat
     code, *_, err = simulated(WARM.format(data=""), "--set", "contact.temprature=20")
     assert code == 2
     assert "Did you mean 'temperature'" in err
+
+
+WITH_DRAG = MECHANISM + '[friction.own]\nlaw = "level + drag"\n'
+DRAG_VALUES = "kinetic_coefficient = 0.4\nquadratic_coefficient = 2\n"
+
+
+def test_a_law_that_a_file_does_not_have_is_sought_among_its_own_too(simulated):
+    code, _, _, err = simulated(WITH_DRAG + DRAG_VALUES, "--law", "onw")
+    assert code == 2
+    assert err.endswith("'onw'. Did you mean 'own'?")
+
+
+def test_a_table_of_no_law_is_told_to_say_which_law_it_is(simulated):
+    code, _, _, err = simulated(MECHANISM + "[friction.own]\n" + DRAG_VALUES)
+    assert code == 2
+    assert '[friction.own] has the name of no law or contact: add law = "level + viscous"' in err
+    assert "Did you mean 'dahl'" in simulated(MECHANISM + "[friction.dhal]\n" + DRAG_VALUES)[3]
+
+
+def test_a_table_with_the_name_of_one_law_is_of_no_other(simulated):
+    other = WITH_DRAG.replace("friction.own", "friction.lugre") + DRAG_VALUES
+    code, _, _, err = simulated(other)
+    assert code == 2
+    assert "friction.lugre has the name of another law than its law = 'level + drag'" in err
+    same = MECHANISM + '[friction.coulomb]\nlaw = "level"\nkinetic_coefficient = 0.4\n'
+    assert simulated(same)[:2] == (0, "coulomb")
+
+
+def test_an_export_of_a_law_without_values_asks_for_a_fit(tmp_path, capsys):
+    path = tmp_path / "rig.toml"
+    path.write_text(WITH_DRAG)
+    with pytest.raises(SystemExit) as leaving:
+        main(["export", str(path), "--law", "own", "--to", "c", "-o", str(tmp_path / "out")])
+    assert leaving.value.code == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "the law own lacks values: fit it first, with `stickslip fit" in said
+    assert not (tmp_path / "out").exists()

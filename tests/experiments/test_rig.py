@@ -114,6 +114,52 @@ def test_values_given_as_forces_are_divided_by_their_load():
     assert lugre.bristle_damping == 100 / 9.81
 
 
+UNLOADED = '[mechanism]\ntype = "axis"\ninertia = 2.0\n'
+OWN = """
+[friction.own]
+law = "both_ways(level) + viscous"
+forward_kinetic_coefficient = "6 N +- 0.5 N"
+backward_kinetic_coefficient = "5 N"
+viscous_coefficient = 1.0
+"""
+
+
+def test_levels_may_be_forces_where_the_load_is_one(read):
+    (law,) = read(UNLOADED + OWN).laws.values()
+    assert (law.forward_kinetic_coefficient, law.backward_kinetic_coefficient) == (6.0, 5.0)
+    turning = read(UNLOADED.replace("2.0", '"2 kg m^2"') + OWN.replace(" N", " N m"))
+    (law,) = turning.laws.values()
+    assert law.forward_kinetic_coefficient == 6.0
+    shared = read(
+        f'{UNLOADED}[friction]\nkinetic_coefficient = "600 cN"\nstatic_coefficient = "0.01 kN"'
+    )
+    assert shared.laws["coulomb"].kinetic_coefficient == pytest.approx(6.0)
+    assert shared.laws["coulomb"].static_coefficient == pytest.approx(10.0)
+
+
+def test_forces_over_a_known_load_are_refused_with_where_they_stand(read):
+    where = (
+        r"got '6 N.*stands as forward_kinetic_force under \[friction.own.forces\], with the load"
+    )
+    with pytest.raises(ParameterError, match=where):
+        read(f"{UNLOADED}load = 3\n{OWN}")
+    with pytest.raises(ParameterError, match="must be a pure number or in %, not in m,"):
+        read(f"{UNLOADED}load = 3\n{OWN}".replace("6 N +- 0.5 N", "6 m"))
+
+
+def test_forces_are_refused_where_the_record_tells_the_load(read):
+    Path("run.csv").write_text(
+        "velocity [m/s],friction [N],load [N]\n"
+        + "".join(f"{v / 100},{2 + v},20\n" for v in range(1, 20)),
+        encoding="utf-8",
+    )
+    with pytest.raises(ParameterError, match="forward_kinetic_force under"):
+        read(f'{UNLOADED}[data]\nfile = "run.csv"\n{OWN}')
+    pure = OWN.replace("6 N +- 0.5 N", "0.3").replace("5 N", "0.2")
+    found = read(f'{UNLOADED}[data]\nfile = "run.csv"\n{pure}')
+    assert found.measurement is not None
+
+
 def test_the_bundled_rig_gives_the_closed_form_travel():
     rig = load_rig()
     run = simulate(rig.mechanism, rig.laws["coulomb"], t_end=rig.t_end)

@@ -17,6 +17,7 @@ from stickslip import (
     load_rig,
     simulate,
 )
+from stickslip.cli import main
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import read_data
 from stickslip.selection.record_wording import error_text
@@ -211,3 +212,28 @@ def test_what_can_only_turn_has_angles_and_torques_whatever_its_numbers_say():
         assert found.measurement.unit("position") == "rad"
     assert "rad/s" in str(check(plain, mechanism=clock))
     assert "rad/s" not in str(check(plain))
+
+
+LAW = "[friction.coulomb-viscous]\nkinetic_coefficient = 0.3\nviscous_coefficient = 0.1\n"
+RUN = "[run]\nt_end = 3\n"
+RUNS = {
+    "axis": 'inertia = 2.0\ndrive = { type = "sine", amplitude = 10, frequency = 1 }\n',
+    "pendulum": "mass = 1\nlength = 0.5\n",
+}
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_file_that_a_run_wrote_is_a_record_of_its_law(tmp_path, kind):
+    rig, path = tmp_path / "rig.toml", tmp_path / "run.csv"
+    start = "[run.initial]\ntheta = 1\n" if kind == "pendulum" else ""
+    rig.write_text(f'[mechanism]\ntype = "{kind}"\n{RUNS[kind]}{RUN}{start}{LAW}')
+    with pytest.raises(SystemExit) as leaving:
+        main(["simulate", str(rig), "-o", str(path)])
+    assert not leaving.value.code
+    record = load_measurement(path)
+    assert {"position", "velocity", "friction"} <= {*record.quantities()}
+    found = fit(load_rig(rig).mechanism, "coulomb-viscous", record)
+    wanted = {"kinetic_coefficient": 0.3, "viscous_coefficient": 0.1}
+    got = {e.path.rpartition(".")[2]: e.value for e in found.estimates}
+    # the friction of the run is exact, and nothing but it is fitted
+    assert {name: got[name] for name in wanted} == pytest.approx(wanted, rel=1e-6)

@@ -4,21 +4,33 @@ import dataclasses
 import math
 import pickle
 import re
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, LuGre, Measurement, Stribeck, fit, load_rig, simulate
+from stickslip import Axis, LuGre, Measurement, SpringBlock, Stribeck, fit, load_rig, simulate
 from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Rig, carried, unit_on
 from stickslip.experiments.rigs.rig_writer import rig_toml
-from stickslip.friction import LAWS, anywhere, bound, law, law_type, laws, specification
+from stickslip.friction import (
+    LAWS,
+    SetValuedLaw,
+    anywhere,
+    bound,
+    force_parameters,
+    law,
+    law_type,
+    laws,
+    specification,
+)
 from stickslip.friction.equations import equations_of
 from stickslip.friction.notation import read
 from stickslip.friction.parts import PARTS
 from stickslip.identification.estimation.ranges import starting_law
 from stickslip.maths import Latches
-from stickslip.quantities import fields_of
+from stickslip.quantities import Quantity, fields_of
 
 FREE = (
     "level + stribeck + power",
@@ -307,7 +319,7 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("tanh(dahl(level))", "the memory dahl inside another term"),
         ("both_ways(both_ways(level))", "both_ways inside both_ways"),
         ("both_ways[x](level)", "brackets of both_ways"),
-        ("level(viscous)", "brackets behind level, which takes none"),
+        ("level(viscous)", r"brackets behind level, which takes none: write level \+ viscous"),
         ("level[2]", "level has no argument"),
         ("dahl", r"dahl without brackets: write dahl\(level\)"),
         ("gms", r"gms without brackets: write gms\[4\]\(level\)"),
@@ -317,16 +329,26 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("level + stribeck + step", "stribeck and step, which both have static_coefficient"),
         ("viscous + power", "viscous and power, which both have viscous_coefficient"),
         ("dahl(level) + both_ways(viscous) + saturating", "viscous and saturating, which both"),
-        ("brown_mcphee + level", "brown_mcphee and level, which both have kinetic_coefficient"),
+        ("brown_mcphee + level", r"has level besides brown_mcphee, .*brown_mcphee \+ viscous"),
+        ("makkar(level)", r"has level besides makkar, .*takes no brackets: write makkar, or"),
+        ("level + bengisu_akay", r"has level besides bengisu_akay, .*: write bengisu_akay, or"),
+        ("makkar + simscape", "makkar and simscape, which both have kinetic_coefficient"),
+        ("polynomial + level", r"up to which power polynomial goes: write polynomial\[2\]"),
+        ("dahl(level) + both_ways(polynomial)", r"up to which power polynomial goes"),
+        ("polynomial[0]", "polynomial.0.: the highest power must be a whole number from 1 to 99"),
+        ("maxwell[2.5](level)", "maxwell.2.5.: the number of elements must be a whole number from"),
+        ("elasto_plastic(level + power)", r"write elasto_plastic\(level\) \+ power"),
+        ("gms[3](level + power)", r"write gms\[3\]\(level\) \+ power"),
+        ("both_ways[level](level)", r"Did you mean both_ways\[levels\]"),
         ("dahl(brown_mcphee)", "brown_mcphee inside a memory, which holds levels only[.]$"),
         ("tanh(level + step)", "step inside tanh, which is 0 at rest"),
         ("tanh(level) + stribeck", "only some of level and stribeck inside a smooth sign"),
-        ("maxwell[1\u0663](level)", "the number of elements must be 1 to 99"),
+        ("maxwell[1\u0663](level)", "the number of elements must be a whole number from 1 to 99"),
         ("(" * 5000 + "level" + ")" * 5000, "at most 2000 characters and 20 brackets, got 10005"),
         ("x" * 10000, "at most 2000 characters and 20 brackets, got 10000 and 0"),
         ("tanh(level + viscous)", "other parts than levels inside tanh"),
         ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
-        ("maxwell[0](level)", "the number of elements must be 1 to 99"),
+        ("maxwell[0](level)", "the number of elements must be a whole number from 1 to 99"),
         ("", "expected the name of a part at character 1"),
     ],
 )
@@ -512,3 +534,90 @@ def test_a_law_without_memory_whose_parts_oppose_slip_is_passive_unasked(text):
 def test_of_parts_that_may_drive_and_of_memories_passivity_is_not_claimed():
     for text in ("level + polynomial[3]", "level * linear[temperature]", "gms[3](level) + viscous"):
         assert law(text).passivity is None
+
+
+AT_LOAD = 40.0
+"""Normal force [N] at which forces are measured."""
+
+
+def as_force(kind):
+    """Return a law in forces, with values of all its parameters that are felt."""
+    one = started(kind)
+    silent = {name: 0.4 for name, value in parameters_of(one).items() if value in (None, 0.0)}
+    return bound(dataclasses.replace(one, **silent), CONTACT)
+
+
+def parameters_of(one):
+    """Return the values of a law by field."""
+    return {name: getattr(one, name) for name in fields_of(type(one))}
+
+
+def carried_to(one, load):
+    """Return a law in forces as `carried` divides it by a load, bound to the same inputs."""
+    plain = type(one)(**parameters_of(one))
+    rig = Rig(mechanism=Axis(inertia=1.0), laws={one.name: plain}, path="law.toml")
+    return bound(carried(rig, SpringBlock(mass=1.0), load=load).law, CONTACT)
+
+
+@pytest.mark.parametrize("text", [*FREE, *laws()])
+def test_a_law_in_forces_carries_the_same_friction_to_a_body_with_a_load(text):
+    there = as_force(laws().get(text) or law(text))
+    here = carried_to(there, AT_LOAD)
+    z = tuple(0.0 for _ in there.states)
+    time, own, carries = 1e-5, Latches(off=True), Latches(off=True)
+    for v in [0.3] * 20 + [-0.2] * 20 + [0.001] * 5:  # presliding, yielding, and turns
+        with own:
+            force, rates = float(there.force(v, 1.0, z)), there.rates(v, 1.0, z)
+        with carries:
+            got, found = float(here.force(v, AT_LOAD, z)), here.rates(v, AT_LOAD, z)
+        own.turn()
+        carries.turn()
+        # loads are multiplied and divided: equal to within rounding
+        assert got == pytest.approx(force, rel=1e-9, abs=1e-12)
+        assert found == pytest.approx(rates, rel=1e-9, abs=1e-12)
+        assert here.steady(v, AT_LOAD) == pytest.approx(there.steady(v, 1.0), rel=1e-9)
+        z = tuple(one + time * rate for one, rate in zip(z, rates, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        ("elasto-plastic", {"kinetic_coefficient": "N", "elastic_share": "1"}),
+        ("cogging", {"level_position_harmonic": "1/m", "level_position_cosine": "1"}),
+        ("makkar + viscous", {"rise_rate": "s/m", "bump_coefficient": "N"}),
+        ("level + weight[temperature]", {"temperature_coefficient": "N/K"}),
+        ("bam-m3", {"transmitted_coefficient": "1"}),
+        ("gms", {"attraction": "N/s", "bristle_damping": "N s/m"}),
+    ],
+)
+def test_only_what_is_over_the_normal_force_reads_as_a_force_where_none_is_known(text, units):
+    kind = laws().get(text) or law(text)
+    found = {name: unit_on(Axis(inertia=1.0), one) for name, one in fields_of(kind).items()}
+    assert {name: found[name] for name in units if name in found} == {
+        name: unit for name, unit in units.items() if name in found
+    }
+    in_table = {field: one.unit for field, one in force_parameters(kind).values()}
+    assert all(in_table.get(name, unit) == unit for name, unit in units.items())
+
+
+def test_a_law_of_another_package_that_does_not_say_what_is_over_the_load_is_not_divided():
+    rig = Rig(mechanism=Axis(inertia=1.0), laws={"silent": Silent(grip=5.0)}, path="law.toml")
+    with pytest.raises(InputError, match=r"Declare per_load=True .* grip has no scale"):
+        carried(rig, SpringBlock(mass=1.0), load=20.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Silent(SetValuedLaw):
+    """A law whose level has no scale."""
+
+    name: ClassVar[str] = "silent"
+    title: ClassVar[str] = "Silent"
+    formula: ClassVar[str] = "F = G N"
+    sources: ClassVar[tuple[str, ...]] = ("reynolds1886",)
+    grip: Annotated[float, Quantity("G", low=0)]
+
+    def sliding(self, speed, load):
+        return self.grip * load + 0.0 * speed
+
+    def break_away(self, load):
+        return self.grip * load

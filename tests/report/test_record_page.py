@@ -16,6 +16,7 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
+    Stribeck,
     Viscous,
     fit,
     formatting,
@@ -30,11 +31,14 @@ from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.settings import RecordSettings
 from stickslip.kinds.report import verdict_page
+from stickslip.plots import characteristic
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
-from stickslip.report import Paragraph, Section, render
+from stickslip.report import Paragraph, Section, law_references, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts, typeset
 from stickslip.report.records.certificate import certificate_section
+from stickslip.report.records.friction import course
+from stickslip.report.records.parameters import _narrow
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.sections import turns_of
@@ -713,3 +717,44 @@ def test_residuals_that_follow_speed_have_a_trend(verdict):
     moved = dataclasses.replace(fit, optimum=dataclasses.replace(fit.optimum, best=best))
     assert "velocity" in _panels(moved, 1e3)[1]
     assert _panels(fit, 1e3)[1] == []
+
+
+def test_the_heading_of_the_map_says_the_minimum_of_a_curve_that_rises_again():
+    law = Stribeck(
+        kinetic_coefficient=3.0,
+        static_coefficient=9.6,
+        stribeck_velocity=0.02,
+        viscous_coefficient=16.0,
+        exponent=1.0,
+    )
+    v, force = characteristic(law, 1.0, 0.295)
+    words = course(v[v > 0.0], force[v > 0.0], "m/s", "N")
+    speeds = np.linspace(0.0, 0.295, 100_001)
+    least = float(np.min(law.sliding(speeds, 1.0)))
+    slowest = float(speeds[np.argmin(law.sliding(speeds, 1.0))])
+    # 2 digits are told, and the curve has points 2 mm/s apart
+    told = re.fullmatch(
+        r"falls from 9.6 N near rest to ([\d.]+) N at ([\d.]+) mm/s"
+        r" and grows to 7.7 N at 0.295 m/s",
+        words,
+    )
+    assert told, words
+    assert float(told[1]) == pytest.approx(least, abs=0.05)
+    assert float(told[2]) == pytest.approx(1e3 * slowest, abs=2.0)
+
+
+def test_a_law_of_several_contacts_stands_once_behind_its_source():
+    axis, other = (
+        Stribeck(kinetic_coefficient=k, static_coefficient=2 * k, stribeck_velocity=0.1)
+        for k in (1.0, 2.0)
+    )
+    notes = [one.note for one in law_references([axis, other], {})]
+    assert notes
+    assert all(note == axis.title for note in notes)
+
+
+def test_the_column_of_naive_intervals_says_which_way_they_are_off(verdict):
+    found = verdict.best.fit
+    for size, way in ((1e-6, "too narrow"), (1e6, "too wide")):
+        inference = dataclasses.replace(found.inference, naive=size * found.inference.naive)
+        assert _narrow(dataclasses.replace(found, inference=inference), 0).endswith(way)

@@ -136,9 +136,11 @@ class Characterization(InPanels):
         return Summary(sentence=f"{self.title}, normal force {number(self.load)} N.", rows=rows)
 
     def told(self, test: str) -> str:
-        """Return what a test says in a sentence, or why it could not be made."""
+        """Return what a test says in a sentence; `failed` has why one could not be made."""
         result = self.results.get(test)
-        return result.sentence if result is not None else self.failed.get(test, "not made")
+        if result is not None:
+            return result.sentence
+        return "no result" if test in self.failed else "not made"
 
 
 def characterize(
@@ -227,7 +229,12 @@ def characterize(
             try:
                 results[name.replace("-", "_")] = TESTS[name](bench)
             except SimulationError as error:
-                failed[name] = str(error)
+                why, dot, _ = str(error).partition(". ")  # the rest is advice on rigs of one's own
+                failed[name] = (
+                    f"{why}{dot.strip()} The bench cannot follow this law with these values: give"
+                    " others, such as a larger smoothing velocity or a smaller bristle stiffness,"
+                    " or leave the test out."
+                )
             if progress is not None:
                 progress(next(done), count)
         found.append(

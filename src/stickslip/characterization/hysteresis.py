@@ -20,6 +20,9 @@ SLOW, SLOW_ENOUGH = 1e-4, 1e-2
 wanted, and allowed."""
 LONG = 100.0
 """Time of a way as long as the amplitude for which the allowed speed is taken rather [s]."""
+BRIEF = 1.0
+"""The same of a contact that neither deflects nor holds, whose friction follows the speed alone:
+small smoothing velocities ask for so many steps that a longer way ends a run early [s]."""
 TURNS = (1.0, -1.0, 0.5, -0.25, 0.5, -1.0, 1.0)
 """Where the path turns, over its amplitude; the inner loop goes from the third and back to it."""
 INNER = (0.8, 0.4, 0.8)
@@ -106,6 +109,8 @@ def presliding(
     """
     reach = 2.0 * bench.reach if amplitude is None else amplitude
     wanted, allowed = SLOW * bench.speed, SLOW_ENOUGH * bench.speed
+    if amplitude is None and not (bench.law.states or bench.sticks):
+        reach = min(reach, BRIEF * allowed)
     speed = min(max(wanted, reach / LONG), allowed) if bench.law.states else allowed
     turns = reach * np.array(TURNS)
     x, force = _followed(bench, turns, speed)

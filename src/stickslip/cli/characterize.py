@@ -123,3 +123,5 @@ def _show(found: Characterization) -> None:
             stdout().print(one.matched, markup=False)
         names = [name for name in TESTS if name in one.results or name in one.failed]
         show_table("", ["test", "result"], [[name, plain(one.told(name))] for name in names])
+        for name, why in one.failed.items():
+            stdout().print(f"{name}: {why}", markup=False)

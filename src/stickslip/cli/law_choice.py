@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import note, overrides, plain
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
 from stickslip.experiments import (
     LOAD,
     CarriedLaw,
@@ -29,6 +29,7 @@ from stickslip.friction import (
     PrintedForm,
     assigned,
     law_type,
+    listed,
 )
 from stickslip.identification import starting_law
 from stickslip.kinds import AnyKind, Law
@@ -219,6 +220,8 @@ def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
     if name is None:
         name = rig.named[0] if len(rig.named) == 1 else kind.usual_law
     _refuse_printed(name)
+    if name not in rig.tables and nearest(name, rig.tables) and not nearest(name, listed()):
+        raise UnknownNameError(f"law of {rig.path}:", name, rig.tables)
     name = rig.name_of(name)
     return rig.laws.get(name) or name
 
@@ -404,7 +407,13 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         return _of_rig(rig, rig.laws[name], rig.estimates_of(name))
     given = rig.given.get(name, {})
     try:
-        law = dataclasses.replace(starting_law(law_type(name)), **given)
+        kind = law_type(name)
+    except UnknownNameError as error:
+        raise UnknownNameError(
+            f"{error.kind}, of the package or of {rig.path}:", name, {*error.known, *rig.tables}
+        ) from None
+    try:
+        law = dataclasses.replace(starting_law(kind), **given)
     except ParameterError as error:
         raise ParameterError(
             f"{rig.path} gives only some parameters of {name}, and they are inconsistent with the"

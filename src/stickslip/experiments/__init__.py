@@ -77,7 +77,7 @@ INSIDE = {
     "sentences_of": "checking.finding",
     "spread_of": "estimates",
     "step_of": "differentiation",
-    "unit_at_unit_load": "estimates",
+    "tells_load": "measurement",
     "unit_of_input": "measurement",
     "unit_on": "estimates",
     "usual_top_speed": "differentiation",

@@ -33,7 +33,6 @@ from stickslip.experiments.estimates import Levels as Levels
 from stickslip.experiments.estimates import equated as equated
 from stickslip.experiments.estimates import levels_at as levels_at
 from stickslip.experiments.estimates import spread_of as spread_of
-from stickslip.experiments.estimates import unit_at_unit_load as unit_at_unit_load
 from stickslip.experiments.estimates import unit_on as unit_on
 from stickslip.experiments.hashing import of_files as of_files
 from stickslip.experiments.hashing import with_files as with_files
@@ -41,6 +40,7 @@ from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
 from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
 from stickslip.experiments.measurement import as_turning as as_turning
+from stickslip.experiments.measurement import tells_load as tells_load
 from stickslip.experiments.measurement import unit_of_input as unit_of_input
 from stickslip.experiments.parameter_paths import all_paths as all_paths
 from stickslip.experiments.parameter_paths import canonical as canonical

@@ -20,11 +20,15 @@ from stickslip.experiments.rig import Rig
 from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw, Laws, anywhere, assigned
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
-from stickslip.quantities import fields_of, parameters, turned, vary
+from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.trajectory import Trajectory
 
-PER_LOAD: Final = ("1", "1/m", "s/m")
-"""Units of what stands over the normal force: levels, stiffness and damping of bristles."""
+BRISTLES: Final = {"stiffness", "damping"}
+"""Sizes in the scale of parameters of bristles."""
+SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
+"""Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
+SAME: Final = 1e-6
+"""How far apart both may be, over the friction: beyond rounding, which offsets of speeds leave."""
 SAMPLES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
 BEYOND: Final = 1.05
@@ -160,7 +164,9 @@ def carried(
         load = _checked_load(rig, levels, load)
         factors = dict.fromkeys(divided, 1.0 / load)
         changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
-        found = vary(found, "friction", changes)
+        divided_law = vary(found, "friction", changes)
+        _check_divided(rig, found, divided_law, load)
+        found = divided_law
         known = None if known is None else known.scaled(factors)
         remarks.append(
             f"The levels were forces and are divided by the given load of {quantity(load, 'N')}."
@@ -250,9 +256,9 @@ def unfitted_bristles(
     found = [
         (path.removeprefix("friction."), one, value)
         for path, one, value in parameters(law, "friction")
-        if one.unit in PER_LOAD[1:] and not one.structural and value
+        if _is_of_bristles(one) and value
     ]
-    stiffness = [value for _, one, value in found if one.unit == "1/m"]
+    stiffness = [value for _, one, value in found if one.scale == "stiffness"]
     fitted = () if known is None else known.intervals
     if not stiffness or distance == 0.0:
         return ()
@@ -306,10 +312,17 @@ def _name(rig: Rig, law: str | None) -> str:
             " [friction.coulomb]."
         )
     if law is not None:
-        law = rig.name_of(law)
-        if law not in rig.laws:
-            raise UnknownNameError(f"law of {rig.path}:", law, rig.laws)
-        return law
+        name = rig.name_of(law)
+        if name not in rig.laws:
+            if name in rig.named or name in rig.given:
+                raise InputError(
+                    f"{rig.path}: the law {law} lacks values: fit it first, with `stickslip fit"
+                    f" {rig.path} --law {law} -o law.toml`, and give that file, or write all values"
+                    " into its table."
+                )
+            called = {table for table, one in rig.tables.items() if one in rig.laws}
+            raise UnknownNameError(f"law of {rig.path}:", law, {*rig.laws, *called})
+        return name
     for known in (rig.named, tuple(rig.laws)):
         if len(known) == 1 and known[0] in rig.laws:
             return known[0]
@@ -325,13 +338,33 @@ def _name(rig: Rig, law: str | None) -> str:
 
 
 def _per_load(law: FrictionLaw) -> dict[str, float]:
-    """Return what is over the normal force, by field; shapes, such as exponents, are not."""
+    """Return what is over the normal force, by field; shapes, shares and rates are not."""
     quantities = fields_of(type(law))
     return {
         name: float(getattr(law, name))
         for name, one in quantities.items()
-        if one.unit in PER_LOAD and not one.structural and getattr(law, name)
+        if one.per_load and getattr(law, name)
     }
+
+
+def _check_divided(rig: Rig, forces: FrictionLaw, law: FrictionLaw, load: float) -> None:
+    """Refuse a law of another package that does not say all that is over the normal force."""
+    before, after = anywhere(forces), anywhere(law)
+    for speed in SPEEDS:
+        wanted, got = float(before.steady(speed, 1.0)), float(after.steady(speed, load))
+        if abs(got - wanted) > SAME * abs(wanted):
+            silent = [name for name, one in fields_of(type(law)).items() if not one.scale]
+            raise InputError(
+                f"{rig.path}: the levels of {law.name} cannot be divided by {quantity(load, 'N')}:"
+                f" its friction at {quantity(speed, 'm/s')} would be {quantity(got, 'N')} instead"
+                f" of {quantity(wanted, 'N')}. Declare per_load=True in the Quantity of each"
+                f" parameter that is over the normal force; {joined(silent) or 'none'} has no scale"
+                " that tells."
+            )
+
+
+def _is_of_bristles(quantity: Quantity) -> bool:
+    return quantity.per_load and not BRISTLES.isdisjoint(quantity.powers)
 
 
 def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
@@ -400,7 +433,7 @@ def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
     found = [
         f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for _, one, value in parameters(law, "friction")
-        if one.unit in PER_LOAD[1:] and value
+        if _is_of_bristles(one) and value
     ]
     if not found:
         return []

@@ -4,7 +4,6 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Final, Literal, TypeAlias, TypeVar, final, get_args
 
 import numpy as np
@@ -23,10 +22,6 @@ Levels: TypeAlias = Literal["per load", "forces", "torques"]
 
 LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
-AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
-"""What a unit per load [N] reads as where the load is 1."""
-OF_FORCES: Final = MappingProxyType({"1/N": "1", "1/N^2": "1/N"})
-"""The same of levels over a force that the contact transmits; factors have these units too."""
 PREFIX: Final = "friction"
 AT_REST: Final = "static_coefficient"
 NORMAL_95: Final = 1.959963984540054
@@ -99,28 +94,14 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     Examples
     --------
     >>> from stickslip import Axis, Pendulum
-    >>> level, viscous = Quantity("mu_k"), Quantity("sigma_2", "N s/m")
+    >>> level, viscous = Quantity("mu_k", per_load=True), Quantity("sigma_2", "N s/m")
     >>> unit_on(Axis(inertia=1.0), level), unit_on(Axis(inertia=1.0, load=20.0), level)
     ('N', '1')
     >>> unit_on(Pendulum(mass=1.0, length=0.5), viscous)
     'N m s/rad'
     """
-    unit = quantity.unit
-    if levels_at(mechanism) != "per load" and not quantity.structural:
-        unit = unit_at_unit_load(quantity) or unit
+    unit = quantity.unit if levels_at(mechanism) == "per load" else quantity.force_unit
     return turned(unit, slips_in_angle(mechanism))
-
-
-def unit_at_unit_load(quantity: Quantity) -> str:
-    """Return what the unit of a law's parameter reads as where the load is 1; empty if the same.
-
-    Examples
-    --------
-    >>> unit_at_unit_load(Quantity("mu_k", "1")), unit_at_unit_load(Quantity("v_s", "m/s"))
-    ('N', '')
-    """
-    known = OF_FORCES if quantity.scale.startswith("level/") else AT_UNIT_LOAD
-    return known.get(quantity.unit, "")
 
 
 def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:

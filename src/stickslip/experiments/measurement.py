@@ -621,6 +621,19 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
     return dict(record.joints)
 
 
+def tells_load(measurement: Measurement) -> bool:
+    """Whether the normal force was measured, or is set by trial: levels are over it.
+
+    Examples
+    --------
+    >>> tells_load(Measurement(velocity=[0.1], friction=[2.5], load=[5.0]))
+    True
+    """
+    return "load" in measurement.quantities() or any(
+        "mechanism.load" in record.overrides for record in measurement.records()
+    )
+
+
 def as_turning(measurement: Measurement, units: Collection[str]) -> Measurement:
     """Return a record of a mechanism all of whose coordinates are angles as one of angles.
 

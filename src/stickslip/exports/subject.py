@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import Final, final
 
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates, Levels, Rig, unit_at_unit_load
+from stickslip.experiments import LawEstimates, Levels, Rig
 from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
 from stickslip.formatting import parameter_words, printable
@@ -64,9 +64,7 @@ class Subject:
 
     def unit(self, quantity: Quantity) -> str:
         """Return the unit in which a parameter of the law reads."""
-        unit = quantity.unit
-        if self.levels != "per load" and not quantity.structural:
-            unit = unit_at_unit_load(quantity) or unit
+        unit = quantity.unit if self.levels == "per load" else quantity.force_unit
         return turned(unit, self.rotary)
 
     def constants(self) -> tuple[Constant, ...]:

@@ -407,12 +407,6 @@ def is_bound(law: FrictionLaw) -> bool:
     return BOUND in vars(law)
 
 
-IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
-"""Units of parameters, and of the same measured at a load."""
-PER_FORCE = {"level/force": "1", "level/force^2": "1/N"}
-"""Scales of levels that grow with a force, and units of the same measured at a load."""
-
-
 @functools.cache
 def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity]]:
     """Return what a law takes in forces: key -> the field it becomes, its quantity.
@@ -428,8 +422,8 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     found = {}
     for name, quantity in fields_of(law).items():
         is_level = quantity.scale.rstrip("+-") == "level"
-        unit = "N" if is_level else IN_FORCES.get(quantity.unit, PER_FORCE.get(quantity.scale))
-        if unit is not None:
+        unit = quantity.force_unit
+        if unit != quantity.unit or unit.startswith("N"):
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
             own = dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)

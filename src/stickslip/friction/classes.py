@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, cast, final
 
+from stickslip.errors import InputError, nearest
 from stickslip.friction.base import ALWAYS, BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
 from stickslip.friction.containment import Contained
@@ -81,6 +82,14 @@ class Entry:
         """Return the docstring of the class: what is known of it, and an example with values."""
         prose, mark, example = inspect.cleandoc(self.statement.__doc__ or "").partition(">>> ")
         notes = "\n\n".join([f".. math:: {law.formula}", *(f"{k}: {v}" for k, v in said_of(law))])
+        if unknown := [key for key in law.sources if key not in SOURCES]:
+            close = nearest(unknown[0], SOURCES)
+            raise InputError(
+                f"the law {law.name} of friction/named.py has the source {unknown[0]!r}, which"
+                " friction/references.bib does not have: "
+                + (f"write {close}, or " if close else "")
+                + "add its entry there, one field a line."
+            )
         sections = {"Notes": notes, "References": "\n\n".join(SOURCES[key] for key in law.sources)}
         if law.typical is not None:
             name, values = law.__name__, law.typical.values.items()

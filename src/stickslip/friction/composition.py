@@ -138,11 +138,17 @@ class Composition:
     def _remember(self, item: Around) -> None:
         """Enter a memory and the curve inside it."""
         head = item.head
-        if head.part.argument and not head.argument:
-            self._refuse(f"does not say how many elements {head} has: write {head}[4].")
+        self._check_number(head)
         self.inside = self._leaves(item.inner, "", inside=True)
         self.argument = head.argument
         self.memory = Leaf(part=head.part, names=self._enter(head, ""))
+
+    def _check_number(self, name: Name) -> None:
+        """Refuse a part that is shaped by a number which is not there."""
+        if name.part.argument == "number" and not name.argument:
+            memory = name.role == "memory"
+            what = f"how many elements {name} has" if memory else f"up to which power {name} goes"
+            self._refuse(f"does not say {what}: write {name}[{4 if memory else 2}].")
 
     def _leaves(self, term: Term, sides: str, *, inside: bool) -> list[Leaf]:
         """Enter the parameters of a term; return its parts."""
@@ -152,7 +158,7 @@ class Composition:
             case Around(head=head, inner=inner):
                 if head.role == BOTH_WAYS and not sides:
                     return _scoped(self._leaves(inner, head.argument or "all", inside=inside))
-                self._check_around(head, inside=inside)
+                self._check_around(head, inner, inside=inside)
                 return self._smoothed(head, self._leaves(inner, sides, inside=False))
             case Product(first=Around(head=Name(role="memory") as head), factors=factors):
                 self._refuse(
@@ -173,8 +179,9 @@ class Composition:
                 if inside and role != "level":
                     self._refuse(
                         f"has {name} inside a memory, which holds levels only"
-                        + (f": write dahl(level) + {name}." if role == "flow" else ".")
+                        + (f": write {self._memory()}(level) + {name}." if role == "flow" else ".")
                     )
+                self._check_number(term)
                 # a memory divides by its levels; what an extra adds may be 0
                 names = self._enter(term, sides, inside=inside and isinstance(term.part, Level))
                 return [Leaf(part=term.part, names=names, inputs=term.inputs)]
@@ -211,7 +218,11 @@ class Composition:
         if known[factor.modulated].quantity.structural:
             self._refuse(f"has {factor} on an exponent, which is a constant: leave it out.")
 
-    def _check_around(self, head: Name, *, inside: bool) -> None:
+    def _memory(self) -> Name:
+        """Return the memory of the term, as it is written."""
+        return next(name for name in self.term.parts() if name.role == "memory")
+
+    def _check_around(self, head: Name, inner: Term, *, inside: bool) -> None:
         """Refuse what cannot stand around a term."""
         if head.role == BOTH_WAYS:
             self._refuse("has both_ways inside both_ways: leave one of them out.")
@@ -221,7 +232,9 @@ class Composition:
                 f" such as {head.name}(level) + viscous."
             )
         if head.role != "sign":
-            self._refuse(f"has brackets behind {head.name}, which takes none.")
+            self._refuse(
+                f"has brackets behind {head.name}, which takes none: write {head} + {inner}."
+            )
         if inside:
             self._refuse(
                 f"has {head.name} inside a memory, which is smooth by itself: leave it out."
@@ -253,9 +266,23 @@ class Composition:
                 name = one.meaning(parameter.name)
                 other = owners.setdefault(name, str(one))
                 if other != str(one):
+                    self._refuse_beside(other, one)
                     self._refuse(
                         f"has {other} and {one}, which both have {name}: keep one of them."
                     )
+
+    def _refuse_beside(self, other: str, one: Name) -> None:
+        """Refuse a level beside or inside a part that is a whole level of its own."""
+        roles = {
+            str(name): name.role for name in self.term.parts() if str(name) in (other, str(one))
+        }
+        whole = [name for name, role in roles.items() if role == "smooth level"]
+        if len(whole) == 1 and "level" in roles.values():
+            (level,) = (name for name in roles if name not in whole)
+            self._refuse(
+                f"has {level} besides {whole[0]}, which is a whole level of its own and takes no"
+                f" brackets: write {whole[0]}, or {whole[0]} + viscous."
+            )
 
     def _check(self) -> None:
         """Refuse levels that have nothing to stand on."""

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.described import with_marks
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Memory, Parameter, Part
 from stickslip.friction.parts.curves import curve_text
@@ -111,15 +111,18 @@ class Name(Term):
                 )
             object.__setattr__(self, "argument", curve_text(self.argument))
         if self.argument and self.name == BOTH_WAYS and self.argument != "levels":
+            close = nearest(self.argument, ["levels"])
             raise InputError(
                 f"{self}: the brackets of both_ways hold nothing (all parameters differ between the"
                 " directions) or levels (levels and viscous parts do)."
+                + (f" Did you mean {BOTH_WAYS}[levels]?" if close else "")
             )
         holds = self.part.argument
         if self.argument and not holds:
             raise InputError(f"{self}: {self.name} has no argument: write {self.name}.")
         if holds == "number" and self.argument and not re.fullmatch(r"[1-9][0-9]?", self.argument):
-            raise InputError(f"{self}: the number of elements must be 1 to 99.")
+            what = "number of elements" if self.role == "memory" else "highest power"
+            raise InputError(f"{self}: the {what} must be a whole number from 1 to 99.")
         if holds == "input":
             self._check_input()
 

@@ -30,6 +30,10 @@ SECOND: Final = "position, second coordinate"
 """What the second column of a position in a plane is known by."""
 TIMES: Final = ("t", "time")
 """Names of a column of times, in either case, where a position has none other."""
+RUN: Final = frozenset({"t", "friction", "normal_force", "mode"})
+"""Columns by which a file shows that a run of this package wrote it."""
+STATES: Final = ({"x": "position", "v": "velocity"}, {"theta": "position", "omega": "velocity"})
+"""What the states of one body are called there, on a line and about an axis."""
 TURNING: Final[Mapping[str, str]] = {
     "angle": "position",
     "angular velocity": "velocity",
@@ -250,10 +254,7 @@ def _named(
     for quantity, column in columns.items():
         key = _known_column(file, column, own)
         names[quantity], found_units[quantity] = own[key], own_units[key]
-    if "position" in names and "time" not in names:
-        key = next((name for name in names if name.casefold() in TIMES), "")
-        if key:
-            names["time"], found_units["time"] = names.pop(key), found_units.pop(key)
+    _recognise(names, found_units, of_run=not columns and names.keys() >= RUN)
     for name, unit in units.items():
         if name not in names:
             known = [one for one in names if one != SECOND]
@@ -265,6 +266,16 @@ def _named(
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _recognise(names: dict[str, str], units: dict[str, str | None], *, of_run: bool) -> None:
+    """Call the states of a run, and a time beside positions, by their quantities."""
+    states = next((one for one in STATES if of_run and one.keys() <= names.keys()), {})
+    for word, quantity in states.items():
+        names[quantity], units[quantity] = names.pop(word), units.pop(word)
+    key = next((name for name in names if name.casefold() in TIMES), "")
+    if key and "position" in names and "time" not in names:
+        names["time"], units["time"] = names.pop(key), units.pop(key)
 
 
 def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, str | None]]:

@@ -4,13 +4,13 @@ import dataclasses
 import functools
 import typing
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import BeforeValidator, Field, create_model
 
 from stickslip.errors import InputError
 from stickslip.experiments.estimates import LOAD
-from stickslip.experiments.rigs.rig_models import Number, Table
+from stickslip.experiments.rigs.rig_models import ITS_TABLE, Number, Table
 from stickslip.friction import LAWS, FrictionLaw, force_parameters
 from stickslip.quantities import Quantity, fields_of, turned
 
@@ -30,13 +30,40 @@ def python_name(name: str, kind: str = "law") -> str:
     return f"{kind}_{name.replace('-', '_')}"
 
 
-def _number(quantities: Sequence[Quantity], turning: bool) -> Any:
-    """Return the annotation of a value of laws, which about an axis may have its unit there."""
-    others = (dataclasses.replace(one, unit=turned(one.unit)) for one in quantities if turning)
-    alternatives = (*quantities[1:], *others)
-    return Annotated[
-        Any, Number(quantities[0], mark="assumed", alternatives=alternatives, measured=True)
+class ContactUnits(NamedTuple):
+    """What tells the units of laws at a contact."""
+
+    name: str
+    """The name of the contact."""
+    turning: bool = False
+    """Whether it slips by an angle."""
+    in_forces: bool = False
+    """Whether the load is 1, so that what is over it reads as a force."""
+
+
+def _number(
+    quantities: Sequence[Quantity], at: ContactUnits, elsewhere: tuple[Quantity, str] | None = None
+) -> Any:
+    """Return the annotation of a value of laws, which may have its unit at a contact."""
+    units = [
+        (one, {turned(one.unit, at.turning), turned(one.force_unit, at.turning)})
+        if at.in_forces
+        else (one, {turned(one.unit, at.turning)})
+        for one in quantities
     ]
+    others = (
+        dataclasses.replace(one, unit=unit)
+        for one, found in units
+        for unit in sorted(found - {one.unit})
+    )
+    number = Number(
+        quantities[0],
+        mark="assumed",
+        alternatives=(*quantities[1:], *others),
+        measured=True,
+        elsewhere=elsewhere,
+    )
+    return Annotated[Any, number]
 
 
 def _forces_table(law: type[FrictionLaw]) -> type[Table]:
@@ -48,11 +75,11 @@ def _forces_table(law: type[FrictionLaw]) -> type[Table]:
     return model
 
 
-def _law_table(law: type[FrictionLaw], turning: bool) -> type[Table]:
+def _law_table(law: type[FrictionLaw], at: ContactUnits) -> type[Table]:
     fields: dict[str, Any] = {}
     for field in dataclasses.fields(law):
         default = None if field.default is dataclasses.MISSING else field.default
-        fields[field.name] = (_hint(law, field.name, turning), default)
+        fields[field.name] = (_hint(law, field.name, at), default)
     if force_parameters(law):
         fields["forces"] = (_forces_table(law) | None, None)
     model = create_model(law.__name__, __base__=Table, **fields)
@@ -60,10 +87,18 @@ def _law_table(law: type[FrictionLaw], turning: bool) -> type[Table]:
     return model
 
 
-def _hint(law: type[FrictionLaw], name: str, turning: bool) -> Any:
+def _hint(law: type[FrictionLaw], name: str, at: ContactUnits) -> Any:
     quantity = fields_of(law).get(name)
     if quantity is not None:
-        return _number([quantity], turning)
+        found = {field: (key, one) for key, (field, one) in force_parameters(law).items()}
+        if name not in found or not quantity.per_load or at.in_forces:
+            return _number([quantity], at)
+        key, one = found[name]
+        where = (
+            f"a value in {one.unit} stands as {key} under [{ITS_TABLE}.forces], with the"
+            " load at which it was measured"
+        )
+        return _number([quantity], at, (one, where))
     return typing.get_type_hints(law, include_extras=True)[name]
 
 
@@ -90,13 +125,17 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 
 @functools.cache
 def friction_table(
-    kinds: tuple[type[FrictionLaw], ...], contacts: tuple[tuple[str, bool], ...] = ()
+    kinds: tuple[type[FrictionLaw], ...], contacts: tuple[ContactUnits, ...] = ()
 ) -> type[FrictionTable]:
     """Return the model of ``[friction]`` for some laws."""
-    turning = bool(contacts) and all(turns for _, turns in contacts)
+    shared = ContactUnits(
+        "",
+        turning=bool(contacts) and all(one.turning for one in contacts),
+        in_forces=bool(contacts) and all(one.in_forces for one in contacts),
+    )
     if len(contacts) > 1:
-        alone = {name: friction_table(kinds, (("", turns),)) for name, turns in contacts}
-        return _by_contact(friction_table(kinds, (("", turning),)), alone)
+        alone = {one.name: friction_table(kinds, (one._replace(name=""),)) for one in contacts}
+        return _by_contact(friction_table(kinds, (shared,)), alone)
     fields: dict[str, Any] = {}
     misplaced = {}
     for name, owners in _owners(kinds).items():
@@ -106,11 +145,11 @@ def friction_table(
             continue
         quantities = [fields_of(law)[name] for law in owners if name in fields_of(law)]
         if quantities:
-            fields[name] = (_number(quantities, turning), None)
+            fields[name] = (_number(quantities, shared), None)
         else:
-            fields[name] = (_hint(owners[0], name, turning), None)
+            fields[name] = (_hint(owners[0], name, shared), None)
     for law in kinds:
-        own = _law_table(law, turning) | None
+        own = _law_table(law, shared) | None
         fields[python_name(law.name)] = (own, Field(default=None, alias=law.name))
     model = create_model("Friction", __base__=FrictionTable, **fields)
     model.__doc__ = FrictionTable.__doc__

@@ -103,6 +103,11 @@ def _composed(
                 continue
             where = f"{file}: {above}.{name}"
             kind = _law(text, where, beside)
+            if laws().get(name, kind) is not kind:
+                raise InputError(
+                    f"{where} has the name of another law than its law = {text!r}: rename the"
+                    f" table, such as [{above}.own], or leave law out."
+                )
             other = tables.pop(kind.name, {}) if kind.name != name else {}
             if any(f"{above}.{kind.name}.{key}" not in overridden for key in other):
                 raise InputError(

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LawEstimates
+from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.hashing import with_files
 from stickslip.experiments.measurement import (
     QUANTITIES,
@@ -21,6 +21,7 @@ from stickslip.experiments.measurement import (
     Measurement,
     as_turning,
     quantity_called,
+    tells_load,
 )
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.layout import Layout
@@ -35,7 +36,7 @@ from stickslip.experiments.rig import (
     estimated_law,
     state_units,
 )
-from stickslip.experiments.rigs.law_tables import python_name
+from stickslip.experiments.rigs.law_tables import ContactUnits, python_name
 from stickslip.experiments.rigs.laws import by_contact, known_laws, laws_of, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
@@ -92,13 +93,13 @@ def read_rig(
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
     called = {law: given for given, law in own.tables.items()}
     contacts = _contacts(raw, own, file, overrides)
-    for name, _ in contacts:
+    for name in [one.name for one in contacts]:
         if len(contacts) > 1 and name in of_one_law:
             raise InputError(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
-    kinds = laws_of(friction, [name for name, _ in contacts], own.laws)
+    kinds = laws_of(friction, [one.name for one in contacts], own.laws)
     try:
         kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
         table = kind.model_validate(raw)
@@ -113,8 +114,14 @@ def read_rig(
     measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
+    if measurement is not None and tells_load(measurement):  # so that levels are over it
+        over_load = tuple(one._replace(in_forces=False) for one in contacts)
+        try:
+            rig_table(own.mechanism, tuple(kinds.values()), over_load).model_validate(raw)
+        except ValidationError as error:
+            raise complaint(error, raw, file, overrides, called) from None
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
-    names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
+    names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds, called)
     known = KnownLaws()
     if not of_contacts:
@@ -231,8 +238,8 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
 
 def _contacts(
     raw: dict[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
-) -> tuple[tuple[str, bool], ...]:
-    """Return the names of the contacts, and whether each slips along an angle.
+) -> tuple[ContactUnits, ...]:
+    """Return the names of the contacts, and what units their laws have.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
     Friction levels that a robot description gives are put in where the file says nothing else.
@@ -254,8 +261,12 @@ def _contacts(
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    in_forces = levels_at(mechanism) != "per load"
     return tuple(
-        (one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad") for one in found
+        ContactUnits(
+            one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad", in_forces
+        )
+        for one in found
     )
 
 

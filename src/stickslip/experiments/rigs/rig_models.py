@@ -4,6 +4,7 @@ Mechanisms, drives and laws are read from their declared quantities, so a new on
 in files, and stands in the schema, without a line here.
 """
 
+import contextlib
 import dataclasses
 import functools
 import math
@@ -30,6 +31,8 @@ from stickslip.mechanisms import LOOPS, MOTORS, DCMotor, Mechanism, Motor, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import NUMBER_WITH_UNIT, shown
 
+ITS_TABLE = "{table}"
+"""Stands in messages for the table of a value, as the file calls it."""
 UNCERTAINTY = "uncertainty"
 """Key of the standard uncertainty of a number."""
 PLUS_MINUS = re.compile(r"\s*(?P<value>\S.*?)\s*(?:\+/?-|±)\s*(?P<doubt>\S.*?)\s*")
@@ -61,6 +64,8 @@ class Number:
     measured: bool = False
     """Whether it may have an uncertainty, ``{ value = ..., uncertainty = "2 %" }`` or
     ``"0.25 +- 0.01"``."""
+    elsewhere: tuple[Quantity, str] | None = None
+    """What the same is in another unit, and the sentence that says where that stands."""
 
     def read(self, value: Any) -> float | Given:
         """Return the number in SI, with its mark and its uncertainty where it may have them."""
@@ -121,10 +126,13 @@ class Number:
             return read_number(value, self.quantity)
         except ParameterError:
             for quantity in self.alternatives:
-                try:
+                with contextlib.suppress(ParameterError):
                     return read_number(value, quantity)
-                except ParameterError:
-                    continue
+            if self.elsewhere is not None and _reads(value, self.elsewhere[0]):
+                symbol, where = self.quantity.symbol, self.elsewhere[1]
+                raise ParameterError(
+                    f"({symbol}) is over the normal force, got {shown(value)}: {where}."
+                ) from None
             raise
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
@@ -158,6 +166,14 @@ class Number:
             )
         text = f"{quantity.symbol} [{quantity.unit}], {quantity.range}"
         return {"anyOf": kinds, "description": text, "x-unit": quantity.unit}
+
+
+def _reads(value: object, quantity: Quantity) -> bool:
+    try:
+        read_number(value, quantity)
+    except ParameterError:
+        return False
+    return True
 
 
 def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
@@ -205,7 +221,8 @@ class Table(BaseModel):
             if key in cls.misplaced:
                 raise PydanticCustomError("misplaced", "", {"key": key, "cure": cls.misplaced[key]})
             if key not in known:
-                raise PydanticCustomError("unknown_key", "", {"key": key, "known": list(known)})
+                context = {"key": key, "known": list(known), "value": data[key]}
+                raise PydanticCustomError("unknown_key", "", context)
         for key, field in known.items():
             if field.is_required() and key not in data:
                 marks = [mark for mark in field.metadata if isinstance(mark, Number)]

@@ -11,7 +11,13 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
-from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table, python_name
+from stickslip.experiments.rigs.law_tables import (
+    NONE,
+    ContactUnits,
+    FrictionTable,
+    friction_table,
+    python_name,
+)
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, drive_tables, table_of
 from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
@@ -367,7 +373,7 @@ class RigTable(Table):
 def rig_table(
     mechanism: tuple[str, type[Mechanism]] | None = None,
     laws: tuple[type[FrictionLaw], ...] = (),
-    contacts: tuple[tuple[str, bool], ...] = (),
+    contacts: tuple[ContactUnits, ...] = (),
 ) -> type[RigTable]:
     """Return the model of a rig file with all mechanisms and drives that are installed.
 
@@ -377,7 +383,7 @@ def rig_table(
     tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     options = choice({**tables, URDF: UrdfTable})
     friction = friction_table(laws, contacts)
-    contact = contact_table(tuple(name for name, _ in contacts))
+    contact = contact_table(tuple(one.name for one in contacts))
     return create_model(
         "Rig",
         __base__=RigTable,

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
 from stickslip.experiments.readers.toml import paths_of
+from stickslip.experiments.rigs.rig_models import ITS_TABLE
 from stickslip.units import shown
 
 _WANTED = {
@@ -49,6 +50,12 @@ def complaint(
         where = place(full, file, [*overridden, full] if made else overridden)
         table = f" in {_heading(key)}" if key else ""
         known = context["known"]
+        of_law = key.partition(".")[0] == "friction" and isinstance(context["value"], dict)
+        if of_law and not nearest(context["key"], known):
+            return InputError(
+                f"{where}: [{full}] has the name of no law or contact: add law = "
+                f'"level + viscous", or another one, under [{full}].'
+            )
         if not key and context["key"] in overridden:  # the end of a path, perhaps
             ends = {path.rpartition(".")[2] for path in paths_of(raw)} - {context["key"]}
             known = ends if nearest(context["key"], ends) else known
@@ -66,7 +73,8 @@ def complaint(
     if kind == "misplaced":
         return ParameterError(f"{where}: {_join(key, context['key'])}: {context['cure']}.")
     if kind == "value_error":
-        return ParameterError(f"{where}: {key} {context['error']}")
+        text = str(context["error"]).replace(ITS_TABLE, key.rpartition(".")[0])
+        return ParameterError(f"{where}: {key} {text}")
     wanted = _WANTED.get(kind)
     if kind == "literal_error":
         wanted = f"must be {context['expected']}"

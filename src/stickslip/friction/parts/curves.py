@@ -37,7 +37,7 @@ class Table(Extra):
     vanishes = {"curve_factor": 0.0}
     curve_factor: Annotated[
         float,
-        Quantity("c", low=0, scale="none", bounds=(0.1, 10.0), start=1.0),
+        Quantity("c", low=0, scale="none", bounds=(0.1, 10.0), start=1.0, per_load=True),
         Doc("Factor on the measured levels."),
     ] = 1.0
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stickslip.experiments import Measurement, levels_at, unit_at_unit_load
+from stickslip.experiments import Measurement, levels_at, tells_load
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
@@ -23,10 +23,7 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     unit_load = levels_at(mechanism) != "per load"
-    known = "load" in measurement.quantities() or any(
-        "mechanism.load" in record.overrides for record in measurement.records()
-    )
-    return unit_load and not known
+    return unit_load and not tells_load(measurement)
 
 
 def in_forces(
@@ -42,7 +39,9 @@ def in_forces(
     >>> from stickslip import Axis
     >>> from stickslip.quantities import Quantity
     >>> path = "friction.kinetic_coefficient"
-    >>> level = FreeParameters((FreeParameter(path=path, quantity=Quantity("mu_k"), start=2.0),))
+    >>> level = FreeParameters(
+    ...     (FreeParameter(path=path, quantity=Quantity("mu_k", per_load=True), start=2.0),)
+    ... )
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
     >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
     'N'
@@ -100,9 +99,8 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
         if item.path.startswith("friction."):
             contact = contacts[item.path.split(".")[1]]
             turning = turns[contact.slips[0]]
-            forces = unit_at_unit_load(quantity) if contact.load == 1.0 else ""
-            if forces and not quantity.structural:
-                quantity = replace(quantity, unit=forces)
+            if contact.load == 1.0:
+                quantity = replace(quantity, unit=quantity.force_unit)
         elif item.path.startswith(OFFSET):
             turning = turns[item.path.removeprefix(OFFSET)]
         elif item.path.startswith(JOINTS) and quantity.or_unit:
@@ -117,8 +115,6 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
 def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
     for item in items:
         quantity = item.quantity
-        unit = unit_at_unit_load(quantity)
-        if item.path.startswith("friction.") and unit and not quantity.structural:
-            yield replace(item, quantity=replace(quantity, unit=unit))
-        else:
-            yield item
+        if item.path.startswith("friction."):
+            quantity = replace(quantity, unit=quantity.force_unit)
+        yield replace(item, quantity=quantity)

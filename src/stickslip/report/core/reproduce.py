@@ -71,7 +71,9 @@ def law_references(
     used = {key: list(who) for key, who in first.items()}
     for law in laws:
         for key in law.sources:
-            used.setdefault(key, []).append(law.title)
+            who = used.setdefault(key, [])
+            if law.title not in who:
+                who.append(law.title)
     return tuple(
         Reference(**CITATIONS[key]._asdict(), note=joined(who))
         for key, who in used.items()

@@ -1,10 +1,13 @@
 """The friction map: what was measured against velocity, and the law that was chosen."""
 
-from typing import Final
+import itertools
+import math
+from typing import Final, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stickslip.formatting import Scale, quantity, significant, with_unit
+from stickslip.formatting import Scale, joined, quantity, significant, with_unit
 from stickslip.friction import DirectionDependent
 from stickslip.identification import RecordFit, inputs_text
 from stickslip.plots import (
@@ -21,6 +24,9 @@ from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
+Array: TypeAlias = NDArray[np.float64]
+FELT: Final = 0.02
+"""Share of friction by which it has to change with the speed to be said to."""
 REFUTED: Final = 0.25
 """Points this far off the curve on average, over the size of friction, speak against it."""
 MIXED: Final = 0.05
@@ -63,18 +69,52 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
         return f"Friction grows faster {ways[0] if faster else ways[1]}"
     fastest = float(np.percentile(np.abs(points.velocity), 99.5))
     v, force = characteristic(fit.typical_law, points.load, fastest)
-    slow = float(force[np.flatnonzero(v > 0.0)[0]])
-    fast = float(force[-1])
-    shown = Scale(1.0, fit.measurement.unit("friction"))  # as on the axis of the map
-    speed = quantity(fastest, fit.measurement.unit("velocity"))
-    by = f"In the {in_sentence(best.title)} law, friction"
-    if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
-        return f"{by} is {shown.quantity(fast)} at all speeds"
-    if abs(slow) <= 0.01 * abs(fast):
-        return f"{by} grows from 0 to {shown.quantity(fast, 2)} at {speed}"
-    turn = "grows" if fast > slow else "falls"
-    start, end = shown.quantity(slow, 2), shown.quantity(fast, 2)
-    return f"{by} {turn} from {start} near rest to {end} at {speed}"
+    ahead = v > 0.0
+    units = (fit.measurement.unit("velocity"), fit.measurement.unit("friction"))
+    words = course(v[ahead], force[ahead], *units)
+    return f"In the {in_sentence(best.title)} law, friction {words}"
+
+
+def course(speed: Array, force: Array, speed_unit: str, force_unit: str) -> str:
+    """Return how friction changes with the speed, with where it turns, in words.
+
+    Examples
+    --------
+    >>> course(np.array([0.0, 0.1, 1.0]), np.array([5.0, 2.0, 4.0]), "m/s", "N")
+    'falls from 5 N near rest to 2 N at 0.1 m/s and grows to 4 N at 1 m/s'
+    >>> course(np.array([0.0, 1.0]), np.array([5.0, 5.01]), "m/s", "N")
+    'is 5.01 N at all speeds'
+    """
+    shown = Scale(1.0, force_unit)  # as on the axis of the map
+    size = float(np.max(np.abs(force)))
+    at = _turns(force, FELT * size)
+    if at is None:
+        return f"is {shown.quantity(float(force[-1]))} at all speeds"
+    first = float(force[0])
+    start = "0" if abs(first) <= 0.01 * size else f"{shown.quantity(first, 2)} near rest"
+    legs: list[str] = []
+    for before, here in itertools.pairwise((0, *at)):
+        turn = "grows" if force[here] > force[before] else "falls"
+        where = quantity(float(speed[here]), speed_unit, 3 if here == len(speed) - 1 else 2)
+        origin = "" if legs else f"from {start} "
+        legs.append(f"{turn} {origin}to {shown.quantity(float(force[here]), 2)} at {where}")
+    return joined(legs)
+
+
+def _turns(force: Array, least: float) -> list[int] | None:
+    """Return where a curve turns by more than some force, and its end; None if it is level."""
+    found, way, best = list[int](), 0.0, 0
+    for i, change in enumerate((force - force[0]).tolist()):
+        beyond = float(force[i] - force[best])
+        if not way:
+            if abs(change) > least:
+                way, best = math.copysign(1.0, change), i
+        elif beyond * way >= 0.0:
+            best = i
+        elif abs(beyond) > least:
+            found.append(best)
+            way, best = -way, i
+    return [*found, len(force) - 1] if way else None
 
 
 def _off(fit: RecordFit, points: MapPoints) -> float:

@@ -71,10 +71,10 @@ def _table(verdict: RecordVerdict, fit: RecordFit) -> Table:
             else []
         ),
         Column(
-            head="naive interval\ntoo narrow by",
+            head="naive interval\nis off by",
             numeric=True,
             phone="label",
-            label="naive interval too narrow by",
+            label="naive interval is off by",
         ),
     )
     rows = [
@@ -110,9 +110,8 @@ def _narrow(fit: RecordFit, index: int) -> str:
     naive = math.sqrt(max(float(fit.inference.naive[index, index]), 0.0))
     if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:
         return "—"
-    if error < naive:
-        return f"{with_unit(significant(naive / error, 2), '×')} too wide"
-    return with_unit(significant(error / naive, 2), "×")
+    factor = with_unit(significant(max(error, naive) / min(error, naive), 2), "×")
+    return f"{factor} too {'wide' if error < naive else 'narrow'}"
 
 
 def _plot(estimate: Estimate, halves: tuple[float, float] | None) -> RowPlot:
@@ -147,7 +146,7 @@ def _caption(fit: RecordFit) -> str:
     text = (
         "95 % intervals from the block jackknife (Student t). The effective sample size is about"
         f" {significant(effective, 2)} of {rows:,} rows; last column: factor by which intervals"
-        " that assume independent rows are too narrow."
+        " that assume independent rows are too narrow or too wide."
     )
     if reads_as_forces(fit.mechanism, fit.measurement):
         text += " The normal force is set to 1, so that friction levels are forces."
