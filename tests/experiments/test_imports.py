@@ -221,7 +221,7 @@ def test_with_the_option_the_command_simulates_the_users_law(folder, capsys):
 def test_what_was_imported_is_not_in_the_registries_afterwards(folder):
     load_rig(folder / "rig.toml", allow_import=True)
     rig = rewritten(folder, f'type = "{name_of(folder)}:Twofold"', "")
-    with pytest.raises(InputError, match="'twofold'"):
+    with pytest.raises(InputError, match=r"friction.twofold"):
         load_rig(rig, allow_import=True)
 
 
