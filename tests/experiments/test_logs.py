@@ -365,3 +365,13 @@ def test_the_digest_of_a_rig_covers_the_messages_of_a_bag(tmp_path, urdf):
     other = write_bag(tmp_path / "other", {TOPIC: states(TIME, changed)})
     (bag / "bag.db3").write_bytes((other / "other.db3").read_bytes())
     assert load_rig(tmp_path / "rig.toml").digest != first.digest
+
+
+def test_of_two_topics_that_with_efforts_is_taken(tmp_path):
+    fast, slow = np.arange(0.0, 4.0, 0.01), np.arange(0.0, 4.0, 0.02)
+    topics = {
+        "/fast": states(fast, {"a": (np.sin(fast), np.cos(fast), None)}),
+        "/slow": states(slow, {"a": (np.sin(slow), np.cos(slow), 2.0 + slow)}),
+    }
+    record = load_measurement(write_mcap(tmp_path / "log.mcap", topics))
+    assert record.joints["a"].values("force")[-1] == pytest.approx(2.0 + slow[-1])

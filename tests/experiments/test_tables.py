@@ -153,7 +153,9 @@ def test_an_exported_run_is_read_back(tmp_path, ending):
     names = {"time": "t", "position": "x", "velocity": "v", "friction": "friction"}
     record = load_measurement(file, columns=names)
     guess = guess_data(file)
-    assert {name: guess.columns[name] for name in names} == names
+    assert set(names) <= set(guess.columns)
+    again = load_measurement(file, columns={name: guess.columns[name] for name in names})
+    np.testing.assert_array_equal(again.position, record.position)
     assert not guess.doubts or ending == "parquet"  # whose columns have no units
     law = Coulomb(kinetic_coefficient=3.0)
     run = simulate(Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=1.0)), law, t_end=2.0)

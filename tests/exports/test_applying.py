@@ -200,6 +200,20 @@ def test_laws_go_to_joints_of_their_names_with_damper_and_motor_of_the_mechanism
     )
 
 
+def test_a_joint_whose_motor_others_turn_is_refused_and_a_fitted_armature_is_written(arm):
+    rig = robot_rig({"shoulder": LAW, "elbow": STRIBECK}, damping=0.04, armature=0.003)
+    turret, first, last = rig.mechanism.joints
+    found = replace(first, added_armature=0.002)
+    fitted = replace(rig, mechanism=replace(rig.mechanism, joints=(turret, found, last)))
+    shoulder = written(fitted, arm, "shoulder").joints[0].after
+    assert float(shoulder["armature"]) == pytest.approx(0.005)
+    turned = replace(last, coupling={"shoulder": 1.0}, lower_stop=None, upper_stop=None)
+    coupled = replace(rig, mechanism=replace(rig.mechanism, joints=(turret, first, turned)))
+    with pytest.raises(InputError, match="choose the other joints with --joint"):
+        written(coupled, arm, None)
+    assert written(coupled, arm, "shoulder").joints[0].joint == "shoulder"
+
+
 def test_the_error_of_the_force_is_that_over_the_speeds_of_both_directions():
     found = written(STRIBECK, DESK_ARM, "elbow").joints[0]
     v = np.linspace(0.0, 2.0, 20001)[1:]

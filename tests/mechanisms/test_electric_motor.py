@@ -12,7 +12,7 @@ from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import rig_toml
-from stickslip.mechanisms import DCMotor, PositionLoop, VelocityLoop
+from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, VelocityLoop
 from stickslip.plots.animation.animation_frame import moments_of
 
 MOTOR = DCMotor(
@@ -260,3 +260,11 @@ def test_commands_come_in_steps_within_the_limit():
     np.testing.assert_allclose(loop.commands[:6], [0.0, 0.0, 0.3, 0.3, 0.3, 0.6], atol=1e-12)
     assert loop.commands[-1] == 1.0
     assert loop.requested[-1] == pytest.approx(1.9)
+
+
+def test_a_supply_that_droops_is_refused_beside_a_loop_that_sets_the_current():
+    with pytest.raises(ParameterError, match="leave it out, or give another loop"):
+        DCMotor(
+            resistance=3.0, torque_constant=0.4, supply=12.0, supply_resistance=1.0,
+            loop=CurrentLoop(),
+        )  # fmt: skip

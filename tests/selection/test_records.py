@@ -298,6 +298,8 @@ def test_a_law_that_predicts_worse_is_not_asked_for(asked_for, kinds):
         loss: float
         fit: Fit = Fit()
         from_balance: tuple = ()
+        simplifies: str = ""
+        law: None = None
         effective = 1000.0
 
         @property
@@ -311,6 +313,7 @@ def test_a_law_that_predicts_worse_is_not_asked_for(asked_for, kinds):
     asked = SimpleNamespace(
         asked=SimpleNamespace(laws={}, best=SimpleNamespace(name="rich")),
         errors_of=lambda *_: (SimpleNamespace(kind="delay"), SimpleNamespace(kind="law")),
+        rejects=lambda *_, simplified: True,  # as it is called
     )
     plain, rich = Candidate("plain", 1.0), Candidate("rich", asked_for)
     found = with_errors(plain, asked, [plain, rich], usual=True)
@@ -350,6 +353,7 @@ def failing_without_a_block(*kinds):
 
 
 def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch):
+    monkeypatch.setattr(refits, "_stepped", lambda *_: None)  # no fit is spared
     monkeypatch.setattr(refits, "improve", failing_without_a_block(Viscous))
     short = recorded(CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0), length=6.0)
     found = select(AXIS, [Viscous, CoulombViscous], short, horizon=0.5, settings=QUICK)

@@ -51,7 +51,8 @@ def test_of_a_free_decay_the_force_balance_names_the_law_and_its_fit_the_values(
     assert found.best.name == "coulomb"
     (level,) = [e for e in found.best.fit.estimates if e.path.startswith("friction.")]
     assert level.low <= 0.45 <= level.high
-    assert found.words.verdict == "Use Coulomb friction."
+    # a power of the speed with an exponent near 0 is the same friction
+    assert found.words.verdict.startswith("Use Coulomb friction")
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,7 @@ INSIDE = {
     "coordinate_of": "robot",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "driving_inertia": "electric_motor",
     "given_names": "told_inputs",
     "has_macros": "urdf",
     "has_one_slip": "contacts",

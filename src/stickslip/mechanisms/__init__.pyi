@@ -50,6 +50,7 @@ from stickslip.mechanisms.electric_motor import MotorLoop as MotorLoop
 from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
 from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
 from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
+from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
 from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism

@@ -51,8 +51,8 @@ class PositionLoop(MotorLoop):
     Examples
     --------
     >>> motor = DCMotor(resistance=3.0, torque_constant=0.4)
-    >>> PositionLoop(gain=20.0, rate_gain=0.5).voltage(0.3, 0.1, 2.0, motor)
-    3.0
+    >>> PositionLoop(gain=20.0, rate_gain=0.5).voltage(0.5, 0.25, 2.0, motor)
+    4.0
     """
 
     name: ClassVar[str] = "position"
@@ -179,6 +179,11 @@ class DCMotor(Parametrised):
     def __post_init__(self) -> None:
         """Check the parameters: a supply droops from its voltage."""
         super().__post_init__()
+        if self.supply_resistance and isinstance(self.loop, CurrentLoop):
+            raise ParameterError(
+                "DCMotor.supply_resistance (R_s) takes no effect on a current that a loop sets:"
+                " leave it out, or give another loop."
+            )
         if self.supply_resistance is not None and self.supply is None:
             raise ParameterError(
                 "DCMotor.supply_resistance (R_s) is that of a supply: give supply, its voltage"

@@ -284,7 +284,9 @@ def _units(columns: Mapping[str, Found], given: Mapping[str, str]) -> Iterator[t
 def _mean(joint: _Joint) -> float:
     """Return where a joint stood; 0 where its position was not recorded."""
     place = joint.numbers.get("position")
-    return 0.0 if place is None else float(np.round(np.nanmean(place), 6))
+    if place is None or not np.isfinite(place).any():
+        return 0.0
+    return float(np.round(np.nanmean(place), 6))
 
 
 def _delays(
@@ -351,7 +353,8 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     if found[best] < ALIKE or best in (0, found.size - 1):
         return None
     left, top, right = found[best - 1 : best + 2]
-    between = 0.5 * (left - right) / (left - 2.0 * top + right)  # vertex of a parabola
+    bend = left - 2.0 * top + right
+    between = 0.5 * (left - right) / bend if bend else 0.0  # vertex of a parabola
     return float((lags[near][best] + between) * step)
 
 

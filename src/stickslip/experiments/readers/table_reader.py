@@ -333,6 +333,10 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
     for name, header in own.items():
         if column in (name, header):
             return name
+    of_run = next((one for one in STATES if own.keys() >= RUN | one.keys()), {})
+    for word, quantity in {"t": "time", **of_run}.items():
+        if of_run and column == quantity:
+            return word
     # The coordinate of the only track has a short name too.
     short = [name for name in own if name.rpartition(SEPARATOR)[2].lower() == str(column).lower()]
     if len(short) == 1:

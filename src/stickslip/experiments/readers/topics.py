@@ -216,10 +216,19 @@ class _Joined:
         )
 
     def _measured(self) -> list[_Signal]:
-        """Return what was measured of joints; of one in two topics, that of most samples."""
+        """Return what was measured of joints; of one in two topics, that with efforts or more."""
         found: dict[str, _Signal] = {}
         states = [one for one in self.signals if _of_joint(one)]
-        for one in sorted(states, key=lambda one: -one.rows.size):  # stable
+        efforts = {
+            (one.topic, one.column.removeprefix("force."))
+            for one in states
+            if one.column.startswith("force.") and np.isfinite(one.values).any()
+        }
+
+        def order(one: _Signal) -> tuple[bool, int]:
+            return (one.topic, one.column.partition(".")[2]) not in efforts, -one.rows.size
+
+        for one in sorted(states, key=order):  # stable
             joint = one.column.partition(".")[2]
             found.setdefault(joint, one)
         topics = {joint: one.topic for joint, one in found.items()}

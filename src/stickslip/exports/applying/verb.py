@@ -23,7 +23,15 @@ from stickslip.exports.verb import Asked, subject_of
 from stickslip.formatting import percent, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
-from stickslip.mechanisms import Axis, Mechanism, Pendulum, Robot, RobotJoint, SerialArm
+from stickslip.mechanisms import (
+    Axis,
+    Mechanism,
+    Pendulum,
+    Robot,
+    RobotJoint,
+    SerialArm,
+    driving_inertia,
+)
 from stickslip.quantities import Given, turned
 from stickslip.selection import Verdict
 
@@ -363,11 +371,17 @@ def _friction(near: Simplified, subject: Subject) -> Friction:
 def _beside(mechanism: Mechanism | None, contact: str) -> tuple[float, float]:
     """Return the damper and the motor's inertia of a joint."""
     if isinstance(mechanism, Axis | Pendulum):
-        return mechanism.damping, 0.0
+        return mechanism.damping, float(driving_inertia(mechanism.drive))
     if isinstance(mechanism, Robot):
         for one in mechanism.joints:
             if contact in ("", one.contact_name):
-                return one.damping, one.armature
+                if one.coupling:
+                    raise InputError(
+                        f"friction of {one.joint!r} acts along a motor that other joints turn too"
+                        " (coupling), and that of a joint in URDF and MJCF along its own angle:"
+                        " choose the other joints with --joint."
+                    )
+                return one.damping, max(0.0, one.armature + one.added_armature)
     if isinstance(mechanism, SerialArm):
         names = [one.name for one in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]

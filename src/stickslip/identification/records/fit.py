@@ -77,7 +77,7 @@ AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, 
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
-SETTLED = 0.01
+SETTLED = 1e-3
 """Share of the cost that a round must take off for another one to follow."""
 
 
