@@ -34,7 +34,9 @@ from stickslip import (
 )
 from stickslip.errors import StickslipError
 from stickslip.friction import law
-from stickslip.selection.record_verdict import RecordVerdict
+from stickslip.kinds.records.verdict import (
+    RecordVerdict,
+)
 
 RESULTS = "friction_tables.jsonl"
 AXIS = Axis(inertia=1.0)

@@ -35,9 +35,12 @@ from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.settings import RecordSettings
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    RecordVerdict,
+)
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
-from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 
 CANDIDATES = (
     "viscous", "coulomb", "coulomb-viscous", "direction-dependent", "power-viscous",

@@ -22,11 +22,14 @@ import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
 from stickslip.identification.records.route_choice import OwnRouteName
+from stickslip.kinds.kind import (
+    PURPOSES,
+    PurposeName,
+)
 from stickslip.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
 from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
 from stickslip.optimisation.problem import GOALS, GoalName
-from stickslip.selection.records import PURPOSES, PurposeName
 
 ROOT = Path(__file__).parents[2]
 Reported = Mapping[str, Sequence[str]]

@@ -7,8 +7,8 @@ import signal
 
 import numpy as np
 import pytest
-
 import stickslip.selection.records as selection
+
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.inputs import measured

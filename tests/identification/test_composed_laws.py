@@ -13,7 +13,11 @@ from stickslip.identification import ModelError, RecordSettings, asked_of, model
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
-from stickslip.selection.explained import Explained, _compared, explained
+from stickslip.kinds.records.explained import (
+    Explained,
+    _compared,
+    explained,
+)
 from stickslip.selection.wording import friction_of
 
 FADES = (0.1, 2.0)

@@ -16,7 +16,9 @@ from stickslip.identification.estimation.jackknife import (
     infer,
 )
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.selection.record_admissibility import objection
+from stickslip.kinds.records.admissibility import (
+    objection,
+)
 
 
 def autoregression(count, decay, random):

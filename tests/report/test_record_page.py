@@ -30,22 +30,43 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.settings import RecordSettings
+from stickslip.kinds.records.page.certificate import (
+    certificate_section,
+)
+from stickslip.kinds.records.page.friction import (
+    course,
+)
+from stickslip.kinds.records.page.parameters import (
+    _narrow,
+)
+from stickslip.kinds.records.page.reproduce import (
+    python_lines,
+)
+from stickslip.kinds.records.page.residuals import (
+    _panels,
+    residuals_section,
+)
+from stickslip.kinds.records.page.sections import (
+    turns_of,
+)
+from stickslip.kinds.records.page.summary import (
+    law_lines,
+    level_at,
+    levels_at_speed,
+)
+from stickslip.kinds.records.page.texts import (
+    rival_of,
+)
+from stickslip.kinds.records.wording import (
+    in_sentence,
+)
 from stickslip.kinds.report import verdict_page
 from stickslip.plots import characteristic
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report import Paragraph, Section, law_references, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts, typeset
-from stickslip.report.records.certificate import certificate_section
-from stickslip.report.records.friction import course
-from stickslip.report.records.parameters import _narrow
-from stickslip.report.records.reproduce import python_lines
-from stickslip.report.records.residuals import _panels, residuals_section
-from stickslip.report.records.sections import turns_of
-from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
-from stickslip.report.records.texts import rival_of
 from stickslip.selection.candidates import specifications
-from stickslip.selection.record_wording import in_sentence
 
 TRUE = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
 DRIVE = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
@@ -287,7 +308,7 @@ def test_laws_that_differ_by_direction_have_a_line_each():
 
 
 def test_blocks_tile_the_record(verdict):
-    edges = block_edges(verdict)
+    edges = block_edges(verdict.closest.fit, verdict.plan.folds)
     assert len(edges) == verdict.plan.folds + 1
     # the record is 8 s long, and its segments may end a step of 0.01 s early
     assert edges[-1] - edges[0] == pytest.approx(8.0, abs=0.05)
@@ -411,7 +432,7 @@ def test_a_short_record_of_friction_has_a_page_with_its_time():
 def test_records_of_several_trials_lie_end_to_end():
     both = Measurement(trials=(short_friction(4), short_friction(5)))
     verdict = select(Axis(inertia=2.0), [Coulomb, CoulombViscous], both)
-    edges = block_edges(verdict)
+    edges = block_edges(verdict.closest.fit, verdict.plan.folds)
     # two records of 4 s, each from its first to its last sample
     assert edges[-1] - edges[0] == pytest.approx(8.0, abs=1e-9)
     assert "The first of 2 records." in text_of(page_of(verdict))

@@ -17,9 +17,15 @@ from stickslip import (
     TowedBlock,
     Viscous,
 )
-from stickslip.selection.design.experiments import design
-from stickslip.selection.design.predictors import Predictor
-from stickslip.selection.next_measurements import reach_of
+from stickslip.kinds.records.design.experiments import (
+    design,
+)
+from stickslip.kinds.records.design.predictors import (
+    Predictor,
+)
+from stickslip.kinds.records.next_measurements import (
+    reach_of,
+)
 
 
 def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True, **more):

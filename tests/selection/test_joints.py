@@ -20,8 +20,10 @@ from stickslip import (
 )
 from stickslip.formatting import Scale
 from stickslip.formulation import JointTorques
+from stickslip.kinds import (
+    joint_specifications,
+)
 from stickslip.plots import plot_joints
-from stickslip.selection import joint_specifications
 
 LAWS = {
     "shoulder": DirectionDependent(

@@ -24,14 +24,28 @@ from stickslip.experiments.checking import stationarity
 from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.model_error import ModelError
-from stickslip.report.records.summary import opening_section
+from stickslip.kinds.records.admissibility import (
+    objection,
+)
+from stickslip.kinds.records.design.experiments import (
+    design,
+)
+from stickslip.kinds.records.design.predictors import (
+    Predictor,
+)
+from stickslip.kinds.records.page.summary import (
+    opening_section,
+)
+from stickslip.kinds.records.selection import (
+    _on_second,
+    verdict_on,
+)
+from stickslip.kinds.records.wording import (
+    first_of,
+    record_wording,
+)
 from stickslip.selection.applicability import checked
-from stickslip.selection.design.experiments import design
-from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.identifiable import settled_estimates
-from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_wording import first_of, record_wording
-from stickslip.selection.records import _on_second, verdict_on
 from stickslip.selection.verdict import score_text
 from stickslip.selection.wording import corrections
 

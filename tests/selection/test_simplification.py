@@ -15,11 +15,21 @@ from stickslip import (
     fit,
 )
 from stickslip.friction import law
-from stickslip.selection import records
+from stickslip.kinds.records import (
+    selection as records,
+)
+from stickslip.kinds.records.admissibility import (
+    objection,
+    unidentified,
+)
+from stickslip.kinds.records.simplification import (
+    one_part_less,
+    untold,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+)
 from stickslip.selection.cross_validation import CrossValidation
-from stickslip.selection.record_admissibility import objection, unidentified
-from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.simplification import one_part_less, untold
 
 AXIS = Axis(inertia=1.0)
 SETTINGS = RecordSettings(starts=1)

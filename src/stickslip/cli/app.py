@@ -50,7 +50,9 @@ from stickslip.cli.options import (
 from stickslip.cli.subcommands import data, profile
 
 if TYPE_CHECKING:
-    from stickslip.selection import PurposeName
+    from stickslip.kinds import (
+        PurposeName,
+    )
 
 app = typer.Typer(
     cls=Panels,

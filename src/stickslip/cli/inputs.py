@@ -33,9 +33,18 @@ from stickslip.identification import (
     law_quantities,
     refuse_of_laws,
 )
-from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
+from stickslip.kinds import (
+    AnyKind,
+    Law,
+    PurposeName,
+    Request,
+    kind_of,
+    refuse_unused,
+)
 from stickslip.quantities import Quantity, full_path
-from stickslip.selection import PurposeName, Wording
+from stickslip.selection import (
+    Wording,
+)
 
 Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
 """`measured` with what the options say."""

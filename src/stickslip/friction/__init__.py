@@ -87,7 +87,10 @@ HOMES = {
 
 INSIDE = {
     "CITATIONS": "sources",
+    "CandidateSpec": "registry",
     "Composition": "composition",
+    "FrictionLaw": "base",
+    "Laws": "by_contact",
     "Leaf": "composition",
     "OPTIONAL": "notation",
     "PrintedCartDynamics": "published",
@@ -96,18 +99,22 @@ INSIDE = {
     "Rung": "ladder",
     "anywhere": "base",
     "assigned": "by_contact",
+    "bound": "base",
     "bristle_names": "by_contact",
+    "containment_of": "containment",
     "curves_beside": "parts.curves",
     "force_parameters": "base",
     "given_to": "by_contact",
     "is_bound": "base",
     "is_composition": "registry",
+    "law": "registry",
     "law_of": "by_contact",
     "listed": "registry",
     "one_step_simpler": "containment",
     "rungs": "ladder",
     "said_of": "classes",
     "simpler_laws": "registry",
+    "specification": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, ClassVar, Generic, TypeAlias, final
+from typing import Any, ClassVar, Generic, Literal, TypeAlias, final
 
 from typing_extensions import TypeVar, override
 
@@ -26,7 +26,10 @@ from stickslip.identification import (
 from stickslip.kinds.columns import Columns, page_table, terminal_table
 from stickslip.mechanisms import Mechanism
 from stickslip.report import Origin, Section, SectionMaker, opening, reproduce
-from stickslip.selection import PurposeName, Verdict, score_scale
+from stickslip.selection import (
+    Verdict,
+    score_scale,
+)
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
@@ -34,6 +37,9 @@ Law: TypeAlias = Any
 """A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
 SeveralLaws: TypeAlias = Any
 """A mapping or a sequence of such laws."""
+PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
+PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
+"""Horizon [s] of what is predicted, by what the law is for."""
 
 
 @final

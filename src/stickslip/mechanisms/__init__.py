@@ -59,6 +59,7 @@ HOMES = {
 INSIDE = {
     "LINKS": "base",
     "LinearOrRotary": "base",
+    "Mechanism": "base",
     "WHOLE": "drive_period",
     "as_rotary": "base",
     "checked_contacts": "contacts",
@@ -81,6 +82,7 @@ INSIDE = {
     "slip_of": "contacts",
     "slipping": "contacts",
     "slips_by_angle": "contacts",
+    "stops_of": "base",
     "told_fields": "told_inputs",
     "urdf_joints": "urdf",
     "without_given": "told_inputs",

@@ -63,9 +63,7 @@ from stickslip.report.core.tables import Name as Name
 from stickslip.report.core.tables import Number as Number
 from stickslip.report.core.tables import Row as Row
 from stickslip.report.core.tables import Table as Table
-from stickslip.report.joints.sections import joint_sections as joint_sections
 from stickslip.report.laws import characterization_page as characterization_page
-from stickslip.report.records.sections import record_sections as record_sections
 from stickslip.report.runs import ContactsReport as ContactsReport
 from stickslip.report.runs import RunReport as RunReport
 from stickslip.report.runs import contacts_page as contacts_page

@@ -7,14 +7,14 @@ from stickslip.identification import RecordFit as RecordFit
 from stickslip.identification import TrialComparison as TrialComparison
 from stickslip.kinds import FeatureFit as FeatureFit
 from stickslip.kinds import FeatureVerdict as FeatureVerdict
+from stickslip.kinds import JointVerdict as JointVerdict
 from stickslip.kinds import Plan as Plan
 from stickslip.kinds import RateStateFit as RateStateFit
 from stickslip.kinds import RateStateVerdict as RateStateVerdict
+from stickslip.kinds import RecordVerdict as RecordVerdict
 from stickslip.kinds import TravelFit as TravelFit
 from stickslip.kinds import TravelVerdict as TravelVerdict
 from stickslip.optimisation import Optimum as Optimum
-from stickslip.selection import JointVerdict as JointVerdict
-from stickslip.selection import RecordVerdict as RecordVerdict
 from stickslip.selection import Verdict as Verdict
 from stickslip.solver import Sensitivity as Sensitivity
 from stickslip.trajectory import Certificate as Certificate

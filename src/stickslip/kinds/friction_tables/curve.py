@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification import interleaved
-from stickslip.selection import NEAR, CrossValidation, RecordCandidate, errs_more
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+)
+from stickslip.selection import (
+    NEAR,
+    CrossValidation,
+    errs_more,
+)
 
 Array = NDArray[np.float64]
 

@@ -12,20 +12,28 @@ from stickslip.identification import ModelError, Parameters, RecordSettings, Rou
 from stickslip.kinds.friction_tables.curve import with_curve
 from stickslip.kinds.friction_tables.single_rows import WithoutRow, if_wrong, suspects
 from stickslip.kinds.kind import Request
-from stickslip.selection import (
-    RecordCandidate,
-    RecordVerdict,
+from stickslip.kinds.records.admissibility import (
+    standard_uncertainty,
+)
+from stickslip.kinds.records.ladder import (
+    climbed,
+)
+from stickslip.kinds.records.selection import (
     aim_of,
     candidate_of,
-    checked,
-    climbed,
     judged_of,
     laws_for,
-    standard_uncertainty,
     until_stopped,
     verdict_on,
     with_contained,
     without_stated,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    RecordVerdict,
+)
+from stickslip.selection import (
+    checked,
 )
 
 ROUTE: Final = "force-map"

@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
 from stickslip.identification import ModelError, RecordFit, positions_of, refitted
-from stickslip.selection import APART, ROUNDING, RecordCandidate, apart
+from stickslip.kinds.records.selection import (
+    ROUNDING,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+)
+from stickslip.selection import (
+    APART,
+    apart,
+)
 
 Array = NDArray[np.float64]
 

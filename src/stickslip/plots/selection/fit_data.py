@@ -12,7 +12,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import scale_of
 from stickslip.identification import RecordFit, inverse_dynamics, load_of
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
-from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection import CrossValidated
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -204,17 +204,18 @@ def _shifts(spans: Array) -> dict[int, float]:
     return found
 
 
-def block_edges(verdict: RecordVerdict) -> Array:
+def block_edges(fit: RecordFit, folds: int) -> Array:
     """Return the ends (folds + 1,) of the held-out blocks, on the axis of `rows_of`."""
-    assert verdict.closest.fit is not None
-    spans = verdict.closest.fit.problem.spans
+    spans = fit.problem.spans
     shift = _shifts(spans)
     moved = np.array([shift[int(record)] for record in spans[:, 0]])
     first, last = float((spans[:, 1] + moved).min()), float((spans[:, 2] + moved).max())
-    return np.linspace(first, last, verdict.plan.folds + 1)
+    return np.linspace(first, last, folds + 1)
 
 
-def errors_of(candidate: RecordCandidate, horizon: float, factor: float) -> ErrorSeries | None:
+def errors_of(
+    candidate: CrossValidated[RecordFit], horizon: float, factor: float
+) -> ErrorSeries | None:
     """Return errors of predictions over a horizon [s], over time and by held-out block."""
     if candidate.fit is None or candidate.validation is None:
         return None

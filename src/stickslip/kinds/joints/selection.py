@@ -22,17 +22,23 @@ from stickslip.identification import (
     joint_view,
     names_of,
 )
-from stickslip.mechanisms import Mechanism
-from stickslip.selection.applicability import checked
-from stickslip.selection.candidates import LEFT_OUT, Watch, control, specifications
-from stickslip.selection.cross_validation import Plan, plan_of
-from stickslip.selection.explained import Explained, told_to
-from stickslip.selection.joint_verdict import JointVerdict, combination_of, joint_wording
-from stickslip.selection.ladder import climbed
-from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.records import (
+from stickslip.kinds.joints.verdict import (
+    JointVerdict,
+    combination_of,
+    joint_wording,
+)
+from stickslip.kinds.kind import (
     PURPOSES,
     PurposeName,
+)
+from stickslip.kinds.records.explained import (
+    Explained,
+    told_to,
+)
+from stickslip.kinds.records.ladder import (
+    climbed,
+)
+from stickslip.kinds.records.selection import (
     unfitted,
     verdict_on,
     with_contained,
@@ -40,6 +46,20 @@ from stickslip.selection.records import (
     with_objections,
     with_scores,
     without_spare,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    RecordVerdict,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.selection import (
+    LEFT_OUT,
+    Plan,
+    Watch,
+    checked,
+    control,
+    plan_of,
+    specifications,
 )
 
 SWEEPS = 6

@@ -9,11 +9,20 @@ import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identification import LAW, RecordSettings
+from stickslip.kinds.records.verdict import (
+    BlockwiseVerdict,
+    RecordVerdict,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
-from stickslip.report.core.documents import Origin, Section
-from stickslip.report.core.reproduce import reproduce
-from stickslip.selection import JointVerdict, RecordVerdict, specifications
+from stickslip.report import (
+    Origin,
+    Section,
+    reproduce,
+)
+from stickslip.selection import (
+    specifications,
+)
 
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 """Stands for the blanks of names while lines are wrapped."""
@@ -34,7 +43,7 @@ def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
 
 
 def reproduced(
-    verdict: RecordVerdict | JointVerdict,
+    verdict: BlockwiseVerdict,
     origin: Origin,
     *,
     lines: str,
@@ -64,12 +73,14 @@ def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
     A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
     """
     names = [one.name for one in verdict.candidates]
+    return lines_of(verdict, names, _asked(verdict), rig)
+
+
+def lines_of(
+    verdict: BlockwiseVerdict, names: Sequence[str], asked: Sequence[str], rig: str
+) -> str:
+    """Return the same from the names of the laws and what was asked, as one would write it."""
     laws = "None" if verdict.usual else _laws(names)
-    return _lines(verdict, laws, _asked(verdict), rig)
-
-
-def _lines(verdict: RecordVerdict | JointVerdict, laws: str, asked: Sequence[str], rig: str) -> str:
-    """Return the same from the laws and what was asked, as one would write them."""
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
@@ -126,7 +137,7 @@ def _laws(names: Sequence[str]) -> str:
     return "\n...      ".join(lines).replace(NO_BREAK, " ")
 
 
-def _varied(verdict: RecordVerdict | JointVerdict) -> list[str]:
+def _varied(verdict: BlockwiseVerdict) -> list[str]:
     """Return the argument on what was looked for of the mechanism."""
     fit = verdict.closest.fit
     paths = [e.path for e in fit.estimates] if fit else []
@@ -157,7 +168,7 @@ def _settings(settings: RecordSettings) -> str:
     return f"RecordSettings({', '.join(said)})"
 
 
-def _data(verdict: RecordVerdict | JointVerdict) -> str:
+def _data(verdict: BlockwiseVerdict) -> str:
     records = verdict.measurement.records()
     said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
     whole = verdict.measurement.provenance
@@ -169,13 +180,6 @@ def _as_code(law: FrictionLaw) -> str:
     kind = type(law).__name__
     values = [f"...     {text}," for text in _values(law)]
     return "\n".join([_imported(kind), f">>> law = {kind}(", *values, "... )"])
-
-
-def joint_lines(verdict: JointVerdict, rig: str = "") -> str:
-    """Return the lines of Python that make a selection for several joints again."""
-    first = next(iter(verdict.joints.values()))
-    names = [one.name for one in first.candidates]
-    return _lines(verdict, "None" if verdict.usual else _laws(names), (), rig)
 
 
 def laws_as_code(laws: Mapping[str, FrictionLaw]) -> str:

@@ -29,19 +29,25 @@ from stickslip.kinds.kind import (
     Kind,
     Request,
 )
+from stickslip.kinds.records.selection import (
+    select_records,
+    way_for,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    RecordVerdict,
+)
+from stickslip.kinds.records.wording import (
+    error_text,
+    restarts_text,
+    route_text,
+)
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
     CrossValidatedVerdict,
-    RecordCandidate,
-    RecordVerdict,
-    error_text,
     limits_of,
-    restarts_text,
-    route_text,
     score_text,
-    select_records,
     specifications,
-    way_for,
 )
 
 WITHOUT_EFFECT = {
@@ -177,7 +183,9 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
     def sections(
         self, verdict: RecordVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report import record_sections  # figures are loaded where a page is made
+        from stickslip.kinds.records.page.sections import (
+            record_sections,  # figures are loaded where a page is made
+        )
 
         return record_sections(verdict, origin, remark)
 

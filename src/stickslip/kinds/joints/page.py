@@ -11,36 +11,78 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
+from stickslip.kinds.joints.verdict import (
+    JointVerdict,
+    joint_label,
+    short_verdict,
+)
+from stickslip.kinds.records.page.appendix import (
+    dropped_section,
+    record_figure,
+)
+from stickslip.kinds.records.page.certificate import (
+    certificate_section as certificate_of,
+)
+from stickslip.kinds.records.page.friction import (
+    map_section,
+)
+from stickslip.kinds.records.page.parameters import (
+    parameters_section,
+)
+from stickslip.kinds.records.page.reproduce import (
+    laws_as_code,
+    lines_of,
+    reproduced,
+)
+from stickslip.kinds.records.page.residuals import (
+    residuals_section,
+)
+from stickslip.kinds.records.page.scores import (
+    error_column,
+    scores_section,
+)
+from stickslip.kinds.records.page.sections import (
+    trials_section,
+)
+from stickslip.kinds.records.page.summary import (
+    error_fact,
+    law_lines,
+)
+from stickslip.kinds.records.page.texts import (
+    symbols_of,
+)
+from stickslip.kinds.records.page.validation_record import (
+    second_section,
+)
+from stickslip.kinds.records.verdict import (
+    RecordVerdict,
+)
 from stickslip.plots import inline_svg, joint_figure, joint_sizes
-from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues, Paragraph, Subheading
-from stickslip.report.core.documents import (
+from stickslip.report import (
+    Block,
+    Column,
+    Figure,
+    KeyValue,
+    KeyValues,
     LawLine,
+    Name,
+    Number,
     Origin,
+    Paragraph,
+    Row,
     Section,
     SectionMaker,
+    Subheading,
+    Table,
+    label_of,
     made_sections,
+    opening,
+    record_and_checks,
+    typeset,
 )
-from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.core.shared_sections import opening, record_and_checks
-from stickslip.report.core.tables import Column, Name, Number, Row, Table
-from stickslip.report.records.appendix import dropped_section, record_figure
-from stickslip.report.records.certificate import certificate_section as certificate_of
-from stickslip.report.records.friction import map_section
-from stickslip.report.records.parameters import parameters_section
-from stickslip.report.records.reproduce import joint_lines, laws_as_code, reproduced
-from stickslip.report.records.residuals import residuals_section
-from stickslip.report.records.scores import error_column, scores_section
-from stickslip.report.records.sections import trials_section
-from stickslip.report.records.summary import error_fact, law_lines
-from stickslip.report.records.texts import symbols_of
-from stickslip.report.records.validation_record import second_section
 from stickslip.selection import (
-    JointVerdict,
-    RecordVerdict,
-    joint_label,
     plain,
     score_text,
-    short_verdict,
 )
 
 MOST: Final = 30
@@ -242,7 +284,13 @@ def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
     return reproduced(
         verdict,
         origin,
-        lines=joint_lines(verdict, origin.file),
+        lines=_lines(verdict, origin.file),
         law=laws_as_code(dict(fit.law.members)) if fit else "",  # type: ignore[attr-defined]
         laws=tuple(laws.values()),
     )
+
+
+def _lines(verdict: JointVerdict, rig: str) -> str:
+    """Return the lines of Python that make the selection again."""
+    first = next(iter(verdict.joints.values()))
+    return lines_of(verdict, [one.name for one in first.candidates], (), rig)

@@ -9,12 +9,21 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordFit, driven, inverse_dynamics, load_of
+from stickslip.kinds.records.design.experiments import (
+    Experiment,
+    design,
+)
+from stickslip.kinds.records.design.predictors import (
+    Predictor,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+)
 from stickslip.mechanisms import slip_of, stops_of
-from stickslip.selection.applicability import one_way
-from stickslip.selection.cross_validation import Plan
-from stickslip.selection.design.experiments import Experiment, design
-from stickslip.selection.design.predictors import Predictor
-from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection import (
+    Plan,
+    one_way,
+)
 
 RIVALS = 3
 """Laws that proposed measurements tell the best from, at most."""

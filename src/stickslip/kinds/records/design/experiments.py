@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number, scale_of
-from stickslip.mechanisms import stops_of
-from stickslip.selection.design.predictors import (
+from stickslip.kinds.records.design.predictors import (
     Coast,
     Predictor,
     Presliding,
@@ -22,6 +21,7 @@ from stickslip.selection.design.predictors import (
     own_force,
     sprung,
 )
+from stickslip.mechanisms import stops_of
 
 Array = NDArray[np.float64]
 

@@ -19,15 +19,18 @@ from stickslip.identification import (
     TrialComparison,
     interleaved,
 )
-from stickslip.selection.choice import reduces_to
-from stickslip.selection.cross_validation import (
+from stickslip.kinds.records.design.experiments import (
+    Experiment,
+)
+from stickslip.selection import (
     CrossValidated,
     CrossValidatedVerdict,
     CrossValidation,
     Plan,
+    plain,
+    reduces_to,
+    score_scale,
 )
-from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import plain, score_scale
 
 
 @final
@@ -169,27 +172,47 @@ class RecordCandidate(CrossValidated[RecordFit]):
         }
 
 
+@dataclass(frozen=True, kw_only=True, repr=False)
+class BlockwiseVerdict(CrossValidatedVerdict[RecordCandidate]):
+    """A verdict on records of which blocks are held out: of one law, or of those of all joints."""
+
+    plan: Plan
+    """Blocks, gaps and horizon of the held-out errors."""
+    picks: Mapping[str, str] = field(default_factory=dict)
+    """What other criteria would pick: criterion -> name of the candidate."""
+    second: Measurement | None = None
+    """The record given to validate, which no fit has seen; None without one."""
+    settings: RecordSettings = field(default_factory=RecordSettings)
+    """How each law was fitted: segments, starts and their seed."""
+    usual: bool = False
+    """Whether no laws were named."""
+
+    @property
+    @override
+    def route(self) -> str:
+        assert self.closest.fit is not None  # what was not fitted is not the closest
+        return self.closest.fit.route
+
+    @property
+    def blocks_scored(self) -> int:
+        """Number of held-out blocks that are scored; one beside which nothing is left is not."""
+        validation = self.closest.validation
+        return len(validation.losses) if validation else 0
+
+
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
+class RecordVerdict(BlockwiseVerdict):
     """A verdict on records in time, or on measured friction."""
 
     reference: RecordCandidate | None
     """Coulomb and viscous friction, whatever the record says."""
     control: RecordCandidate | None
     """No friction at all."""
-    plan: Plan
-    """Blocks, gaps and horizon of the held-out errors."""
     purpose: Purpose
     """What the law is for."""
-    picks: Mapping[str, str]
-    """What other criteria would pick: criterion -> name of the candidate."""
-    second: Measurement | None = None
-    """The record given to validate, which no fit has seen; None without one."""
     on_second: SecondRecord | None = None
     """What that record says of the choice; None without one."""
-    settings: RecordSettings = field(default_factory=RecordSettings)
-    """How each law was fitted: segments, starts and their seed."""
     trials: TrialComparison | None = None
     """Whether several trials share the closest law; None where there is nothing to compare."""
     equals: tuple[str, ...] = ()
@@ -198,8 +221,6 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Estimates of the best law from the first and the second half of the record, by path."""
-    usual: bool = False
-    """Whether no laws were named."""
     untried: tuple[str, ...] = ()
     """Names of the usual candidates that were not fitted."""
     why_untried: str = ""
@@ -227,12 +248,6 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     def unit(self) -> str:
         """SI unit of the scores."""
         return self.measurement.unit(self.quantity)
-
-    @property
-    @override
-    def route(self) -> str:
-        assert self.closest.fit is not None  # what was not fitted is not the closest
-        return self.closest.fit.route
 
     @property
     @override
@@ -265,12 +280,6 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
                 f"No error on the second record ({', '.join(fails)}): the simulation fails."
             )
         return (*found, *([self.why_untried] if self.why_untried else []))
-
-    @property
-    def blocks_scored(self) -> int:
-        """Number of held-out blocks that are scored; one beside which nothing is left is not."""
-        validation = self.closest.validation
-        return len(validation.losses) if validation else 0
 
     @override
     def _basis(self) -> str:

@@ -15,9 +15,13 @@ from stickslip.identification import (
     RecordFit,
     step_intervals,
 )
-from stickslip.selection.applicability import one_way
-from stickslip.selection.identifiable import traded
-from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+)
+from stickslip.selection import (
+    one_way,
+    traded,
+)
 
 Array = NDArray[np.float64]
 

@@ -23,21 +23,35 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.identification import Estimate, RecordFit
-from stickslip.plots import map_points
-from stickslip.quantities import fields_of, turned
-from stickslip.report.core.blocks import Fact
-from stickslip.report.core.documents import LawLine, Section
-from stickslip.report.core.markup import label_of
-from stickslip.report.core.shared_sections import opening
-from stickslip.report.records.texts import paired, rival_of, symbols_of, to_digits
-from stickslip.selection import (
+from stickslip.kinds.records.design.predictors import (
+    Steady,
+)
+from stickslip.kinds.records.next_measurements import (
+    predictor_of,
+)
+from stickslip.kinds.records.page.texts import (
+    paired,
+    rival_of,
+    symbols_of,
+    to_digits,
+)
+from stickslip.kinds.records.verdict import (
     RecordCandidate,
     RecordVerdict,
-    Steady,
+)
+from stickslip.plots import map_points
+from stickslip.quantities import fields_of, turned
+from stickslip.report import (
+    Fact,
+    LawLine,
+    Section,
+    label_of,
+    opening,
+)
+from stickslip.selection import (
     in_sentence,
     limit_of,
     moved_by_errors,
-    predictor_of,
     score_text,
     settled_estimates,
     traded,

@@ -3,19 +3,23 @@
 import itertools
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeAlias, final
 
 from typing_extensions import override
 
-from stickslip.experiments import Checks, Measurement
+from stickslip.experiments import Checks
 from stickslip.formatting import Scale, capital, count, joined
 from stickslip.friction import CandidateSpec
-from stickslip.identification import RecordSettings
-from stickslip.selection.cross_validation import CrossValidatedVerdict, Plan
-from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.verdict import Wording, score_scale, score_text
-from stickslip.selection.wording import corrections, in_sentence, longer
+from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordVerdict
+from stickslip.selection import (
+    Wording,
+    corrections,
+    in_sentence,
+    longer,
+    score_scale,
+    score_text,
+)
 
 Lines: TypeAlias = Callable[[Wording], Sequence[str]]
 """Some lines of the words of a verdict."""
@@ -40,7 +44,7 @@ def combination_of(chosen: Mapping[str, CandidateSpec | None]) -> str:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class JointVerdict(CrossValidatedVerdict[RecordCandidate]):
+class JointVerdict(BlockwiseVerdict):
     """A verdict on records of several joints: a verdict for each, and one fit of all.
 
     The candidates are the combinations of laws that were compared. The fit of each has the laws
@@ -53,37 +57,12 @@ class JointVerdict(CrossValidatedVerdict[RecordCandidate]):
     """How often the joints were gone through."""
     settled: bool
     """Whether the last sweep changed no choice."""
-    usual: bool
-    """Whether the laws are those that are compared where none are named."""
-    plan: Plan
-    """Blocks, gaps and horizon of the held-out errors."""
-    second: Measurement | None = None
-    """The record given to validate, which no fit has seen; None without one."""
-    settings: RecordSettings = field(default_factory=RecordSettings)
-    """How each combination was fitted: starts and their seed."""
-
-    @property
-    @override
-    def route(self) -> str:
-        assert self.closest.fit is not None  # what was not fitted is not the closest
-        return self.closest.fit.route
 
     @property
     @override
     def score_unit(self) -> str:
         units = {one.score_unit for one in self.joints.values()}
         return units.pop() if len(units) == 1 else ""
-
-    @property
-    def picks(self) -> Mapping[str, str]:
-        """What other criteria would pick: of combinations nothing, of each joint see `joints`."""
-        return {}
-
-    @property
-    def blocks_scored(self) -> int:
-        """Number of held-out blocks that are scored."""
-        validation = self.closest.validation
-        return len(validation.losses) if validation else 0
 
     @property
     def scale(self) -> Scale:

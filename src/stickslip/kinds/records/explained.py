@@ -19,7 +19,10 @@ from stickslip.identification import (
     model_errors,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.candidates import REFERENCE, Watch
+from stickslip.selection import (
+    REFERENCE,
+    Watch,
+)
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""

@@ -4,20 +4,34 @@ import math
 from typing import Final
 
 from stickslip.formatting import Scale, joined, number, percent, quantity
-from stickslip.report.core.blocks import Paragraph
-from stickslip.report.core.documents import Section
-from stickslip.report.core.markup import typeset
-from stickslip.report.core.shared_sections import candidates_heading
-from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
-from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import symbols_of
+from stickslip.kinds.records.page.texts import (
+    symbols_of,
+)
+from stickslip.kinds.records.verdict import (
+    BlockwiseVerdict,
+    RecordCandidate,
+    RecordVerdict,
+)
+from stickslip.report import (
+    Axis,
+    Cell,
+    Colour,
+    Column,
+    Name,
+    Number,
+    Paragraph,
+    Row,
+    Section,
+    Table,
+    candidates_heading,
+    error_axis,
+    error_plot,
+    typeset,
+)
 from stickslip.selection import (
     ALIKE,
     APART,
     NEAR,
-    JointVerdict,
-    RecordCandidate,
-    RecordVerdict,
     in_sentence,
     score_text,
 )
@@ -151,7 +165,7 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 
 
-def picks_text(verdict: RecordVerdict | JointVerdict) -> str:
+def picks_text(verdict: BlockwiseVerdict) -> str:
     """Return what other criteria would pick, for information."""
     titles = {c.name: c.title for c in verdict.candidates}
     best = verdict.closest.name

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import Literal, TypeAlias
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import (
@@ -39,52 +38,68 @@ from stickslip.identification import (
     whole_record_error,
     without_outliers,
 )
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import fields_of, vary
-from stickslip.selection.applicability import checked, one_way, unsuited_by
-from stickslip.selection.candidates import (
-    LEFT_OUT,
-    REFERENCE,
-    Watch,
-    contains,
-    control,
-    specifications,
-)
-from stickslip.selection.choice import (
-    ALIKE,
-    APART,
-    apart,
-    as_good,
-    choose,
-    effective_aic,
-    errs_more,
-    shown_over_simpler,
-)
-from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
-from stickslip.selection.explained import Explained, explained
-from stickslip.selection.given_levels import refuted_by_record
-from stickslip.selection.identifiable import disturbing
-from stickslip.selection.ladder import Climbed, climbed
-from stickslip.selection.next_measurements import experiments_after
-from stickslip.selection.parallel_fit import takes_long
-from stickslip.selection.record_admissibility import (
+from stickslip.kinds.kind import PURPOSES, PurposeName
+from stickslip.kinds.records.admissibility import (
     objection,
     standard_uncertainty,
     unexplained,
     variation_of,
 )
-from stickslip.selection.record_verdict import (
+from stickslip.kinds.records.explained import (
+    Explained,
+    explained,
+)
+from stickslip.kinds.records.ladder import (
+    Climbed,
+    climbed,
+)
+from stickslip.kinds.records.next_measurements import (
+    experiments_after,
+)
+from stickslip.kinds.records.simplification import (
+    one_part_less,
+    untold,
+)
+from stickslip.kinds.records.verdict import (
     Purpose,
     RecordCandidate,
     RecordVerdict,
     SecondRecord,
 )
-from stickslip.selection.record_wording import equals_of, outcomes, record_wording
-from stickslip.selection.simplification import one_part_less, untold
+from stickslip.kinds.records.wording import (
+    equals_of,
+    outcomes,
+    record_wording,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of, vary
+from stickslip.selection import (
+    ALIKE,
+    APART,
+    LEFT_OUT,
+    REFERENCE,
+    Plan,
+    Watch,
+    apart,
+    as_good,
+    checked,
+    choose,
+    contains,
+    control,
+    cross_validate,
+    disturbing,
+    effective_aic,
+    errs_more,
+    halves,
+    one_way,
+    plan_of,
+    refuted_by_record,
+    shown_over_simpler,
+    specifications,
+    takes_long,
+    unsuited_by,
+)
 
-PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
-PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
-"""Horizon [s] of what is predicted, by what the law is for."""
 NEARER = 1.5
 """Factor between errors from which one law is far nearer than another, whatever they scatter by."""
 AS_WELL = 1.1

@@ -17,17 +17,26 @@ from stickslip.formatting import (
     significant,
 )
 from stickslip.identification import SEPARABLE, RecordFit
-from stickslip.report.core.blocks import KeyValue
-from stickslip.report.core.documents import Section
-from stickslip.report.core.shared_sections import certificate
-from stickslip.report.records.scores import picks_text
-from stickslip.selection import JointVerdict, RecordVerdict, restarts_text
+from stickslip.kinds.records.page.scores import (
+    picks_text,
+)
+from stickslip.kinds.records.verdict import (
+    BlockwiseVerdict,
+)
+from stickslip.kinds.records.wording import (
+    restarts_text,
+)
+from stickslip.report import (
+    KeyValue,
+    Section,
+    certificate,
+)
 
 TWICE: Final = 2.0
 """Residuals below this many times the least are said to be so many percent higher."""
 
 
-def certificate_section(verdict: RecordVerdict | JointVerdict) -> Section | None:
+def certificate_section(verdict: BlockwiseVerdict) -> Section | None:
     """Return the section on the computation behind the verdict."""
     best = verdict.closest
     if best.fit is None:

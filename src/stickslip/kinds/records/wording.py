@@ -27,23 +27,32 @@ from stickslip.identification import (
     difference,
     far_above_dry,
 )
+from stickslip.kinds.records.design.experiments import (
+    Experiment,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    SecondRecord,
+)
 from stickslip.quantities import turned
-from stickslip.selection.candidates import REFERENCE
-from stickslip.selection.choice import as_good, errs_more
-from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import disturbing, limit_of, settled_estimates
-from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
-from stickslip.selection.verdict import Wording, score_scale
-from stickslip.selection.wording import (
+from stickslip.selection import (
     NOT_DISTINGUISHED,
+    REFERENCE,
     UNMEASURED,
+    Wording,
+    as_good,
     corrections,
+    disturbing,
+    errs_more,
     friction_of,
     held_out_text,
     in_sentence,
+    limit_of,
     longer,
     not_distinguished,
     on_second_record,
+    score_scale,
+    settled_estimates,
     to_predict,
 )
 

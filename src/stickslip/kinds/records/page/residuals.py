@@ -4,6 +4,13 @@ import numpy as np
 
 from stickslip.formatting import joined, number, percent, quantity, significant
 from stickslip.identification import RecordFit, has_trend, ljung_box, noise_floor
+from stickslip.kinds.records.page.texts import (
+    rival_of,
+    symbols_of,
+)
+from stickslip.kinds.records.verdict import (
+    RecordVerdict,
+)
 from stickslip.plots import (
     ERROR_SIZES,
     ResidualPanel,
@@ -17,11 +24,12 @@ from stickslip.plots import (
     residual_sizes,
     rows_of,
 )
-from stickslip.report.core.blocks import Block, Figure
-from stickslip.report.core.documents import Section
-from stickslip.report.core.markup import typeset
-from stickslip.report.records.texts import rival_of, symbols_of
-from stickslip.selection import RecordVerdict
+from stickslip.report import (
+    Block,
+    Figure,
+    Section,
+    typeset,
+)
 
 FLOOR = 10.0
 """Residuals over what noise would leave from which a missing trend alone says too little."""
@@ -157,7 +165,7 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
     best, rival = verdict.closest, rival_of(verdict)
     if best.fit is None or not is_timed(best.fit):
         return None
-    scale, edges = verdict.scale, block_edges(verdict)
+    scale, edges = verdict.scale, block_edges(best.fit, verdict.plan.folds)
     series = {}
     for one in (best, rival):
         found = errors_of(one, verdict.plan.horizon, scale.factor) if one is not None else None

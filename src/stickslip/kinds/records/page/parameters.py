@@ -15,14 +15,39 @@ from stickslip.identification import (
     reads_as_forces,
     step_intervals,
 )
-from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
-from stickslip.report.core.documents import Section
-from stickslip.report.core.headings import identified_heading
-from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.core.sparklines import Axis, Mark, RowPlot
-from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.records.texts import symbols_of, to_digits
-from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
+from stickslip.kinds.records.page.texts import (
+    symbols_of,
+    to_digits,
+)
+from stickslip.kinds.records.verdict import (
+    RecordCandidate,
+    RecordVerdict,
+)
+from stickslip.report import (
+    Axis,
+    Block,
+    Cell,
+    Column,
+    Columns,
+    Correlations,
+    KeyValue,
+    KeyValues,
+    Mark,
+    Math,
+    Name,
+    Number,
+    Row,
+    RowPlot,
+    Section,
+    Subheading,
+    Table,
+    identified_heading,
+    label_of,
+    typeset,
+)
+from stickslip.selection import (
+    in_sentence,
+)
 
 MOST_CORRELATED: Final = 8
 """Parameters of a triangle at most: a larger one is wider than a phone."""

@@ -8,6 +8,13 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
+from stickslip.kinds.joints.selection import (
+    joint_specifications,
+    select_joints,
+)
+from stickslip.kinds.joints.verdict import (
+    JointVerdict,
+)
 from stickslip.kinds.kind import (
     Comparison,
     FitSummary,
@@ -16,16 +23,17 @@ from stickslip.kinds.kind import (
     Request,
     SeveralLaws,
 )
-from stickslip.kinds.records import title_of
+from stickslip.kinds.records.kind import (
+    title_of,
+)
+from stickslip.kinds.records.wording import (
+    restarts_text,
+)
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import (
-    JointVerdict,
-    joint_specifications,
     limits_of,
-    restarts_text,
     score_text,
-    select_joints,
 )
 
 
@@ -123,7 +131,9 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
     def sections(
         self, verdict: JointVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report import joint_sections  # figures are loaded where a page is made
+        from stickslip.kinds.joints.page import (
+            joint_sections,  # figures are loaded where a page is made
+        )
 
         return joint_sections(verdict, origin, remark)
 

@@ -8,15 +8,27 @@ import numpy as np
 from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, joined, quantity, ratio, with_unit
 from stickslip.identification import Prediction
-from stickslip.plots import Piece, draw_pieces, inline_svg, piece_sizes
-from stickslip.report.core.blocks import Block, Figure, Paragraph
-from stickslip.report.core.documents import Section
-from stickslip.report.core.tables import Column, Name, Number, Row, Table
-from stickslip.report.records.texts import rival_of
-from stickslip.selection import (
+from stickslip.kinds.records.page.texts import (
+    rival_of,
+)
+from stickslip.kinds.records.verdict import (
     RecordCandidate,
     RecordVerdict,
     SecondRecord,
+)
+from stickslip.plots import Piece, draw_pieces, inline_svg, piece_sizes
+from stickslip.report import (
+    Block,
+    Column,
+    Figure,
+    Name,
+    Number,
+    Paragraph,
+    Row,
+    Section,
+    Table,
+)
+from stickslip.selection import (
     in_sentence,
     score_text,
 )

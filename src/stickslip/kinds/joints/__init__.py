@@ -1,0 +1,1 @@
+"""Records of several joints, whose laws are fitted together."""

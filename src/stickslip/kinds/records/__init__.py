@@ -1,0 +1,1 @@
+"""Records in time, and measured friction: each law along the records."""
