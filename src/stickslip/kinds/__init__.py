@@ -62,7 +62,6 @@ INSIDE = {
     "PurposeName": "kind",
     "TRAVEL_COLUMN": "travels.plan.sheet",
     "VERDICT_FILES": "report",
-    "joint_specifications": "joints.selection",
     "known_by": "travels.plan.tables",
     "plan_page": "travels.plan.page",
     "refuse_uninformed": "registry",

@@ -430,14 +430,14 @@ def _proposal(
     return propose(predictions, best.name, [c.name for c in rivals], doubt, uncertain)
 
 
-def _step(law: FrictionLaw, one: Estimate, free: Sequence[str], step: float) -> float:
+def _step(law: FrictionLaw, one: Estimate, step: float) -> float:
     """Return a step from an estimate with which the law keeps its inequalities, down if it can be.
 
-    What must not fall below another value may be as low as that one.
+    The others stay as they are. What must not fall below another value may be as low as that one.
     """
     name = one.path.rpartition(".")[2]
     below = 0.0 if one.quantity.at_least is not None else one.value - limit_of(law, name)
-    above = room_for(law, name, free)[1] - one.value
+    above = room_for(law, name)[1] - one.value
     if below > step or below > above:
         return -min(step, 0.5 * below) if below <= step else -step
     return min(step, max(above, 0.0))
@@ -458,9 +458,8 @@ def _prediction_errors(
     steps = STEP * np.where(np.isfinite(half) & (half > 0.0), half, np.abs(values))
     if not asked:
         return []
-    free = [e.path for e in found]
     steps = np.array(
-        [_step(candidate.fit.law, e, free, step) for e, step in zip(found, steps, strict=True)]
+        [_step(candidate.fit.law, e, step) for e, step in zip(found, steps, strict=True)]
     )
     table = model.table(asked, values + np.diag(steps))
     moved = ((table - predicted) / np.where(steps != 0.0, steps, math.inf)[:, None]).T
