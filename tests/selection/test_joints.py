@@ -20,9 +20,7 @@ from stickslip import (
 )
 from stickslip.formatting import Scale
 from stickslip.formulation import JointTorques
-from stickslip.kinds import (
-    joint_specifications,
-)
+from stickslip.kinds.joints.selection import joint_specifications
 from stickslip.plots import plot_joints
 
 LAWS = {

@@ -12,7 +12,6 @@ from stickslip.kinds.features.selection import select_features as select_feature
 from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidate
 from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
-from stickslip.kinds.joints.selection import joint_specifications as joint_specifications
 from stickslip.kinds.joints.selection import select_joints as select_joints
 from stickslip.kinds.joints.verdict import JointVerdict as JointVerdict
 from stickslip.kinds.kind import Comparison as Comparison
