@@ -7,7 +7,6 @@ import signal
 
 import numpy as np
 import pytest
-import stickslip.selection.records as selection
 
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli import main
@@ -15,6 +14,7 @@ from stickslip.cli.inputs import measured
 from stickslip.cli.interrupts import Interrupts
 from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
+from stickslip.kinds.records import selection
 from stickslip.solver.compile.messages import notice
 
 RIG = """

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import stickslip.selection.records as selection
 
 from stickslip import CoulombViscous, Pendulum, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.interrupts import Interrupts
 from stickslip.identification.records.fitting import fit_record
+from stickslip.kinds.records import selection
 
 RIG = """
 title = "Axis"
