@@ -80,6 +80,40 @@ def test_a_slow_motion_at_a_high_rate_does_not_tell_the_hold():
     assert "Give the hold if it is known, or fit with both" in found.sentence
 
 
+@pytest.mark.parametrize("hold", ["zero", "first"])
+def test_runs_tell_the_hold_that_the_balance_of_forces_does_not(hold):
+    """Half a sample was taken wrongly, and sigma_2 stated as 5.73 to 5.82 for 6 N s/m."""
+    rng, t = np.random.default_rng(12), np.arange(0.0, 3.0, 2e-3)
+    force = 12.0 * np.sin(2.0 * np.pi * 0.8 * t)
+    law = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
+    drive = Sampled(times=t, values=force, hold=hold)
+    run = simulate(Axis(inertia=2.0, drive=drive), law, t_end=float(t[-1]))
+    x = run.at(t)["x"] + 1e-5 * rng.standard_normal(len(t))
+    seen = Measurement(time=t, position=x, force=force)
+    assert hold_of(AXIS, seen, None).shown is None
+    found = fit(AXIS, CoulombViscous, seen, route="shooting", settings=ONCE)
+    assert (found.hold.shown, found.hold.simulated) == (hold, True)
+    assert found.assumptions[0].startswith("Estimated by simulation under both holds: ")
+    viscous = found.estimate("viscous_coefficient")
+    assert viscous.low < 6.0 < viscous.high
+    assert viscous.value == pytest.approx(6.0, rel=1e-3)  # noise of 1e-5 m; half a sample takes 4 %
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous"], seen, route="shooting", settings=ONCE)
+    assert verdict.settings.hold == hold
+    assert {c.fit.hold.hold for c in verdict.candidates if c.fit} == {hold}
+
+
+def test_where_nothing_tells_the_hold_intervals_allow_for_either():
+    unsure = record("zero", rate=500.0, noise=3e-2, slow=0.2)
+    found = fit(AXIS, CoulombViscous, unsure, route="shooting", settings=ONCE)
+    assert found.hold.is_open
+    assert "intervals allow for either" in found.assumptions[0]
+    for hold in ("zero", "first"):
+        given = RecordSettings(starts=1, hold=hold)
+        one = fit(AXIS, CoulombViscous, unsure, route="shooting", settings=given)
+        for either, own in zip(found.estimates, one.estimates, strict=True):
+            assert either.low <= own.value <= either.high
+
+
 def test_measured_friction_and_free_decays_have_no_hold():
     v = np.linspace(-1.0, 1.0, 50)
     assert hold_of(AXIS, Measurement(velocity=v, friction=2.0 * v), None) is None

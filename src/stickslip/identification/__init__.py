@@ -122,6 +122,7 @@ INSIDE = {
     "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",
     "with_inputs": "contact_inputs",
+    "with_simulated_hold": "records.route_choice",
     "with_known": "estimation.ranges",
     "without_outliers": "terms.dense_series",
 }

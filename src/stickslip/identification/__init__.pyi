@@ -64,6 +64,7 @@ from stickslip.identification.records.route_choice import choose_route as choose
 from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import to_compare as to_compare
 from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
+from stickslip.identification.records.route_choice import with_simulated_hold as with_simulated_hold
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor

@@ -54,6 +54,7 @@ from stickslip.identification.records.problems import (
     RouteChoice,
     Wanted,
     as_recorded,
+    held_otherwise,
     prepared,
 )
 from stickslip.identification.records.propagation import displacements
@@ -63,6 +64,7 @@ from stickslip.identification.records.route_choice import (
     choose_route,
     to_compare,
 )
+from stickslip.identification.residuals.holds import HoldFinding, of_simulation
 from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
@@ -239,6 +241,7 @@ def _fitted_by(
         contained = _simpler_fits(choice, wanted, measurement, watch)
     ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
     if first is found and not (found.cancelled or found.hopeless):
+        choice, ready, found = _under_either_hold(choice, ready, found, measurement, watch)
         ready, found = _under_each_sample(ready, found, measurement, watch)
         first = found
     build = ready.build.at(found.best.values)
@@ -247,14 +250,13 @@ def _fitted_by(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = finished(choice.route, measurement, ready, found, first)
+    fit = finished(choice.route, measurement, ready, found, first, hold=choice.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
     return replace(
         fit,
         sentences=sentences,
         search_failure=failure,
         route_reason=choice.reason,
-        hold=choice.hold,
         asked=asked,
     )
 
@@ -434,6 +436,42 @@ def _off_bounds(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> 
     return found
 
 
+def _under_either_hold(
+    choice: RouteChoice,
+    ready: FitSetup,
+    found: OptimizeResult,
+    measurement: Measurement,
+    watch: Watch | None,
+) -> tuple[RouteChoice, FitSetup, OptimizeResult]:
+    """Return a choice with the hold that runs tell where the force balance does not, and its end.
+
+    Noise of accelerations hides half a sample of a slow force, long before that of positions does.
+    """
+    hold = choice.hold
+    open_ = hold is not None and hold.is_open and not hold.simulated
+    build = held_otherwise(ready.build) if open_ and ready.problem.simulates else None
+    if hold is None or build is None:
+        return choice, ready, found
+    unknowns, best = ready.problem.free_parameters, found.best
+    problem = build.fitted(measurement, ready.length).with_free_parameters(unknowns)
+    seen = of_simulation(hold, best, problem.linearise(best.values, best))
+    if seen.hold != hold.hold:
+        other = replace(ready, problem=problem, build=build)
+        again = _from(other, best.values, watch)
+        if again is None:
+            return choice, ready, found
+        ready, found = (
+            other,
+            replace(
+                again,
+                costs=found.costs,
+                values=found.values + (again.best.values - best.values),
+                evaluations=found.evaluations + again.evaluations,
+            ),
+        )
+    return replace(choice, hold=seen, settings=seen.applied(choice.settings)), ready, found
+
+
 def _under_each_sample(
     ready: FitSetup, found: OptimizeResult, measurement: Measurement, watch: Watch | None
 ) -> tuple[FitSetup, OptimizeResult]:
@@ -570,6 +608,8 @@ def finished(
     ready: FitSetup,
     found: OptimizeResult,
     searched: OptimizeResult,
+    *,
+    hold: HoldFinding | None = None,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
     free_parameters, best = ready.problem.free_parameters, found.best
@@ -604,6 +644,7 @@ def finished(
         at_bounds=at_bounds,
         cancelled=found.cancelled,
         sentences=(),
+        hold=hold,
     )
     sentences = (
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
@@ -624,7 +665,7 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
     untold = fit.optimum.cancelled or interleaved(fit.problem.spans)
     halves = None if untold else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
-    inference = inference.including(*_moved_by_looks(fit))
+    inference = inference.including(*_moved_by_looks(fit), *_moved_by_hold(fit))
     estimates = estimates_of(free, best, inference, fit.at_bounds)
     return replace(
         fit,
@@ -662,6 +703,16 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
     return [one for one in moved if one is not None]
 
 
+def _moved_by_hold(fit: RecordFit) -> list[Array]:
+    """Return how far estimates (p,) move under the other hold, where either may be the true one."""
+    open_ = fit.hold is not None and fit.hold.is_open and not fit.optimum.cancelled
+    build = held_otherwise(fit.build) if open_ else None
+    if build is None:
+        return []
+    moved = _moved(fit, build.fitted(fit.measurement, None))
+    return [] if moved is None else [moved]
+
+
 def _noisier(measurement: Measurement) -> Measurement:
     """Return a measurement whose positions have as much noise again."""
     random = np.random.default_rng(0)
@@ -673,7 +724,7 @@ def _noisier(measurement: Measurement) -> Measurement:
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 
-def _moved(fit: RecordFit, problem: ForceMap) -> Array | None:
+def _moved(fit: RecordFit, problem: RecordProblem) -> Array | None:
     """Return how far one step moves the estimates (p,) in another problem of the same record."""
     free = fit.free_parameters
     here = problem.with_free_parameters(free).linearise(fit.values)

@@ -44,7 +44,7 @@ from stickslip.identification.series.start_values import (
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.settings import RecordSettings
+from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
@@ -187,6 +187,20 @@ class _ShootingBuilder:
 def as_recorded(build: ProblemBuilder) -> ProblemBuilder | None:
     """Return what simulates under the force of each sample; None if nothing is simulated."""
     return replace(build, exact=True) if isinstance(build, _ShootingBuilder) else None
+
+
+def held_otherwise(build: ProblemBuilder) -> ProblemBuilder | None:
+    """Return what takes the other hold of a force between samples; None if it takes none."""
+    if isinstance(build, _ShootingBuilder):
+        settings = replace(build.settings, hold=_other(build.settings.holding))
+        return replace(build, settings=settings)
+    if isinstance(build, BalanceProblemBuilder):
+        return replace(build, hold=_other(build.hold))
+    return None
+
+
+def _other(hold: Hold) -> Hold:
+    return "zero" if hold == "first" else "first"
 
 
 @dataclass(frozen=True)

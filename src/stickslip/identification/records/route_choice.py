@@ -22,9 +22,11 @@ from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.problems import (
     RouteChoice,
     Wanted,
+    held_otherwise,
     prepared,
     simulated,
 )
+from stickslip.identification.residuals.holds import of_simulation
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.series.measured_load import has_one_load
 from stickslip.identification.settings import RecordSettings
@@ -51,6 +53,8 @@ COMPARED = ("inertia", "mass", "kinetic_coefficient")
 """Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
 STARTS = 2
 """Starts of a search where the regression leaves much: of a short record it may be far off."""
+NEARER = 3
+"""Steps at most to values at which runs under both holds are compared."""
 WHOLE = 5
 """Steps at most to the constant force with which whole records are simulated."""
 SHORTER = (0.5, 0.25, 0.125)
@@ -313,6 +317,42 @@ def decided(
         else _no_motion(choice.settings)
     )
     return replace(choice, route=choice.alternative, reason=why, alternative=None)
+
+
+def with_simulated_hold(
+    choice: RouteChoice,
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    start: Mapping[str, float],
+    measurement: Measurement,
+    unknown: Sequence[str],
+) -> RouteChoice:
+    """Return a choice with the hold that runs of a law tell, where the force balance does not.
+
+    Told once, before laws are compared, which all have to take the same.
+    """
+    hold = choice.hold
+    if hold is None or not hold.is_open or hold.simulated or choice.route != "shooting":
+        return choice
+    try:
+        asked = replace(_plain_fit(mechanism, unknown), law=law)
+        ready = simulated(choice, asked, measurement)
+        build = held_otherwise(ready.build)
+        opposite = build.fitted(measurement, ready.length) if build else None
+        if not isinstance(opposite, Shooting):
+            return choice
+        few, other = (
+            replace(one, segments=one.segments[:: max(1, len(one.segments) // LOOKED_AT)])
+            for one in (ready.problem, opposite)
+        )
+        items = few.free_parameters.items
+        values = np.array([start.get(item.path, item.start) for item in items])
+        here, _ = improve(few, values, rounds=NEARER)
+        other = other.with_free_parameters(few.free_parameters)
+        seen = of_simulation(hold, here, other.linearise(here.values, here))
+    except StickslipError:
+        return choice
+    return replace(choice, hold=seen, settings=seen.applied(choice.settings))
 
 
 def whole_record_error(fit: RecordFit) -> float:

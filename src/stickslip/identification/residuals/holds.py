@@ -18,6 +18,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, usual_top_speed
 from stickslip.formatting import fixed
 from stickslip.formulation import JointTorques
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
 from stickslip.identification.force_map.joint_balance import joint_stretches
@@ -67,6 +68,13 @@ class HoldFinding:
     """Half width of its 95 % interval."""
     shown: Hold | None = None
     """What the record shows; None where it does not tell."""
+    simulated: bool = False
+    """Whether runs under either hold were compared, as the balance of forces did not tell."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether fits may take the wrong one: nobody gave it, and nothing tells it."""
+        return not self.given and self.shown is None
 
     @property
     def contradicted(self) -> bool:
@@ -106,10 +114,17 @@ class HoldFinding:
         if self.shown:
             short = f"{fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples late"
             also = "" if self.shown == "first" else "; a delay of half a sample would look the same"
-            return f"Estimated from the record: between samples, the force {what}; {short}{also}."
+            by = "by simulation under both holds" if self.simulated else "from the record"
+            return f"Estimated {by}: between samples, the force {what}; {short}{also}."
         ends = (self.lateness - self.half_width, self.lateness + self.half_width)
         tells = 2.0 * self.half_width <= VAGUE and not _beyond(*ends)
         told = f"; as estimated, {late}" if tells else ""
+        if self.simulated:
+            return (
+                "Neither the balance of forces nor simulation under both holds tells whether the"
+                " force is held between samples or goes straight to the next value. Assumed: it"
+                f" {what}{told}; intervals allow for either. Give the hold if it is known."
+            )
         return (
             "The balance of forces does not tell whether the force is held between samples or goes"
             f" straight to the next value. Assumed: it {what}{told}. Give the hold if it is known,"
@@ -186,6 +201,50 @@ def hold_of(
     )
 
 
+def of_simulation(
+    finding: HoldFinding, here: ResidualJacobian, other: ResidualJacobian
+) -> HoldFinding:
+    """Return what runs tell of a hold: `here` under that of a finding, and under the other one.
+
+    Both are of the same values, from which the unknowns may move: how late the force acts is one
+    unknown more, whose column is the difference between the runs. Simulation needs no acceleration,
+    so that noise of the position hides nothing of half a sample.
+    """
+    finding = replace(finding, simulated=True)
+    late = here.residual - other.residual
+    if not (here.finite and other.finite):
+        return finding
+    value, half = _gain_and_half_width(here.slopes, late, here.residual)
+    if finding.hold == "zero":  # counted from straight lines
+        value = 1.0 - value
+    shown = _side(value, half)
+    if shown is None and not half < 2.0 * finding.half_width:
+        return finding
+    likely: Hold = "first" if value < 0.5 else "zero"
+    return replace(
+        finding,
+        hold=shown or (likely if half <= VAGUE else finding.hold),
+        lateness=0.5 * value,
+        half_width=0.5 * half,
+        shown=shown,
+    )
+
+
+def _gain_and_half_width(beside: Array, column: Array, residual: Array) -> tuple[float, float]:
+    """Return the coefficient of a column beside others (n, p), and the half width of its interval.
+
+    The interval is infinite where the others can take all of the column up.
+    """
+    basis = basis_of(beside)
+    own = column - basis @ (basis.T @ column)
+    size = float(np.linalg.norm(own))
+    if len(residual) < FEWEST * BLOCKS or not size > 1e-6 * float(np.linalg.norm(column)):
+        return math.nan, math.inf
+    residual = residual - basis @ (basis.T @ residual)
+    _, left_out = gains_of(basis, own[:, None] / size, residual)
+    return float(own @ residual) / size**2, half_width_of(left_out[:, 0] / size)
+
+
 def _beyond(least: float, most: float) -> bool:
     """Whether a force surely acts so many samples early or late that no hold is the reason."""
     return least > 0.5 + BEYOND or most < -BEYOND
@@ -251,14 +310,7 @@ def _late(
         return math.nan, math.inf
     memory = autoregression(beside(residual, table), rows, order)
     table, residual = whitened(table, rows, memory), whitened(residual, rows, memory)
-    basis = basis_of(table[:, :-1])
-    own = table[:, -1] - basis @ (basis.T @ table[:, -1])
-    size = float(np.linalg.norm(own))
-    if not size > 1e-6 * float(np.linalg.norm(table[:, -1])):
-        return math.nan, math.inf
-    residual = residual - basis @ (basis.T @ residual)
-    _, left_out = gains_of(basis, own[:, None] / size, residual)
-    return float(own @ residual) / size**2, half_width_of(left_out[:, 0] / size)
+    return _gain_and_half_width(table[:, :-1], table[:, -1], residual)
 
 
 def _nuisance(one: MotionSegment, top: float) -> Array:

@@ -36,6 +36,7 @@ from stickslip.identification import (
     tells_no_scale,
     to_compare,
     whole_record_error,
+    with_simulated_hold,
     without_outliers,
 )
 from stickslip.kinds.kind import PURPOSES, PurposeName
@@ -187,7 +188,8 @@ def select_records(
     chosen = asked.specs if asked and laws is None else laws_for(laws, measurement)
     if asked and laws is None:
         law, start = asked.specs[0].law, asked.starts[asked.specs[0].name].values
-        choice = decided(choice, parameters.mechanism, law, start, measurement, parameters.unknown)
+        near = (parameters.mechanism, law, start, measurement, parameters.unknown)
+        choice = with_simulated_hold(decided(choice, *near), *near)
         if "starts" not in choice.settings.changed:
             choice = replace(choice, settings=replace(choice.settings, starts=1))
     seen = [one for one in chosen if memory_is_seen(one.law, measurement)] if asked else []
@@ -223,9 +225,10 @@ def select_records(
     verdict = verdict_on(
         mechanism, whole, judged, without, plan, purpose, checks, validate, asked=asked
     )
+    hold = verdict.closest.fit.hold if verdict.closest.fit else None
     return replace(
         verdict,
-        settings=choice.settings,
+        settings=hold.applied(choice.settings) if hold else choice.settings,
         usual=laws is None,
         untried=found.untried,
         why_untried=found.why,
@@ -290,6 +293,14 @@ def _tried(
     fitted = by(choice.route, choice.reason)
     found = climb(fitted)
     fits = [one.fit for one in found.tried if one.fit]
+    holds = {one.hold.hold for one in fits if one.hold}
+    if len(holds) > 1:  # runs told them one by one; errors of one force alone can be compared
+        hold = min(fits, key=lambda one: one.rms).hold
+        assert hold is not None
+        choice = replace(choice, hold=hold, settings=hold.applied(choice.settings))
+        fitted = by(choice.route, choice.reason)
+        found = climb(fitted)
+        fits = [one.fit for one in found.tried if one.fit]
     if choice.alternative is None or not to_compare(choice, fits):
         return fitted, found
     try:
