@@ -8,6 +8,7 @@ import pytest
 from stickslip import (
     Coulomb,
     CoulombViscous,
+    LuGre,
     Measurement,
     SpringBlock,
     Stribeck,
@@ -17,7 +18,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
+from stickslip.identification import Estimate
 from stickslip.kinds.travels.candidates import root_mean_square
+from stickslip.kinds.travels.selection import _step
+from stickslip.quantities import fields_of
 from stickslip.selection import compare_fixed_steps, criteria_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -201,3 +205,30 @@ def test_values_that_nobody_gave_are_not_called_given():
     verdict = select(RIG, [Coulomb], READING)
     assert not any("the given" in line for line in verdict.words.settles)
     assert any("the given 0.25" in line for line in select(RIG, FAST[:1], READING).words.settles)
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.05, 0.09, 1.74, 100.0])
+def test_a_step_of_one_parameter_keeps_the_law_whatever_the_interval_says(step):
+    # an interval of many times the value made a kinetic level above the static one: a selection
+    # for a block whose friction grows with the square of its speed failed
+    law = LuGre(
+        kinetic_coefficient=0.0813,
+        static_coefficient=0.1729,
+        stribeck_velocity=0.54,
+        bristle_stiffness=762.0,
+        bristle_damping=15.4,
+        viscous_coefficient=0.45,
+    )
+    for name in ("kinetic_coefficient", "static_coefficient", "viscous_coefficient"):
+        quantity, value = fields_of(LuGre)[name], getattr(law, name)
+        one = Estimate(
+            path=f"friction.{name}",
+            quantity=quantity,
+            value=value,
+            low=0.0,
+            high=2.0 * step,
+            interval="95 %",
+        )
+        moved = _step(law, one, step)
+        assert 0.0 < abs(moved) <= step
+        dataclasses.replace(law, **{name: value + moved})
