@@ -122,8 +122,8 @@ INSIDE = {
     "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",
     "with_inputs": "contact_inputs",
-    "with_simulated_hold": "records.route_choice",
     "with_known": "estimation.ranges",
+    "with_simulated_hold": "records.route_choice",
     "without_outliers": "terms.dense_series",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
