@@ -59,15 +59,18 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
 
 def _number(value: Any) -> float:
     """Return a number, 1 or 0 for true or false, and NaN for everything else."""
-    return float(value) if isinstance(value, int | float) else np.nan
+    try:
+        return float(value) if isinstance(value, int | float) else np.nan
+    except OverflowError:  # an integer of JSON has any number of digits
+        return np.nan
 
 
 def _remarks(found: Mapping[str, Any], names: Collection[str]) -> tuple[str, ...]:
     """Return what the file states of the rig, and what its numbers are not."""
     told = [
-        f"{name} {number(float(found[name]), 4)} {unit}".rstrip()
+        f"{name} {number(_number(found[name]), 4)} {unit}".rstrip()
         for name, unit in SETTINGS.items()
-        if isinstance(found.get(name), int | float) and not isinstance(found[name], bool)
+        if not isinstance(found.get(name), bool) and np.isfinite(_number(found.get(name)))
     ]
     words = [f"{name} {found[name]}" for name in ("motor", "trajectory") if name in found]
     said = []
