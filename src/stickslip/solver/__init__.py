@@ -29,6 +29,7 @@ INSIDE = {
     "IncrementalEnsemble": "incremental_ensemble",
     "IncrementalRun": "incremental_run",
     "as_numbers": "ensembles",
+    "check_columns": "ensembles",
     "column_units": "base",
     "gather": "drive_schedule",
     "notice": "compile.messages",

@@ -14,6 +14,7 @@ from stickslip.solver.compile.precompile import WarmUp as WarmUp
 from stickslip.solver.compile.precompile import warm_up as warm_up
 from stickslip.solver.drive_schedule import gather as gather
 from stickslip.solver.ensembles import as_numbers as as_numbers
+from stickslip.solver.ensembles import check_columns as check_columns
 from stickslip.solver.ensembles import run_ensemble as run_ensemble
 from stickslip.solver.evaluator import Equations as Equations
 from stickslip.solver.event_driven import BareRun as BareRun

@@ -1,15 +1,14 @@
 """Runs many rows in chunks: the work of an ensemble, cut so that it fits any executor."""
 
-import os
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.executors import check_executor, spread
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.batch import EVIDENCE
@@ -19,7 +18,6 @@ from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import schedule, values_of
 from stickslip.solver.event_driven import EventDriven
-from stickslip.solver.reducers import Output, asked, is_gradient
 from stickslip.solver.run import FIRST_ROWS
 from stickslip.solver.sensitivities import Directions, directions_of
 
@@ -42,22 +40,18 @@ class Job:
     """State at time 0: coordinates, rates, bristles [SI]."""
     t_end: float
     """Last time of each run [s]."""
-    outputs: Mapping[str, Output]
-    """What is kept of each run, by name."""
+    kinds: Array
+    """What the kernels keep of each run: kind and subject of each column."""
+    gradients: tuple[str, ...]
+    """Full paths of which sensitivities are wanted."""
     solver: EventDriven
     """Tolerance, most steps and tier of the runs."""
-    count: int
-    """Number of runs."""
     told: tuple[str, ...]
     """States that begin where the mechanism says."""
 
-    def gradients(self) -> tuple[str, ...]:
-        """Return the full paths of which sensitivities are wanted."""
-        return tuple(sorted({o.parameter for o in self.outputs.values() if is_gradient(o)}))
-
     def model(self) -> Model:
         """Return the equations, with their slopes where they are needed."""
-        return formulate(self.mechanism, self.law, slopes=bool(self.gradients()))
+        return formulate(self.mechanism, self.law, slopes=bool(self.gradients))
 
 
 @dataclass(frozen=True)
@@ -76,20 +70,21 @@ class Chunk:
     """(rows, states, paths): sensitivities at the end."""
 
 
-def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
-    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
+def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Array) -> Chunk:
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
+
+    `arguments` of what is kept have a row for all of them, or one each.
+    """
     model = job.model()
     runner = _runner(job)
     vector = runner.flat
     rows = len(next(iter(columns.values())))
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
-    kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
-    own = arguments[start : start + rows] if len(arguments) > 1 else arguments
     along = directions_of(
-        job.mechanism, job.law, job.gradients(), columns, plan.table, job.t_end, job.told
+        job.mechanism, job.law, job.gradients, columns, plan.table, job.t_end, job.told
     )
-    width = len(kinds) // 2
+    width = len(job.kinds) // 2
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * EVIDENCE)
     statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
     call: list[Any] = [
@@ -99,11 +94,11 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         vector(plan.table),
         vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
         vector(plan.time_scale / 6.0),
-        vector(kinds),
-        vector(own),
+        vector(job.kinds),
+        vector(arguments),
     ]
     written: list[Any] = [results, statuses, evidence]
-    if job.gradients():
+    if job.gradients:
         run = runner.kernels.enter_batch_sensed
         written += [vector(along.start), vector(along.table), vector(along.own), along.quantities]
         written.append(gradients)
@@ -160,58 +155,30 @@ def _base(job: Job, runner: Runner) -> Any:
     return base
 
 
-def _cuts(job: Job, columns: Mapping[str, Array]) -> Iterator[tuple[int, Mapping[str, Array]]]:
-    """Yield first row and columns of each chunk."""
+def _cuts(
+    job: Job, columns: Mapping[str, Array], arguments: Array
+) -> Iterator[tuple[Job, int, Mapping[str, Array], Array]]:
+    """Yield the arguments of `run_chunk` for each chunk: no row is in two of them."""
     pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
-    for start in range(0, job.count, rows):
-        yield start, {path: column[start : start + rows] for path, column in columns.items()}
+    for start in range(0, len(next(iter(columns.values()))), rows):
+        part = slice(start, start + rows)
+        own = {path: column[part] for path, column in columns.items()}
+        yield job, start, own, arguments[part] if len(arguments) > 1 else arguments
 
 
 def run_chunks(
     job: Job,
     columns: Mapping[str, Array],
+    arguments: Array,
     executor: Executor | None,
     keep: Callable[[Chunk], bool],
 ) -> None:
     """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
-    if not (executor is None or hasattr(executor, "submit")):
-        raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
+    check_executor(executor)
     _runner(job)  # compiled here, if it has to be, and not in all threads at once
-    cuts = [*_cuts(job, columns)]
+    cuts = [*_cuts(job, columns, arguments)]
     if executor is None and len(cuts) == 1:  # a thread would cost more than many a chunk
-        keep(run_chunk(job, *cuts[0]))
+        keep(run_chunk(*cuts[0]))
         return
-    own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
-    pool = executor or own
-    assert pool is not None
-    most = 2 * (os.cpu_count() or 1) + 2
-    pending: set[Future[Chunk]] = set()
-    try:
-        for start, part in cuts:
-            pending.add(pool.submit(run_chunk, job, start, part))
-            while len(pending) >= most:
-                pending, going = _collect(pending, keep)
-                if not going:
-                    return
-        while pending:
-            pending, going = _collect(pending, keep)
-            if not going:
-                return
-    finally:
-        for future in pending:
-            future.cancel()
-        if own is not None:
-            own.shutdown(cancel_futures=True)
-
-
-def _collect(
-    pending: set[Future[Chunk]], keep: Callable[[Chunk], bool]
-) -> tuple[set[Future[Chunk]], bool]:
-    """Wait for the next chunks; return what is still pending, and whether to go on."""
-    done, waiting = wait(pending, return_when=FIRST_COMPLETED)
-    going = True
-    for future in done:
-        chunk = future.result()
-        going = going and keep(chunk)
-    return waiting, going
+    spread(run_chunk, cuts, keep, executor)

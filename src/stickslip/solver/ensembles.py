@@ -50,11 +50,13 @@ def run_ensemble(
 ) -> Ensemble:
     """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`."""
     model = formulate(mechanism, law)
-    columns, count = _columns(mechanism, law, model, varied)
+    columns, count = check_columns(mechanism, law, varied)
     wanted = _outputs(mechanism, law, model, outputs)
     told = tuple(state for state in told if f"initial.{state}" not in columns)
-    job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count, told)
-    parts = _Parts(job, model)
+    kinds, arguments, places = asked(wanted, model, t_end, count)
+    gradients = tuple(sorted({one.parameter for one in wanted.values() if is_gradient(one)}))
+    job = Job(mechanism, law, tuple(y0), t_end, kinds, gradients, solver, told)
+    parts = _Parts(job, model, wanted, places, count)
 
     def keep(chunk: Chunk) -> bool:
         parts.add(chunk)
@@ -69,7 +71,7 @@ def run_ensemble(
             for name, value in zip(mechanism.coordinates, y0, strict=False)
         ]
         refuse_masses(_varied(mechanism, "mechanism", columns, row), state)
-    run_chunks(job, begun, executor, keep)
+    run_chunks(job, begun, arguments, executor, keep)
     bristles = model.states[2 * len(mechanism.coordinates) :]
     units = path_units(mechanism, law, bristles)
     units |= {state: units[f"initial.{state}"] for state in model.states}
@@ -79,16 +81,21 @@ def run_ensemble(
 class _Parts:
     """What came of the chunks so far."""
 
-    def __init__(self, job: Job, model: Model) -> None:
-        self.job = job
-        self.model = model
-        kinds, _, self.places = asked(job.outputs, model, job.t_end, job.count)
-        slopes = len(model.states) * len(job.gradients())
-        check_size("ensemble", job.count * (len(kinds) // 2 + EVIDENCE + slopes), FEWER)
-        self.results = np.full((job.count, len(kinds) // 2), np.nan)
-        self.codes = np.zeros(job.count, dtype=np.int8)
-        self.evidence = np.full((job.count, EVIDENCE), np.nan)
-        self.gradients = np.full((job.count, len(model.states), len(job.gradients())), np.nan)
+    def __init__(
+        self,
+        job: Job,
+        model: Model,
+        wanted: Mapping[str, Output],
+        places: Mapping[str, slice],
+        count: int,
+    ) -> None:
+        self.job, self.model, self.wanted, self.places = job, model, wanted, places
+        columns, slopes = len(job.kinds) // 2, len(model.states) * len(job.gradients)
+        check_size("ensemble", count * (columns + EVIDENCE + slopes), FEWER)
+        self.results = np.full((count, columns), np.nan)
+        self.codes = np.zeros(count, dtype=np.int8)
+        self.evidence = np.full((count, EVIDENCE), np.nan)
+        self.gradients = np.full((count, len(model.states), len(job.gradients)), np.nan)
         self.done = 0
 
     def add(self, chunk: Chunk) -> None:
@@ -100,11 +107,11 @@ class _Parts:
 
     def joined(self, columns: Mapping[str, Array], units: Mapping[str, str]) -> Ensemble:
         """Return all of it."""
-        wanted, evidence = self.job.outputs, self.evidence
+        wanted, evidence = self.wanted, self.evidence
         for name, output in wanted.items():
             if is_gradient(output):
                 state = self.model.states.index(output.state)
-                direction = self.job.gradients().index(output.parameter)
+                direction = self.job.gradients.index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
         most = enums.LIMITED + len(self.model.limits)
         table = np.array([status_of(code, self.model) for code in range(most)])
@@ -160,10 +167,11 @@ def _is_name(name: object) -> bool:
     return isinstance(name, str) and name not in RESERVED
 
 
-def _columns(
-    mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, varied: Mapping[str, ArrayLike]
+def check_columns(
+    mechanism: Mechanism, law: FrictionLaw | Laws, varied: Mapping[str, ArrayLike]
 ) -> tuple[dict[str, Array], int]:
     """Return what varies by full path, checked, and the number of runs."""
+    model = formulate(mechanism, law)
     if not isinstance(varied, Mapping):
         raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
     known = _quantities(mechanism, law, model)

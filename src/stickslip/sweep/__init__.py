@@ -1,11 +1,14 @@
-"""Campaigns over many runs: mean motion, bifurcations, basins of attraction."""
+"""Many runs: campaigns, sensitivity indices, mean motion, bifurcations, basins of attraction."""
 
 from stickslip.mechanisms import cycle_of
 from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
+from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, campaign
+from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
 from stickslip.sweep.driven_cycles import DrivenCycle, cycles_in
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.sensitivity_indices import SensitivityIndices
 from stickslip.sweep.validation import (
     ParameterAgreement,
     Refit,
@@ -21,10 +24,20 @@ __all__ = [
     "Band",
     "Basins",
     "Bifurcation",
+    "Campaign",
+    "CampaignRuns",
+    "Case",
+    "Design",
     "DrivenCycle",
+    "Estimate",
+    "Factor",
+    "Levels",
+    "Normal",
     "ParameterAgreement",
     "Refit",
+    "SensitivityIndices",
     "Spread",
+    "Uniform",
     "ValidatedRecord",
     "ValidatedTravel",
     "Validation",
@@ -33,6 +46,7 @@ __all__ = [
     "band_of",
     "basins",
     "bifurcation",
+    "campaign",
     "compare_estimates",
     "cycle_of",
     "cycles_in",

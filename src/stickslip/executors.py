@@ -1,0 +1,102 @@
+"""Where work is executed: here, on threads, or by any executor of `concurrent.futures`."""
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from typing import Any, TypeVar
+
+from typing_extensions import override
+
+from stickslip.errors import InputError
+
+T = TypeVar("T")
+
+FAR = 256
+"""Tasks in flight on executors of others, whose number of workers is not known."""
+
+
+class Inline(Executor):
+    """Executes each task at once, where it is submitted.
+
+    Examples
+    --------
+    >>> Inline().submit(max, 2, 3).result()
+    3
+    """
+
+    @override
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        done: Future[T] = Future()
+        try:
+            done.set_result(fn(*args, **kwargs))
+        except Exception as error:  # told to who asks for the result
+            done.set_exception(error)
+        return done
+
+
+def check_executor(executor: object) -> None:
+    """Refuse what takes no tasks.
+
+    Examples
+    --------
+    >>> check_executor(4)
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: executor must be a concurrent.futures.Executor, got 4.
+    """
+    if not (executor is None or hasattr(executor, "submit")):
+        raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
+
+
+def spread(
+    work: Callable[..., T],
+    tasks: Iterable[Sequence[Any]],
+    keep: Callable[[T], bool],
+    executor: Executor | None,
+) -> bool:
+    """Execute tasks and hand over each result as it comes; return whether all were executed.
+
+    Only a few tasks more than there are workers are in flight, so that memory does not grow with
+    their number. Without an executor they run on threads, one per core. When `keep` answers False,
+    no further tasks begin.
+
+    Examples
+    --------
+    >>> found = []
+    >>> spread(max, [(1, 2), (4, 3)], lambda one: found.append(one) is None, Inline()), found
+    (True, [2, 4])
+    """
+    check_executor(executor)
+    cores = os.cpu_count() or 1
+    own = ThreadPoolExecutor(cores) if executor is None else None
+    pool = executor or own
+    assert pool is not None
+    known = cores if own else getattr(pool, "_max_workers", None)
+    most = 2 * known + 2 if isinstance(known, int) else FAR
+    pending: set[Future[T]] = set()
+    try:
+        for task in tasks:
+            pending.add(pool.submit(work, *task))
+            while len(pending) >= most or any(future.done() for future in pending):
+                pending, going = _collected(pending, keep)
+                if not going:
+                    return False
+        while pending:
+            pending, going = _collected(pending, keep)
+            if not going:
+                return False
+    finally:
+        for future in pending:
+            future.cancel()
+        if own is not None:
+            own.shutdown(cancel_futures=True)
+    return True
+
+
+def _collected(pending: set[Future[T]], keep: Callable[[T], bool]) -> tuple[set[Future[T]], bool]:
+    """Wait for the next results; return what is still pending, and whether to go on."""
+    done, waiting = wait(pending, return_when=FIRST_COMPLETED)
+    going = True
+    for future in done:
+        going = keep(future.result()) and going
+    return waiting, going

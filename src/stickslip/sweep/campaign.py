@@ -1,0 +1,636 @@
+"""Campaigns: runs without number, on any executor, whose results are a folder of Parquet files."""
+
+import hashlib
+import io
+import json
+import os
+import shutil
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import ArrayLike
+from typing_extensions import override
+
+from stickslip.described import Described
+from stickslip.display import Summary
+from stickslip.documents import document, json_text, unwritable, write_file
+from stickslip.errors import InputError, ParameterError, UnknownNameError, not_whole
+from stickslip.executors import Inline, check_executor, spread
+from stickslip.formatting import quantity
+from stickslip.friction import Friction
+from stickslip.mechanisms import Mechanism
+from stickslip.simulation import ensemble, event_driven_law
+from stickslip.solver import EventDriven, Output, check_columns
+from stickslip.sweep.design import OF_INDICES, Design, DesignName, Factor, Levels
+from stickslip.sweep.sensitivity_indices import SensitivityIndices, indices_of
+from stickslip.tables import Tabular
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Progress: TypeAlias = Callable[[int, int], object]
+
+MANIFEST: Final = "manifest.json"
+JOURNAL: Final = "parts.jsonl"
+"""Parts that are finished, a line each, until all of them are."""
+RUNS: Final = "runs"
+PART: Final = 32_768
+"""Runs of a file: some tenths of a second of work of a spring-block, and a megabyte."""
+BLOCKS, BLOCK = 16, 64
+"""Stretches of runs, and runs of each, by which a campaign is estimated."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Case(metaclass=Described):
+    """A mechanism with its friction: what a campaign runs with the values of its design.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> Case(mechanism=rig, law=Coulomb(kinetic_coefficient=0.25), t_end=10.0).where
+    ''
+    """
+
+    mechanism: Mechanism
+    """What moves."""
+    law: Friction
+    """What holds it back, as in `simulate`."""
+    t_end: float
+    """Last time of every run [s]."""
+    y0: Mapping[str, float] | None = None
+    """Initial states that do not vary [SI], as in `simulate`."""
+    labels: Mapping[str, str] = field(default_factory=dict)
+    """What tells it from other cases, such as ``{"law": "coulomb"}``: a column each."""
+
+    @property
+    def where(self) -> str:
+        """Folder of its files below that of all runs."""
+        return "/".join(f"{name}={quote(value, safe='')}" for name, value in self.labels.items())
+
+
+@dataclass(frozen=True)
+class _Finished:
+    """A part whose file is there."""
+
+    file: str
+    """Path below the folder of the campaign."""
+    rows: int
+    sha256: str
+    size: int
+    """Bytes of the file."""
+    certified: int
+    """Runs with a certificate."""
+    status: Mapping[str, int]
+    """How many runs ended in which way."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Estimate(metaclass=Described):
+    """What a campaign will take, by some of its runs."""
+
+    runs: int
+    """Runs in all."""
+    files: int
+    """Parquet files."""
+    seconds: float
+    """Time of all runs on one worker [s]."""
+    size: int
+    """Bytes of all files."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class CampaignRuns(Tabular):
+    """The runs of a campaign, in the files of its folder."""
+
+    folder: Path
+    """Folder with the manifest."""
+    design: Design
+    """What varies."""
+    units: Mapping[str, str]
+    """SI unit of each column that has one."""
+    parts: tuple[_Finished, ...] = field(repr=False)
+    made: int
+    """Runs that were made now; the others were there."""
+    complete: bool
+    """Whether all runs are there."""
+
+    def __len__(self) -> int:
+        """Return the number of runs that are there."""
+        return sum(part.rows for part in self.parts)
+
+    @property
+    def size(self) -> int:
+        """Bytes of the files."""
+        return sum(part.size for part in self.parts)
+
+    @property
+    def certified(self) -> int:
+        """Runs with a certificate."""
+        return sum(part.certified for part in self.parts)
+
+    @property
+    def status(self) -> Mapping[str, int]:
+        """How many runs ended in which way, by the name of the `Status`."""
+        counts: Counter[str] = Counter()
+        for part in self.parts:
+            counts.update(part.status)
+        return dict(sorted(counts.items()))
+
+    @override
+    def to_dataframe(self, columns: Sequence[str] | None = None) -> "pd.DataFrame":
+        """Return the runs as a pandas DataFrame, or some columns of them.
+
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            Columns that are read; all if not given.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such column.
+        """
+        import pandas as pd
+        import pyarrow.dataset as ds
+
+        files = ds.dataset(self.folder / RUNS, partitioning=ds.partitioning(flavor="hive"))
+        for name in columns or ():
+            if name not in files.schema.names:
+                raise UnknownNameError(f"column of {self.folder}", name, files.schema.names)
+        labels = [name for name in files.schema.names if name not in _own_columns(files)]
+        found = pd.read_parquet(self.folder / RUNS, columns=None if columns is None else [*columns])
+        return found.astype({name: str for name in labels if name in found})
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return self.units
+
+    def sensitivity(self, output: str) -> SensitivityIndices:
+        """Return how much of an output each factor explains.
+
+        Parameters
+        ----------
+        output : str
+            Column of the runs.
+
+        Returns
+        -------
+        SensitivityIndices
+            Those of Sobol for the design ``"saltelli"``, those of Morris for ``"morris"``. Base
+            points and trajectories with a run that has no value are left out.
+
+        Raises
+        ------
+        InputError
+            If the design is another, runs are missing, or the campaign has several cases.
+        """
+        if self.design.kind not in OF_INDICES:
+            raise InputError(
+                f"sensitivity indices need the design {' or '.join(OF_INDICES)}, got"
+                f" {self.design.kind}."
+            )
+        if not self.complete:
+            raise InputError(f"{self.folder} lacks runs: start the campaign again first.")
+        if len({Path(part.file).parent for part in self.parts}) > 1:
+            raise InputError("sensitivity indices are of one case: make a campaign of each.")
+        values = self.to_dataframe([output])[output].to_numpy(dtype=np.float64)
+        return indices_of(self.design, output, self.units.get(output, "1"), values)
+
+    def _summary(self) -> Summary:
+        rows = [("folder", str(self.folder)), ("files", str(len(self.parts)))]
+        rows += [("size", quantity(self.size / 1e6, "MB"))]
+        rows += [(name, f"{count} runs") for name, count in self.status.items()]
+        return Summary(sentence=f"{len(self)} runs, {self.certified} certified.", rows=rows)
+
+
+def _own_columns(files: Any) -> Sequence[str]:
+    """Return the columns that stand in the files and not in the names of their folders."""
+    names: Sequence[str] = next(files.get_fragments()).physical_schema.names
+    return names
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Campaign(metaclass=Described):
+    """Cases, the values that their runs take, and what is kept of each run.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> from stickslip.sweep import Uniform
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> case = Case(mechanism=rig, law=Coulomb(kinetic_coefficient=0.25), t_end=10.0)
+    >>> whole = {"kinetic_coefficient": Uniform(low=0.2, high=0.3)}
+    >>> len(Campaign(cases=(case,), factors=whole, design="sobol", runs=1024))
+    1024
+    """
+
+    cases: tuple[Case, ...]
+    """What is run with the values of the design, each the same."""
+    factors: Mapping[str, Factor]
+    """What varies, by path as in `ensemble`."""
+    design: DesignName = "grid"
+    """How values are combined: see `Design`."""
+    runs: int | None = None
+    """Runs of each case at most; none for a grid."""
+    seed: int = 0
+    """Of random designs."""
+    outputs: Sequence[str] | Mapping[str, Output] | None = None
+    """What is kept of each run, as in `ensemble`."""
+    part: int = PART
+    """Runs of a file, and of a task of an executor."""
+    solver: EventDriven = field(default_factory=lambda: EventDriven(tier="compiled"))
+    """Tolerances and limits."""
+
+    def __post_init__(self) -> None:
+        """Check that cases can be told apart, and the design."""
+        if not self.cases:
+            raise InputError("a campaign has at least one case, got none.")
+        if type(self.part) is not int or self.part < 1:
+            raise InputError(not_whole("part", 1, self.part))
+        names = {tuple(case.labels) for case in self.cases}
+        if len(names) > 1 or len({case.where for case in self.cases}) < len(self.cases):
+            raise InputError("cases need the same labels with different values.")
+        _ = self.whole
+
+    @property
+    def whole(self) -> Design:
+        """The design of each case."""
+        return Design(factors=self.factors, kind=self.design, runs=self.runs, seed=self.seed)
+
+    def __len__(self) -> int:
+        """Return the number of runs."""
+        return len(self.cases) * len(self.whole)
+
+    @property
+    def digest(self) -> str:
+        """Hash of all that the results depend on."""
+        from importlib.metadata import version
+
+        versions = [version(name) for name in ("stickslip", "numpy", "scipy")]
+        with np.printoptions(threshold=sys.maxsize, precision=17):
+            return hashlib.sha256(repr((self, versions)).encode()).hexdigest()
+
+    def run(
+        self,
+        folder: str | Path,
+        *,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+        replace: bool = False,
+    ) -> CampaignRuns:
+        """Make the runs that are not in a folder yet.
+
+        Each file appears whole or not at all. A campaign that was ended at any time goes on where
+        it was when it is started again, and ends with the same files.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Where the manifest and the files of the runs are written.
+        executor : concurrent.futures.Executor, optional
+            Where the runs are made, a file at a time; threads for all cores if not given.
+        progress : callable, optional
+            Called with the number of runs that are there and of all runs after each file. If it
+            returns False, no further files begin.
+        replace : bool
+            Whether another campaign in the folder is removed.
+
+        Returns
+        -------
+        CampaignRuns
+            The runs; `CampaignRuns.complete` says whether they are all.
+
+        Raises
+        ------
+        InputError
+            If a value cannot be used, before anything is written, or the folder holds another
+            campaign or cannot be written.
+        """
+        check_executor(executor)
+        units = self._checked()
+        ledger = _Ledger(Path(folder), self, replace=replace)
+        total, there = len(self), ledger.rows
+
+        def keep(made: tuple[_Finished, bytes]) -> bool:
+            ledger.add(*made)
+            answer = None if progress is None else progress(ledger.rows, total)
+            return answer is None or bool(answer)
+
+        if progress is not None:
+            progress(there, total)
+        missing = (task for task in self._tasks() if task[0] not in ledger.known)
+        complete = spread(_made, missing, keep, executor)
+        parts = tuple(ledger.known[name] for name in sorted(ledger.known))
+        if complete:
+            ledger.finish(parts)
+        return CampaignRuns(
+            folder=Path(folder),
+            design=self.whole,
+            units=units,
+            parts=parts,
+            made=ledger.rows - there,
+            complete=complete,
+        )
+
+    def estimate(self) -> Estimate:
+        """Return what the campaign will take, by some runs of each case.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, SpringBlock
+        >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+        >>> case = Case(mechanism=rig, law=Coulomb(kinetic_coefficient=0.25), t_end=10.0)
+        >>> levels = {"compression": Levels(values=(0.05, 0.1))}
+        >>> Campaign(cases=(case,), factors=levels).estimate().files
+        1
+        """
+        self._checked()
+        count, seconds, size = len(self.whole), 0.0, 0.0
+        starts = sorted({int(at) for at in np.linspace(0, max(count - BLOCK, 0), BLOCKS)})
+        for case in self.cases:
+            begun, rows, data = time.perf_counter(), 0, 0
+            for start in starts:
+                finished, _ = _made("", case, self, start, min(start + BLOCK, count))
+                rows, data = rows + finished.rows, data + finished.size
+            seconds += (time.perf_counter() - begun) / rows * count
+            empty = _made("", case, self, 0, 1)[0].size  # what a file takes without its rows
+            each = max(data - len(starts) * empty, 0) / max(rows - len(starts), 1)
+            size += -(-count // self.part) * empty + each * count
+        files = len(self.cases) * -(-count // self.part)
+        return Estimate(runs=len(self), files=files, seconds=seconds, size=round(size))
+
+    def _tasks(self) -> Iterator[tuple[str, Case, "Campaign", int, int]]:
+        """Yield the arguments of `_made` for each file."""
+        count = len(self.whole)
+        shared = replace(self, cases=self.cases[:1])  # of many cases, a task needs its own alone
+        for case in self.cases:
+            for number, start in enumerate(range(0, count, self.part)):
+                name = "/".join(filter(None, [RUNS, case.where, f"part-{number:06d}.parquet"]))
+                yield name, case, shared, start, min(start + self.part, count)
+
+    def _checked(self) -> dict[str, str]:
+        """Check the values of all runs; compile what is run; return the units of the columns."""
+        units: dict[str, str] = {}
+        design = self.whole
+        for case in self.cases:
+            law = event_driven_law(case.mechanism, case.law)
+            for start in range(0, len(design), PART):
+                rows = design.rows(start, start + PART)
+                try:
+                    check_columns(case.mechanism, law, rows)
+                except (InputError, ParameterError) as error:
+                    raise type(error)(f"{_told(case, start)}{error}") from None
+            runs = _runs(case, self, 0, 1)
+            units |= runs.units
+        return units
+
+
+def _told(case: Case, start: int) -> str:
+    """Return which case an error is of, and from which run on its runs are counted."""
+    at = ", ".join(f"{name} {value}" for name, value in case.labels.items())
+    return "".join([f"{at}: " if at else "", f"from run {start} on: " if start else ""])
+
+
+def _runs(case: Case, campaign: Campaign, start: int, stop: int) -> Any:
+    """Make some runs of a case, in this thread."""
+    return ensemble(
+        case.mechanism,
+        case.law,
+        campaign.whole.rows(start, stop),
+        t_end=case.t_end,
+        outputs=campaign.outputs,
+        y0=case.y0,
+        solver=campaign.solver,
+        executor=Inline(),
+    )
+
+
+def _made(
+    name: str, case: Case, campaign: Campaign, start: int, stop: int
+) -> tuple[_Finished, bytes]:
+    """Make the runs of a file; return what is to be known of them, and the file."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    runs = _runs(case, campaign, start, stop)
+    frame = runs.to_dataframe()
+    frame.insert(0, "run", np.arange(start, stop))
+    table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(None)
+    for place, name_of in enumerate(table.column_names):
+        unit = runs.units.get(name_of, runs.units.get(name_of.rpartition(".")[0], ""))
+        if unit:
+            known = table.schema.field(place).with_metadata({"unit": unit})
+            table = table.set_column(place, known, table.column(place))
+    buffer = io.BytesIO()
+    pq.write_table(table, buffer, compression="zstd")
+    data = buffer.getvalue()
+    status = dict(sorted(Counter(one.name for one in runs.status).items()))
+    finished = _Finished(
+        file=name,
+        rows=stop - start,
+        sha256=hashlib.sha256(data).hexdigest(),
+        size=len(data),
+        certified=int(runs.certified.sum()),
+        status=status,
+    )
+    return finished, data
+
+
+class _Ledger:
+    """What a folder has of a campaign: a manifest, a line for each file, and the files."""
+
+    def __init__(self, folder: Path, campaign: Campaign, *, replace: bool) -> None:
+        self.folder = folder
+        self.head = {
+            "campaign": campaign.digest,
+            "design": campaign.design,
+            "seed": campaign.seed,
+            "runs": len(campaign),
+            "part": campaign.part,
+            "factors": {path: repr(one) for path, one in campaign.factors.items()},
+            "cases": [dict(case.labels) for case in campaign.cases],
+        }
+        self.known: dict[str, _Finished] = {}
+        before = self._manifest()
+        if before is not None and before.get("campaign") != campaign.digest:
+            if not replace:
+                raise InputError(
+                    f"{folder} holds the runs of another campaign (other cases, factors, design,"
+                    " outputs, or version): choose another folder."
+                )
+            shutil.rmtree(folder / RUNS, ignore_errors=True)
+            (folder / JOURNAL).unlink(missing_ok=True)
+            before = None
+        elif before is None and folder.exists() and any(folder.iterdir()):
+            raise InputError(f"{folder} holds other files: choose another folder.")
+        told = [*(before or {}).get("parts", []), *self._journal()] if before else []
+        for entry in told:
+            one = _Finished(**entry)
+            if _hash_of(folder / one.file) == one.sha256:
+                self.known[one.file] = one
+        self.rows = sum(one.rows for one in self.known.values())
+        if before is None or self.rows < len(campaign):
+            self._write(folder / MANIFEST, json_text(document("campaign", self.head)))
+            lines = "".join(f"{_line(one)}\n" for one in self.known.values())
+            self._write(folder / JOURNAL, lines)
+
+    def add(self, finished: _Finished, data: bytes) -> None:
+        """Keep a file; it is there before it is listed."""
+        write_file(self.folder / finished.file, data)
+        self.known[finished.file] = finished
+        self.rows += finished.rows
+        with (self.folder / JOURNAL).open("a", encoding="utf-8") as journal:
+            journal.write(f"{_line(finished)}\n")
+            journal.flush()
+            os.fsync(journal.fileno())
+
+    def finish(self, parts: Sequence[_Finished]) -> None:
+        """Write the manifest of a campaign that is complete."""
+        content = {**self.head, "parts": [vars(one) for one in parts]}
+        self._write(self.folder / MANIFEST, json_text(document("campaign", content)))
+        (self.folder / JOURNAL).unlink(missing_ok=True)
+
+    def _manifest(self) -> dict[str, Any] | None:
+        try:
+            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError) as error:
+            raise InputError(f"{self.folder / MANIFEST} cannot be read: {error}.") from None
+        return found if isinstance(found, dict) else {}
+
+    def _journal(self) -> Iterator[dict[str, Any]]:
+        """Yield the lines of the journal; the last one may have been cut off."""
+        try:
+            lines = (self.folder / JOURNAL).read_text(encoding="utf-8").splitlines()
+        except FileNotFoundError:
+            return
+        for line in lines:
+            try:
+                yield json.loads(line)
+            except ValueError:
+                continue
+
+    def _write(self, path: Path, text: str) -> None:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise unwritable(self.folder, error) from error
+        write_file(path, text)
+
+
+def _line(finished: _Finished) -> str:
+    return json.dumps(vars(finished), sort_keys=True)
+
+
+def _hash_of(path: Path) -> str:
+    """Return the hash of a file, empty if it is not there."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def campaign(
+    mechanism: Mechanism,
+    law: Friction,
+    parameters: Mapping[str, Factor | ArrayLike],
+    *,
+    t_end: float,
+    folder: str | Path,
+    design: DesignName = "grid",
+    runs: int | None = None,
+    seed: int = 0,
+    outputs: Sequence[str] | Mapping[str, Output] | None = None,
+    y0: Mapping[str, float] | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> CampaignRuns:
+    """Simulate a mechanism more often than memory holds; the runs are files in a folder.
+
+    Ended at any time and started again, it goes on where it was. For several mechanisms or laws,
+    make a `Campaign` of several cases.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back, as in `simulate`.
+    parameters : mapping
+        What varies, by path as in `ensemble`: a `Uniform`, `Normal` or `Levels`, or an array of
+        values.
+    t_end : float
+        Last time of every run [s].
+    folder : str or Path
+        Where the runs are written.
+    design : {"grid", "random", "sobol", "saltelli", "morris"}
+        How values are combined; the last two are for sensitivity indices.
+    runs : int, optional
+        Runs at most; a grid has as many as combinations.
+    seed : int
+        Of random designs.
+    outputs : sequence of str or mapping, optional
+        What is kept of each run, as in `ensemble`.
+    y0 : mapping, optional
+        Initial states that do not vary, as in `simulate`.
+    executor : concurrent.futures.Executor, optional
+        Where the runs are made; threads for all cores if not given.
+    progress : callable, optional
+        Called with the number of runs that are there and of all runs; False ends the campaign.
+
+    Returns
+    -------
+    CampaignRuns
+        What is in the folder.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the folder holds another campaign.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> from stickslip.sweep import Uniform
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = campaign(
+    ...         rig,
+    ...         Coulomb(kinetic_coefficient=0.25),
+    ...         {"kinetic_coefficient": Uniform(low=0.2, high=0.3)},
+    ...         t_end=10.0,
+    ...         folder=folder,
+    ...         design="sobol",
+    ...         runs=1000,
+    ...         outputs=["x"],
+    ...     )
+    ...     found.to_dataframe(["x"])["x"].mean().round(3)
+    np.float64(0.207)
+    """
+    return Campaign(
+        cases=(Case(mechanism=mechanism, law=law, t_end=t_end, y0=y0),),
+        factors={
+            path: one if isinstance(one, Factor) else Levels(values=one)  # type: ignore[arg-type]
+            for path, one in parameters.items()
+        },
+        design=design,
+        runs=runs,
+        seed=seed,
+        outputs=outputs,
+    ).run(folder, executor=executor, progress=progress)

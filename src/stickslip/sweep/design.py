@@ -1,0 +1,288 @@
+"""Designs of campaigns: which values each run takes."""
+
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+from scipy.stats import qmc
+from typing_extensions import override
+
+from stickslip.described import Described
+from stickslip.display import require_library
+from stickslip.errors import InputError, ParameterError, check_size, not_whole
+
+Array: TypeAlias = NDArray[np.float64]
+DesignName: TypeAlias = Literal["grid", "random", "sobol", "saltelli", "morris"]
+DESIGNS: Final = ("grid", "random", "sobol", "saltelli", "morris")
+OF_INDICES: Final = ("saltelli", "morris")
+"""Designs from whose runs sensitivity indices are computed."""
+MOST_RUNS: Final = 1 << 30
+"""Runs of a design: points that a Sobol sequence of 30 bits has."""
+MORRIS_LEVELS: Final = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Factor(ABC, metaclass=Described):
+    """What a parameter is varied over."""
+
+    times: str = ""
+    """Path of another factor that the values are multiplied by; none if empty."""
+
+    @abstractmethod
+    def at(self, share: Array) -> Array:
+        """Return the values (n,) below which these shares (n,) of the distribution lie."""
+
+    def levels(self) -> Array:
+        """Return the values (m,) of a grid."""
+        raise InputError(f"a grid needs the values, or how many between two ends, got {self!r}.")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Levels(Factor):
+    """Values that are given; other designs than grids take each as often as the others.
+
+    Examples
+    --------
+    >>> Levels(values=(1.0, 2.0)).at(np.array([0.1, 0.6])).tolist()
+    [1.0, 2.0]
+    """
+
+    values: Sequence[float]
+    """The values [SI]."""
+
+    def __post_init__(self) -> None:
+        """Check that they are numbers."""
+        given = np.asarray(self.values, dtype=np.float64)
+        if given.ndim != 1 or not given.size or not np.isfinite(given).all():
+            raise ParameterError(f"values must be finite numbers, at least one, got {self.values}.")
+        object.__setattr__(self, "values", tuple(given.tolist()))
+
+    @override
+    def at(self, share: Array) -> Array:
+        count = len(self.values)
+        places = np.minimum((share * count).astype(np.intp), count - 1)
+        found: Array = self.levels()[places]
+        return found
+
+    @override
+    def levels(self) -> Array:
+        return np.array(self.values)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Uniform(Factor):
+    """Values between two ends, evenly spread, or their logarithms.
+
+    Examples
+    --------
+    >>> Uniform(low=0.01, high=1.0, number=3, log=True).levels().round(6).tolist()
+    [0.01, 0.1, 1.0]
+    """
+
+    low: float
+    """Lower end [SI]."""
+    high: float
+    """Upper end [SI]."""
+    number: int | None = None
+    """Values of a grid, both ends included."""
+    log: bool = False
+    """Whether the logarithms are evenly spread."""
+
+    def __post_init__(self) -> None:
+        """Check the ends."""
+        if not -math.inf < self.low < self.high < math.inf:
+            raise ParameterError(f"low must be below high, got {self.low} and {self.high}.")
+        if self.log and self.low <= 0.0:
+            raise ParameterError(f"low must be above 0 on a logarithmic scale, got {self.low}.")
+        if self.number is not None and (type(self.number) is not int or self.number < 2):
+            raise ParameterError(not_whole("number", 2, self.number))
+
+    @override
+    def at(self, share: Array) -> Array:
+        ends = (self.low, self.high)
+        if self.log:
+            low, high = np.log(ends)
+            found = np.exp(low + share * (high - low))
+        else:
+            found = self.low + share * (self.high - self.low)
+        inside: Array = np.clip(found, *ends)
+        return inside
+
+    @override
+    def levels(self) -> Array:
+        if self.number is None:
+            return super().levels()
+        return self.at(np.linspace(0.0, 1.0, self.number))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Normal(Factor):
+    """Values of a normal distribution, cut off at two ends if they are given.
+
+    Examples
+    --------
+    >>> Normal(mean=2.0, sd=0.1).at(np.array([0.025, 0.5])).round(3).tolist()
+    [1.804, 2.0]
+    """
+
+    mean: float
+    """Mean of the distribution before it is cut off [SI]."""
+    sd: float
+    """Its standard deviation [SI]."""
+    low: float = -math.inf
+    """Lower end [SI]."""
+    high: float = math.inf
+    """Upper end [SI]."""
+
+    def __post_init__(self) -> None:
+        """Check that there is a distribution."""
+        if not (math.isfinite(self.mean) and 0.0 < self.sd < math.inf):
+            raise ParameterError(f"sd must be above 0, got {self.sd} about {self.mean}.")
+        below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
+        if not above > below:
+            raise ParameterError(
+                f"low to high must hold a part of the distribution, got {self.low} to {self.high}"
+                f" about {self.mean} with sd {self.sd}."
+            )
+
+    @override
+    def at(self, share: Array) -> Array:
+        below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
+        least = np.finfo(float).tiny  # the end of a distribution without one
+        inside = np.clip(below + share * (above - below), least, 1.0 - np.finfo(float).eps)
+        found: Array = np.clip(self.mean + self.sd * special.ndtri(inside), self.low, self.high)
+        return found
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Design(metaclass=Described):
+    """Values of all factors in each run, made when they are asked for.
+
+    Examples
+    --------
+    >>> design = Design(factors={"a": Levels(values=(1, 2)), "b": Levels(values=(5, 6, 7))})
+    >>> len(design), design.rows(2, 4)
+    (6, {'a': array([1., 2.]), 'b': array([7., 5.])})
+    """
+
+    factors: Mapping[str, Factor]
+    """By path."""
+    kind: DesignName = "grid"
+    """All combinations, random numbers, a scrambled Sobol sequence, or what sensitivity indices
+    need: the sample of Saltelli for those of Sobol, trajectories for those of Morris."""
+    runs: int | None = None
+    """Runs at most; a grid has as many as there are combinations."""
+    seed: int = 0
+    """Of the random numbers, and of the scrambling."""
+
+    def __post_init__(self) -> None:
+        """Check that the design has runs, and can have so many."""
+        if self.kind not in DESIGNS:
+            raise InputError(f"design must be one of {', '.join(DESIGNS)}, got {self.kind!r}.")
+        if not self.factors:
+            raise InputError("a campaign varies at least one parameter, got none.")
+        if self.kind == "grid" and self.runs is not None:
+            raise InputError("a grid has as many runs as combinations: leave runs out.")
+        if self.kind != "grid" and (type(self.runs) is not int or self.runs < 1):
+            raise InputError(f"a {self.kind} design needs runs. {not_whole('runs', 1, self.runs)}")
+        if type(self.seed) is not int or self.seed < 0:
+            raise InputError(not_whole("seed", 0, self.seed))
+        for path, factor in self.factors.items():
+            other = self.factors.get(factor.times)
+            if factor.times and (other is None or other.times):
+                raise InputError(
+                    f"{path} is {factor.times!r} times a factor, which must be another factor of"
+                    " the campaign that is no multiple itself."
+                )
+            if self.kind == "morris" and not np.isfinite(factor.at(np.array([0.0, 1.0]))).all():
+                raise InputError(f"Morris trajectories need low and high of {path}.")
+        least = self.block
+        if self.runs is not None and self.runs < least:
+            raise InputError(f"a {self.kind} design of these factors has at least {least} runs.")
+        check_size("campaign", len(self), "vary fewer values", unit="runs", most=MOST_RUNS)
+
+    @property
+    def block(self) -> int:
+        """Runs that sensitivity indices take together: a base point, or a trajectory."""
+        return {"saltelli": len(self.factors) + 2, "morris": len(self.factors) + 1}.get(
+            self.kind, 1
+        )
+
+    def __len__(self) -> int:
+        """Return the number of runs."""
+        if self.kind == "grid":
+            return math.prod(len(one.levels()) for one in self.factors.values())
+        assert self.runs is not None
+        blocks = self.runs // self.block
+        if self.kind == "saltelli":  # a Sobol sequence is balanced at powers of two only
+            blocks = 1 << (blocks.bit_length() - 1)
+        return blocks * self.block
+
+    def shares(self, start: int, stop: int) -> Array:
+        """Return points (runs, factors) of the unit cube."""
+        many = len(self.factors)
+        if self.kind == "random":  # a number each, so that no run depends on where a part begins
+            random = np.random.PCG64(self.seed)
+            random.advance(start * many)
+            return np.random.Generator(random).random((stop - start, many))
+        if self.kind == "sobol":
+            sequence = qmc.Sobol(many, rng=np.random.default_rng(self.seed))
+            if start:
+                sequence.fast_forward(start)
+                points: Array = sequence.random(stop - start)
+            else:  # that many first points are balanced
+                points = sequence.random_base2((stop - 1).bit_length())[:stop]
+            return points
+        return _sampled(self.kind, many, len(self) // self.block, self.seed)[start:stop]
+
+    def rows(self, start: int, stop: int) -> dict[str, Array]:
+        """Return the values (runs,) of each factor in runs `start` to `stop`."""
+        stop = min(stop, len(self))
+        if self.kind == "grid":
+            levels = [one.levels() for one in self.factors.values()]
+            at = np.unravel_index(np.arange(start, stop), [len(one) for one in levels])
+            found = dict(
+                zip(self.factors, (x[i] for x, i in zip(levels, at, strict=True)), strict=True)
+            )
+        else:
+            columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
+            found = {path: one.at(share) for (path, one), share in columns}
+        for path, one in self.factors.items():
+            if one.times:
+                found[path] = found[path] * found[one.times]
+        return found
+
+
+@functools.lru_cache(maxsize=4)
+def _sampled(kind: str, many: int, blocks: int, seed: int) -> Array:
+    """Return the points of a design for sensitivity indices (runs, factors)."""
+    check_size("sample for sensitivity indices", blocks * (many + 2) * many, "ask for fewer runs")
+    problem = unit_cube(many)
+    if kind == "saltelli":
+        library: Any = salib("sample.sobol")
+        found = library.sample(problem, blocks, calc_second_order=False, seed=seed)
+    else:
+        library = salib("sample.morris")
+        found = library.sample(problem, blocks, num_levels=MORRIS_LEVELS, seed=seed)
+    return np.asarray(found, dtype=np.float64)
+
+
+def salib(module: str) -> Any:
+    """Return a module of SALib."""
+    return require_library(f"SALib.{module}", "sensitivity", 'use the design "sobol"')
+
+
+def unit_cube(many: int) -> dict[str, Any]:
+    """Return the problem of SALib whose factors are shares."""
+    names = [f"x{i}" for i in range(many)]
+    return {"num_vars": many, "names": names, "bounds": [[0.0, 1.0]] * many}
