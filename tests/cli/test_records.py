@@ -358,8 +358,8 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
     (
-        ("select", "demo", "--jobs", "2"),
-        "--jobs applies to the force of a spring, records of several joints, velocity steps",
+        ("select", "demo", "--workers", "2"),
+        "--workers applies to the force of a spring, records of several joints, velocity steps",
     ),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
     (("fit", "demo", "--segment", "1"), "--segment applies to records"),
@@ -501,7 +501,7 @@ def test_interrupts_are_as_ever_afterwards():
 
 @pytest.mark.slow
 def test_processes_come_to_the_same_verdict(run):
-    alone, together = (run("select", "axis.toml", *FAST, "--json", "--jobs", n) for n in "12")
+    alone, together = (run("select", "axis.toml", *FAST, "--json", "--workers", n) for n in "12")
     assert alone[0] == 0
     assert together[:2] == alone[:2]  # what is told meanwhile comes as it is done
 

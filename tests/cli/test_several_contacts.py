@@ -441,7 +441,7 @@ def test_one_record_takes_one_law(called):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
-@pytest.mark.parametrize("jobs", [[], ["--jobs", "2"]])
+@pytest.mark.parametrize("jobs", [[], ["--workers", "2"]])
 def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs):
     tried = ["--laws", "coulomb,coulomb-viscous", "--starts", "1", "-o", "report"]
     code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried, *jobs)

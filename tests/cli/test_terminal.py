@@ -262,7 +262,7 @@ def test_completion_is_offered_by_the_shell():
         [sys.executable, "-c", "from stickslip.cli import main; main()"],
         env={**environment, **line}, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert done.stdout.split() == ["--jobs"]
+    assert done.stdout.split() == ["--workers"]
 
 
 class Clock:

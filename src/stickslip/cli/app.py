@@ -15,6 +15,7 @@ from stickslip.cli.options import (
     Data,
     EndTime,
     Enforce,
+    ExecutorAt,
     FittedLaw,
     Fixed,
     Folder,
@@ -24,7 +25,6 @@ from stickslip.cli.options import (
     Gain,
     Hold,
     Horizon,
-    Jobs,
     Json,
     Law,
     LawFile,
@@ -46,8 +46,10 @@ from stickslip.cli.options import (
     Units,
     Validate,
     Vary,
+    Workers,
 )
 from stickslip.cli.subcommands import data, profile
+from stickslip.errors import InputError
 
 if TYPE_CHECKING:
     from stickslip.kinds import (
@@ -111,7 +113,8 @@ def select(
     position_zeros: PositionZeros = None,
     friction_delay: FrictionDelay = None,
     friction_lag: FrictionLag = None,
-    jobs: Jobs = None,
+    count: Workers = None,
+    executor: ExecutorAt = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
     as_json: Json = False,
@@ -144,13 +147,14 @@ def select(
     ask = partial(ask, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
     ask = partial(ask, purpose=cast("PurposeName | None", purpose))  # checked where it is used
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
-    start(rig, ask, changes or [], laws, output, jobs=jobs)
+    start(rig, ask, changes or [], laws, output, count=count, executor=executor)
 
 
 @command(app, "demo")
 def demo(
     laws: Laws = None,
-    jobs: Jobs = None,
+    count: Workers = None,
+    executor: ExecutorAt = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
     as_json: Json = False,
@@ -168,7 +172,9 @@ def demo(
 
     reading = reading_of(columns=None, units=None, gain=None, repair=None)
     start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
-    start(None, partial(measured, reading=reading), [], laws, output, jobs=jobs)
+    start(
+        None, partial(measured, reading=reading), [], laws, output, count=count, executor=executor
+    )
 
 
 @command(app, "init")
@@ -714,26 +720,54 @@ def sweep(
             help="Coordinate whose mean rate is taken, where contacts slip along several.",
         ),
     ] = None,
+    count: Workers = None,
+    executor: ExecutorAt = None,
+    dry_run: Annotated[
+        bool,
+        typer.Option("--dry-run", help="Only say number, size and time of a campaign's runs."),
+    ] = False,
     output: Annotated[
-        Path,
+        Path | None,
         typer.Option(
-            "-o", "--output", help="CSV or Parquet file; a figure (SVG) is written beside it."
+            "-o",
+            "--output",
+            help="CSV or Parquet file, with a figure (SVG) beside it; of a campaign, its folder."
+            " Default: stickslip-sweep.csv, or stickslip-campaign.",
         ),
-    ] = Path("stickslip-sweep.csv"),
+    ] = None,
     force: Force = False,
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Compute the mean velocity over a parameter grid.
+    """Run a campaign, or the mean velocity over a parameter grid.
 
-    Simulates a driven rig at every point of the grid; writes a table and a figure.
+    With --vary: simulates a driven rig at every point of the grid; writes a table and a figure.
+    Without: makes the runs of a campaign file, as Parquet files in a folder. The same command goes
+    on where a campaign was ended.
     """
-    from stickslip.cli.law_choice import LawAsked
-    from stickslip.cli.sweep import run
+    if vary:
+        from stickslip.cli.law_choice import LawAsked
+        from stickslip.cli.sweep import run
 
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    asked = LawAsked(law=law, load=law_load)
-    start(rig, changes or [], asked, vary or [], cycles, settle, coordinate, output)
+        if dry_run:
+            raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
+        start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+        start = partial(start, count=count, executor=executor)
+        asked = LawAsked(law=law, load=law_load)
+        table = output or Path("stickslip-sweep.csv")
+        start(rig, changes or [], asked, vary, cycles, settle, coordinate, table)
+        return
+    from stickslip.cli.campaign import run as run_campaign
+
+    given = {"--law": law, "--law-load": law_load, "--set": changes, "--coordinate": coordinate}
+    if unused := [option for option, value in given.items() if value]:
+        raise InputError(
+            f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
+            " rigs, laws and factors itself."
+        )
+    folder = output or Path("stickslip-campaign")
+    choice = partial(run_campaign, dry_run=dry_run, force=force, allow_import=allow_import)
+    choice(rig, folder, at_once=count, executor=executor, as_json=as_json)
 
 
 @command(app, "plan")

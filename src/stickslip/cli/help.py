@@ -27,7 +27,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "init": ("stickslip init record.csv", "stickslip init record.csv --columns force=Kanal3"),
     "select": (
         "stickslip select rig.toml",
-        "stickslip select rig.toml --laws coulomb,stribeck --jobs 2 -o report",
+        "stickslip select rig.toml --laws coulomb,stribeck --workers 2 -o report",
     ),
     "fit": ("stickslip fit rig.toml --law stribeck -o law.toml",),
     "check": ("stickslip check rig.toml", "stickslip check record.csv --columns position=q"),
@@ -36,7 +36,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         'stickslip simulate demo --set mass="2 kg"',
     ),
     "animate": ("stickslip animate rig.toml --law lugre -o run.gif",),
-    "sweep": ("stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",),
+    "sweep": (
+        "stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",
+        "stickslip sweep campaign.toml -o runs --dry-run",
+    ),
     "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
     "models": ("stickslip models", "stickslip models lugre"),
     "characterize": (

@@ -277,9 +277,17 @@ Purpose = Annotated[
         "--purpose", help="Intended use of the law, for records: simulate, position or compensate."
     ),
 ]
-Jobs = Annotated[
+Workers = Annotated[
     int | None,
-    typer.Option("--jobs", min=1, help="Number of processes that fit laws to records (default 1)."),
+    typer.Option("--workers", min=1, help="Number of processes that share the work."),
+]
+ExecutorAt = Annotated[
+    str | None,
+    typer.Option(
+        "--executor",
+        metavar="dask://HOST:PORT",
+        help="Dask cluster that does the work, by the address of its scheduler.",
+    ),
 ]
 
 Goal = Annotated[

@@ -152,20 +152,30 @@ class Drawing(_Shown):
     ----------
     verb : str
         Word before the bar.
+    unit : str
+        What is counted, whose number a second is shown; no rate if empty.
     """
 
     steady = True
 
-    def __init__(self, verb: str = "Drawing") -> None:
+    def __init__(self, verb: str = "Drawing", unit: str = "") -> None:
         super().__init__()
-        self._verb = verb
+        self._verb, self._unit = verb, unit
         self._said.add(verb)  # short work is done in silence
         self._task = self._bars.add_task(verb, total=None, runs="")
 
     def __call__(self, done: int, total: int) -> None:
         """Note how many are done."""
         self._say(self._verb, done, total)
-        self._bars.update(self._task, completed=done, total=total)
+        self._bars.update(self._task, completed=done, total=total, runs=self._rate(done))
+
+    def _rate(self, done: int) -> str:
+        """Return how many a second, since the first ones, which may have been there."""
+        if not self._unit or self._first is None:
+            return ""
+        since, before = self._first
+        elapsed = time.monotonic() - since
+        return f"{(done - before) / elapsed:.0f} {self._unit}/s" if elapsed > 1.0 else ""
 
 
 class _ByLaw(_Shown):

@@ -66,7 +66,8 @@ def run(
     laws: str | None,
     output: Path,
     *,
-    jobs: int | None,
+    count: int | None,
+    executor: str | None,
     allow_import: bool,
     force: bool,
     as_json: bool,
@@ -78,12 +79,13 @@ def run(
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     kind, request, files = ask(rig, given=path is not None)
     rig = replace(rig, digest=with_files(rig.digest, files))
-    if jobs is not None:
-        refuse_unused(kind, {"executor": "--jobs"}, request)
+    for option, value in (("--workers", count), ("--executor", executor)):
+        if value is not None:
+            refuse_unused(kind, {"executor": option}, request)
     if enforce and not kind.has_criteria:
         users = [one for one in kinds() if one.has_criteria]
         raise InputError(f"--enforce {unused_text(kind, users)}")
-    verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), jobs or 1)
+    verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), count or 1, executor)
     content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
     page_code = 0
     if as_json:
@@ -123,7 +125,7 @@ def laws_of(
     return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
 
 
-def _selected(kind: AnyKind, request: Request, jobs: int) -> Verdict:
+def _selected(kind: AnyKind, request: Request, count: int, address: str | None) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
     laws = request.laws
     for measurement in (request.measurement, request.validate):
@@ -134,7 +136,7 @@ def _selected(kind: AnyKind, request: Request, jobs: int) -> Verdict:
     climbs = laws is None and kind.climbs
     with (
         watching(names, kind, request, at_most=climbs) as watch,
-        workers(min(jobs, len(names))) as executor,
+        workers(min(count, len(names)), address) as executor,
     ):
         verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
         return verdict

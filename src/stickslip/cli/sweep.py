@@ -14,6 +14,7 @@ from stickslip.cli.law_choice import (
     friction_title,
     rig_and_friction,
 )
+from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.documents import document, write_files
@@ -35,6 +36,8 @@ def run(
     coordinate: str | None,
     output: Path,
     *,
+    count: int | None,
+    executor: str | None,
     allow_import: bool,
     force: bool,
     as_json: bool,
@@ -49,7 +52,7 @@ def run(
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
     start = rig.start(law)
-    with Drawing("Running") as progress:
+    with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
         found = average_velocity(
             rig.mechanism,
             law,
@@ -58,6 +61,7 @@ def run(
             cycles=cycles,
             settle=settle,
             y0=start,
+            executor=pool,
             progress=progress,
         )
     _write(found, output, figure)

@@ -45,6 +45,7 @@ HOMES = {
     "draw_run": "runs.run",
     "draw_runs": "runs.run",
     "draw_scene": "animation.animation",
+    "draw_sensitivity": "sweep_maps",
     "draw_sketch": "data.rig_sketches",
     "draw_trials": "data.trials",
     "draw_validation": "runs.validation",

@@ -1,5 +1,6 @@
 """Figures of campaigns: mean velocities, bifurcation diagrams, basins of attraction."""
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -26,7 +27,7 @@ from stickslip.plots.core.theme import (
     SURFACE,
     shade,
 )
-from stickslip.sweep import Basins, Bifurcation, VelocityMap
+from stickslip.sweep import Basins, Bifurcation, SensitivityIndices, VelocityMap
 
 BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
 """Fill of each basin, the largest first."""
@@ -249,13 +250,63 @@ def _edges(values: Any) -> Any:
     return np.concatenate([ends[:1], middles, ends[1:]])
 
 
-def plot_sweep(result: VelocityMap | Bifurcation | Basins, ax: Target = None) -> Axes:
-    """Plot mean velocities, a bifurcation diagram, or basins of attraction.
+def draw_sensitivity(results: Sequence[SensitivityIndices]) -> Draw:
+    """Return a drawing of sensitivity indices with their intervals, a panel for each output.
 
     Parameters
     ----------
-    result : VelocityMap, Bifurcation or Basins
-        What `average_velocity`, `bifurcation` or `basins` returns.
+    results : sequence of SensitivityIndices
+        What `CampaignRuns.sensitivity` returns.
+
+    Returns
+    -------
+    callable
+        Draws them: bars of first and total index, or of the mean size of the change.
+    """
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        panels = figure.subplots(len(results), squeeze=False)
+        for axes, one in zip(panels[:, 0], results, strict=True):
+            _bars(axes, one)
+
+    return draw
+
+
+def _bars(axes: Axes, result: SensitivityIndices) -> None:
+    shown = [name for name in result.indices if name in result.half_widths]
+    places = np.arange(len(result.factors), dtype=np.float64)
+    height = 0.7 / len(shown)
+    for row, (name, colour) in enumerate(zip(shown, (C1, C2), strict=False)):
+        axes.barh(
+            places + (row - 0.5 * (len(shown) - 1)) * height,
+            result.indices[name],
+            0.9 * height,
+            xerr=result.half_widths[name],
+            color=colour,
+            ecolor=INK,
+            label={"mu_star": "mean size of the change"}.get(name, f"{name} index"),
+        )
+    axes.set_yticks(places, [labelled(path, "1") for path in result.factors])
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=MUTED, linewidth=0.8)
+    of_change = result.method == "morris"
+    axes.set_xlabel(labelled(result.output, result.unit) if of_change else "share of the variance")
+    axes.set_title(f"{result.output}, 95 % intervals", loc="left")
+    axes.set_axisbelow(True)
+    axes.grid(axis="x")
+    if len(shown) > 1:
+        axes.legend(loc="lower right")
+
+
+def plot_sweep(
+    result: VelocityMap | Bifurcation | Basins | SensitivityIndices, ax: Target = None
+) -> Axes:
+    """Plot mean velocities, a bifurcation diagram, basins of attraction, or sensitivity indices.
+
+    Parameters
+    ----------
+    result : VelocityMap, Bifurcation, Basins or SensitivityIndices
+        What `average_velocity`, `bifurcation`, `basins` or `CampaignRuns.sensitivity` returns.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -280,9 +331,11 @@ def plot_sweep(result: VelocityMap | Bifurcation | Basins, ax: Target = None) ->
     >>> plot_sweep(result, Figure()).get_xlabel()
     'frequency, Hz'
     """
-    check_type("result", result, VelocityMap, Bifurcation, Basins)
+    check_type("result", result, VelocityMap, Bifurcation, Basins, SensitivityIndices)
     if isinstance(result, VelocityMap):
         draw = draw_velocity_map(result)
+    elif isinstance(result, SensitivityIndices):
+        draw = draw_sensitivity([result])
     else:
         draw = draw_bifurcation(result) if isinstance(result, Bifurcation) else draw_basins(result)
     return on_axes(draw, ax, SWEEP_SIZE)

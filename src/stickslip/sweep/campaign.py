@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from typing_extensions import override
 
 from stickslip.described import Described
-from stickslip.display import Summary
+from stickslip.display import Summary, text_of
 from stickslip.documents import document, json_text, unwritable, write_file
 from stickslip.errors import InputError, ParameterError, UnknownNameError, not_whole
 from stickslip.executors import Inline, check_executor, spread
@@ -176,6 +176,18 @@ class CampaignRuns(Tabular):
     @override
     def _column_units(self) -> Mapping[str, str]:
         return self.units
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the files."""
+        import pyarrow.parquet as pq
+
+        return tuple(pq.read_schema(self.folder / self.parts[0].file).names)
+
+    @override
+    def __repr__(self) -> str:
+        """Return the number of runs, and how they ended."""
+        return text_of(self._summary())
 
     def sensitivity(self, output: str) -> SensitivityIndices:
         """Return how much of an output each factor explains.

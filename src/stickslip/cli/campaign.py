@@ -1,0 +1,363 @@
+"""``stickslip sweep campaign.toml``: the file of a campaign, and its runs."""
+
+import dataclasses
+import os
+import time
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, cast
+
+import typer
+
+from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.law_choice import FILE, LawAsked, friction_of, friction_title, rig_and_friction
+from stickslip.cli.process_pool import workers
+from stickslip.cli.progress import Drawing
+from stickslip.documents import document, write_files
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments import read_number
+from stickslip.experiments.readers.toml import parse, read_bytes
+from stickslip.formatting import count, number, printable, quantity
+from stickslip.quantities import Quantity, full_path, parameters
+from stickslip.solver import (
+    EventCount,
+    EventTimes,
+    Max,
+    Mean,
+    Min,
+    Output,
+    Samples,
+    Sensitivity,
+    path_units,
+)
+from stickslip.solver import Final as Last
+from stickslip.sweep import (
+    Campaign,
+    CampaignRuns,
+    Case,
+    Estimate,
+    Factor,
+    Levels,
+    Normal,
+    SensitivityIndices,
+    Uniform,
+)
+from stickslip.sweep.design import OF_INDICES
+
+CANCELLED: Final = 130
+KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
+KINDS: Final[Mapping[str, type[Output]]] = {
+    "final": Last,
+    "max": Max,
+    "min": Min,
+    "mean": Mean,
+    "samples": Samples,
+    "event-times": EventTimes,
+    "event-count": EventCount,
+    "sensitivity": Sensitivity,
+}
+"""Outputs by the key that says of which state or event they are."""
+FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, "low": Uniform}
+"""Factors by the key that only they have, or have to have."""
+TIMES: Final = ("since", "last", "times")
+TIME: Final = Quantity("t", "s")
+SIZE: Final = (700, 320)
+
+
+def run(
+    path: Path | None,
+    folder: Path,
+    *,
+    at_once: int | None,
+    executor: str | None,
+    dry_run: bool,
+    force: bool,
+    allow_import: bool,
+    as_json: bool,
+) -> None:
+    """Read the file, make the runs that are missing, show what is there."""
+    if path is None:
+        raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
+    asked, cases = _read(path, allow_import=allow_import)
+    if dry_run:
+        _show_estimate(asked.estimate(), cases, at_once, as_json=as_json)
+        return
+    begun = time.perf_counter()
+    with (
+        Interrupts() as interrupts,
+        Drawing("Running", "runs") as bar,
+        workers(at_once or 1, executor) as pool,
+    ):
+        interrupts.promise = "Stopping after the files in work; press Ctrl-C again to cancel."
+
+        def progress(done: int, total: int) -> bool:
+            bar(done, total)
+            return not interrupts.stopped
+
+        found = asked.run(folder, executor=pool, progress=progress, replace=force)
+    took = time.perf_counter() - begun
+    if not found.complete:
+        note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
+        raise typer.Exit(CANCELLED)
+    indices = _indices(asked, found, cases)
+    if as_json:
+        rows = {one.output: one.to_dataframe().to_dict("records") for one in indices}
+        content = {
+            "runs": len(found),
+            "certified": found.certified,
+            "status": found.status,
+            "files": len(found.parts),
+            "bytes": found.size,
+            "made": found.made,
+            "seconds": took,
+            "sensitivity": rows,
+            "folder": str(folder),
+        }
+        print_json(document("campaign-runs", content))
+        return
+    _show(found, indices, cases, took)
+
+
+def _indices(
+    asked: Campaign, found: CampaignRuns, cases: Sequence[str]
+) -> list[SensitivityIndices]:
+    """Return the indices of each output that is one number, and write them beside the runs."""
+    if asked.design not in OF_INDICES:
+        return []
+    if len(cases) > 1:
+        note("Sensitivity indices are of one case: make a campaign of each.")
+        return []
+    import pandas as pd
+
+    from stickslip.plots import draw_sensitivity, standalone_svg
+
+    indices = []
+    for name in asked.outputs or found.units:
+        several = f"{name}.0" in found.units or name in asked.factors or name not in found.columns
+        if several:
+            continue
+        try:
+            indices.append(found.sensitivity(name))
+        except InputError as error:
+            note(str(error))
+    if indices:
+        table = pd.concat([one.to_dataframe().assign(output=one.output) for one in indices])
+        size = (SIZE[0], SIZE[1] * len(indices))
+        svg = standalone_svg(draw_sensitivity(indices), size=size, title="Sensitivity indices")
+        rows = table[["output", *(one for one in table if one != "output")]]
+        files = {"sensitivity.csv": rows.to_csv(index=False), "sensitivity.svg": svg}
+        write_files({found.folder / name: content for name, content in files.items()})
+    return indices
+
+
+def _show_estimate(
+    found: Estimate, cases: Sequence[str], at_once: int | None, *, as_json: bool
+) -> None:
+    shared = at_once or os.cpu_count() or 1
+    if as_json:
+        content = {**dataclasses.asdict(found), "workers": shared, "cases": [*cases]}
+        print_json(document("campaign-estimate", content))
+        return
+    console = stdout()
+    for case in cases:
+        console.print(printable(case), markup=False)
+    console.print(
+        f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
+        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'worker')}.",
+        markup=False,
+    )
+
+
+def _size(size: float) -> str:
+    return f"{number(size / 1e9)} GB" if size >= 1e9 else f"{number(size / 1e6)} MB"
+
+
+def _show(
+    found: CampaignRuns, indices: Sequence[SensitivityIndices], cases: Sequence[str], took: float
+) -> None:
+    console = stdout()
+    for case in cases:
+        console.print(printable(case), markup=False)
+    console.print(
+        f"{count(len(found), 'run')}, {found.certified} certified, in"
+        f" {count(len(found.parts), 'file')}"
+        f" ({_size(found.size)}).",
+        markup=False,
+    )
+    for name, runs in found.status.items():
+        console.print(f"  {name}: {runs}", markup=False)
+    if found.made:
+        console.print(
+            f"{found.made} runs were made in {quantity(took, 's')}, {found.made / took:.0f} a"
+            " second.",
+            markup=False,
+        )
+    for one in indices:
+        console.print(f"\n{one.sentence}", markup=False)
+        rows = [
+            [path, *(one.text_of(name, place) for name in one.indices)]
+            for place, path in enumerate(one.factors)
+        ]
+        show_table("", ["factor", *one.indices], rows)
+    console.print(f"\nWritten: {found.folder}", markup=False)
+
+
+def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
+    """Return the campaign of a file, and its cases in words."""
+    file = str(path)
+    raw = parse(read_bytes(path), file)
+    if "mechanism" in raw:
+        raise InputError(
+            f"{file} is a rig file: say what varies, as --vary PATH=LOW:HIGH:N, or name it in a"
+            ' campaign file, as rigs = "..." beside [factors].'
+        )
+    _known(raw, KEYS, file)
+    rigs = _named(raw, "rigs", file)
+    laws = _named(raw, "laws", file) if "laws" in raw else {"": ""}
+    cases, told = [], []
+    for rig_name, rig_text in rigs.items():
+        for law_name, law_text in laws.items():
+            source = None if rig_text == "demo" else path.parent / rig_text
+            law = str(path.parent / law_text) if FILE.fullmatch(law_text) else law_text
+            asked = LawAsked(law=law or None)
+            rig, chosen = rig_and_friction(source, [], asked, allow_import=allow_import)
+            friction = friction_of(chosen)
+            labels = {"rig": rig_name} if len(rigs) > 1 else {}
+            labels |= {"law": law_name} if len(laws) > 1 else {}
+            last = _read_value(raw, "t_end", TIME, file) if "t_end" in raw else rig.t_end
+            start = rig.start(friction)
+            cases.append(
+                Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
+            )
+            told.append(f"{rig.heading}, {friction_title(chosen)} friction")
+    campaign = Campaign(
+        cases=tuple(cases),
+        factors=_factors(raw.get("factors"), cases[0], file),
+        outputs=_outputs(raw.get("outputs"), file),
+        **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
+    )
+    return campaign, told
+
+
+def _known(table: object, known: Collection[str], where: str) -> None:
+    """Refuse what is no table, and keys that are not known."""
+    if not isinstance(table, dict):
+        raise InputError(f"{where} must be a table, got {table!r}.")
+    for key in table:
+        if key not in known:
+            raise UnknownNameError(f"key of {where}:", key, known)
+
+
+def _named(raw: Mapping[str, Any], key: str, file: str) -> dict[str, str]:
+    """Return files or names by what they are called: those given, or their own."""
+    given = raw.get(key)
+    if isinstance(given, str):
+        given = [given]
+    if isinstance(given, list) and given and all(isinstance(one, str) for one in given):
+        given = {Path(one).stem if one.endswith(".toml") else one: one for one in given}
+        if len(given) < len(raw[key]) and not isinstance(raw[key], str):
+            raise InputError(f'{file}: {key} have equal names: give them as a = "...", b = "...".')
+    if not isinstance(given, dict) or not all(isinstance(one, str) for one in given.values()):
+        raise InputError(
+            f"{file}: {key} must be a file or a name, a list of them, or a table of them, got"
+            f" {given!r}."
+        )
+    return given
+
+
+def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
+    """Return what varies, by full path."""
+    where = f"[factors] of {file}"
+    if not isinstance(table, dict) or not table:
+        raise InputError(
+            f'{where} is missing: say what varies, such as "friction.kinetic_coefficient" ='
+            " {low = 0.2, high = 0.3}."
+        )
+    units = path_units(case.mechanism, cast("Any", case.law))
+    ranges = {
+        path: known
+        for root, prefix in ((case.mechanism, "mechanism"), (case.law, "friction"))
+        for path, known, _ in parameters(cast("Any", root), prefix)
+    }
+    found = {}
+    for name, given in _leaves(table):
+        path = full_path(name, list(units))
+        known = ranges.get(path, Quantity(path.rpartition(".")[2], units[path]))
+        own: Any = given if isinstance(given, dict) else {"values": given}
+        kind = next((FACTORS[key] for key in FACTORS if key in own), None)
+        at = f"{name} in {where}"
+        if kind is None:
+            raise InputError(f"{at} needs values, or low and high, or mean and sd.")
+        fields = {one.name for one in dataclasses.fields(kind)}
+        _known(own, fields, at)
+        if own.get("times"):
+            known = Quantity(known.symbol)
+            own = {**own, "times": full_path(own["times"], list(units))}
+        read = {}
+        for key, value in own.items():
+            wanted = Quantity(known.symbol, known.unit) if key == "sd" else known
+            many = [*value] if isinstance(value, list) else [value]
+            if key not in ("number", "log", "times"):
+                many = [_number(one, wanted, f"{at}: {key}") for one in many]
+            read[key] = many if isinstance(value, list) else many[0]
+        try:
+            found[path] = cast("Any", kind)(**read)
+        except TypeError:
+            lacking = [one.name for one in dataclasses.fields(kind) if one.name not in read]
+            raise InputError(f"{at} lacks {' or '.join(lacking)}.") from None
+        except ParameterError as error:
+            raise ParameterError(f"{at}: {error}") from None
+    return found
+
+
+def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Return what stands at each dotted path, of which TOML makes tables without quotes."""
+    found: list[tuple[str, Any]] = []
+    for key, value in table.items():
+        inner = (
+            isinstance(value, dict) and value and all(isinstance(x, dict) for x in value.values())
+        )
+        found += _leaves(value, f"{prefix}{key}.") if inner else [(f"{prefix}{key}", value)]
+    return found
+
+
+def _number(value: object, known: Quantity, where: str) -> float:
+    try:
+        return read_number(value, known)
+    except ParameterError as error:
+        raise ParameterError(f"{where} {error}") from None
+
+
+def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:
+    return _number(raw[key], known, f"{file}: {key}")
+
+
+def _outputs(table: object, file: str) -> dict[str, Output] | None:
+    """Return what is kept of each run, by name."""
+    if table is None:
+        return None
+    where = f"[outputs] of {file}"
+    _known(table, [*cast("dict[str, Any]", table)] if isinstance(table, dict) else [], where)
+    found: dict[str, Output] = {}
+    for name, own in cast("dict[str, Any]", table).items():
+        at = f"{name} in {where}"
+        kind = next((key for key in KINDS if isinstance(own, dict) and key in own), None)
+        if kind is None:
+            raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
+        first, *others = [one.name for one in dataclasses.fields(cast("Any", KINDS[kind]))]
+        _known(own, [kind, *others], at)
+        read = {
+            key: [_number(one, TIME, f"{at}: {key}") for one in value]
+            if isinstance(value, list)
+            else _number(value, TIME, f"{at}: {key}")
+            if key in TIMES
+            else value
+            for key, value in own.items()
+            if key != kind
+        }
+        try:
+            found[name] = cast("Any", KINDS[kind])(**{first: own[kind], **read})
+        except TypeError:
+            raise InputError(f"{at} needs {', '.join([kind, *others])}.") from None
+    return found
