@@ -11,8 +11,8 @@ from stickslip.errors import InputError
 
 T = TypeVar("T")
 
-FAR = 256
-"""Tasks in flight on executors of others, whose number of workers is not known."""
+FAR = 128
+"""Workers of an executor that does not say how many it has."""
 
 
 class Inline(Executor):
@@ -48,6 +48,18 @@ def check_executor(executor: object) -> None:
         raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
 
 
+def workers_of(executor: Executor) -> int:
+    """Return how many tasks an executor can have in work: as it says, or as many as may be.
+
+    Examples
+    --------
+    >>> workers_of(ThreadPoolExecutor(3))
+    3
+    """
+    known = getattr(executor, "_max_workers", None)
+    return known if isinstance(known, int) else FAR
+
+
 def spread(
     work: Callable[..., T],
     tasks: Iterable[Sequence[Any]],
@@ -67,12 +79,10 @@ def spread(
     (True, [2, 4])
     """
     check_executor(executor)
-    cores = os.cpu_count() or 1
-    own = ThreadPoolExecutor(cores) if executor is None else None
+    own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
     pool = executor or own
     assert pool is not None
-    known = cores if own else getattr(pool, "_max_workers", None)
-    most = 2 * known + 2 if isinstance(known, int) else FAR
+    most = 2 * workers_of(pool) + 2
     pending: set[Future[T]] = set()
     try:
         for task in tasks:

@@ -9,6 +9,7 @@ from stickslip.cli.console import note, print_json, refuse_overwriting, show_tab
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.law_choice import LawAsked, friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
+from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Improving
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError, ParameterError
@@ -62,6 +63,10 @@ class Settings:
     """Seed of the random numbers."""
     resume: Path | None
     """File with the state of an earlier search."""
+    count: int | None
+    """Number of processes that share the work."""
+    executor: str | None
+    """Address of a cluster that does it."""
 
 
 def run(
@@ -99,6 +104,7 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: Settings) -> Optimum:
     with (
         Interrupts() as interrupts,
         Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
+        workers(settings.count or 1, settings.executor) as executor,
     ):
         return optimise_profile(
             rig.mechanism,
@@ -111,6 +117,7 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: Settings) -> Optimum:
             evaluations=settings.evaluations,
             seed=settings.seed,
             state=settings.resume,
+            executor=executor,
             progress=watch,
         )
 

@@ -10,6 +10,7 @@ from stickslip.cli.options import (
     BackSlip,
     Effort,
     Evaluations,
+    ExecutorAt,
     Folder,
     Force,
     Goal,
@@ -26,6 +27,7 @@ from stickslip.cli.options import (
     Record,
     Resume,
     Set,
+    Workers,
 )
 
 data = typer.Typer(
@@ -91,6 +93,8 @@ def profile_optimise(
     evaluations: Evaluations = 2000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed.")] = 0,
     resume: Resume = None,
+    count: Workers = None,
+    executor: ExecutorAt = None,
     output: Folder = Path("stickslip-profile"),
     force: Force = False,
     as_json: Json = False,
@@ -120,5 +124,7 @@ def profile_optimise(
         evaluations=evaluations,
         seed=seed,
         resume=resume,
+        count=count,
+        executor=executor,
     )
     run(rig, changes or [], settings, output, force=force, as_json=as_json)

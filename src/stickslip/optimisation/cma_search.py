@@ -1,7 +1,9 @@
 """Search for a motion by CMA-ES, with restarts."""
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias, final
 
 import numpy as np
@@ -91,6 +93,7 @@ def search(
     seed: int,
     memory: Memory,
     watch: Told | None,
+    executor: Executor | None = None,
 ) -> SearchResult:
     """Search until the budget is used up, starting again where the cloud has shrunk.
 
@@ -99,14 +102,14 @@ def search(
     """
     laps, done, generation = _Laps(), 0, 0
     if start is not None:  # a cloud hardly meets its own middle
-        rows = _rows(problem, space, [start], name, memory, generation)
+        rows = _rows(problem, space, [start], name, memory, generation, executor)
         laps.add(-1, [start], rows)
         done, generation = 1, 1
     for lap in range(budget):
         cloud = _cloud(space, start if lap == 0 else None, seed, lap)
         while done < budget and not cloud.stop():
             points = [np.asarray(point, dtype=np.float64) for point in cloud.ask()]
-            rows = _rows(problem, space, points, name, memory, generation)
+            rows = _rows(problem, space, points, name, memory, generation, executor)
             laps.add(lap, points, rows)
             cloud.tell(points, laps.costs(rows))
             done, generation = done + len(rows), generation + 1
@@ -124,11 +127,13 @@ def _rows(
     name: str,
     memory: Memory,
     generation: int,
+    executor: Executor | None,
 ) -> Sequence[Row]:
     """Return what comes of a generation, from memory if it is there."""
     rows = memory.recall(name, generation)
     if rows is None:
-        rows = [_row(problem, space, point) for point in points]
+        run = map if executor is None else executor.map
+        rows = list(run(partial(_row, problem, space), points))
         memory.keep(name, rows)
     return rows
 

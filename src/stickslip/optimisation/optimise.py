@@ -1,6 +1,7 @@
 """The verb that looks for the best motion."""
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Profile
 from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole
+from stickslip.executors import check_executor
 from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.checkpoint import Memory
@@ -50,6 +52,7 @@ def optimise_profile(
     evaluations: int = 2000,
     seed: int = 0,
     state: str | Path | None = None,
+    executor: Executor | None = None,
     progress: Told | None = None,
 ) -> Optimum:
     """Find the motion of a kind that drives a mechanism best within limits.
@@ -99,6 +102,9 @@ def optimise_profile(
     state : path, optional
         File that keeps what was found after each generation. If it is there already, the search
         goes on from it, and ends where it would have ended without an interruption.
+    executor : concurrent.futures.Executor, optional
+        Where the motions of a generation are evaluated at the same time; here if not given. The
+        polish is done here. The result does not depend on it.
     progress : callable, optional
         Called after each generation with the name of the search, the motions tried and in all, and
         the best goal so far, NaN without one. If it returns False, the best so far is the result.
@@ -134,6 +140,7 @@ def optimise_profile(
     (True, True)
     """
     plan = _plan(mechanism, limits, evaluations, seed)
+    check_executor(executor)
     law = event_driven_law(mechanism, law)
     _check(progress)
     problem = Problem(
@@ -149,7 +156,7 @@ def optimise_profile(
     subject = repr((problem, plan, law, space, _versions()))
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
-    work = _Work(problem=problem, plan=plan, memory=memory, watch=progress)
+    work = _Work(problem=problem, plan=plan, memory=memory, watch=progress, executor=executor)
     reference = best = work.best_of(space_of(REFERENCE, plan.limits, knots), start)
     if known != REFERENCE:
         best = work.best_of(space, start, done=reference)
@@ -274,6 +281,7 @@ class _Work:
     plan: _Plan
     memory: Memory
     watch: Told | None
+    executor: Executor | None
 
     def best_of(self, space: Space, start: ScoredMotion, *, done: _Best | None = None) -> _Best:
         """Return the best motion: of those the search may begin from, its own, and the polish.
@@ -298,6 +306,7 @@ class _Work:
             seed=self.plan.seed,
             memory=self.memory,
             watch=self.watch,
+            executor=self.executor,
         )
         count = before.evaluations + more + found.evaluations
         for rank, point in enumerate(found.best[:MOST_POLISHED]):

@@ -40,6 +40,14 @@ class Goal(metaclass=Described):
     """Read off a cycle."""
 
 
+def _travel(cycle: Cycle) -> float:
+    return cycle.travel
+
+
+def _speed(cycle: Cycle) -> float:
+    return cycle.travel / cycle.period
+
+
 def _economy(cycle: Cycle) -> float:
     return cycle.travel / cycle.work if cycle.work > 0.0 else 0.0
 
@@ -48,8 +56,8 @@ GoalName: TypeAlias = Literal["travel", "speed", "economy"]
 GOALS: Mapping[str, Goal] = {
     goal.name: goal
     for goal in (
-        Goal(name="travel", title="travel per cycle", unit="m", value=lambda c: c.travel),
-        Goal(name="speed", title="mean speed", unit="m/s", value=lambda c: c.travel / c.period),
+        Goal(name="travel", title="travel per cycle", unit="m", value=_travel),
+        Goal(name="speed", title="mean speed", unit="m/s", value=_speed),
         Goal(name="economy", title="travel per work", unit="m/J", value=_economy),
     )
 }

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, final
 
@@ -171,6 +172,7 @@ def band_of(
     times: ArrayLike = (),
     y0: Mapping[str, float] | Sequence[float] | None = None,
     solver: EventDriven | None = None,
+    executor: Executor | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Band:
     """Run a mechanism with draws of uncertain parameters of its law, and of its own.
@@ -214,6 +216,7 @@ def band_of(
         outputs={name: Samples(name, grid.tolist()) for pair in pairs.items() for name in pair},
         y0=y0,
         solver=solver,
+        executor=executor,
         progress=progress,
     )
     kept = np.array([status.complete for status in runs.status])

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
@@ -11,6 +12,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError, check_size
+from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
@@ -133,6 +135,7 @@ def bifurcation(
     starts: Sequence[Mapping[str, float]] = ({},),
     period: float | None = None,
     solver: EventDriven | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Bifurcation:
     """Sample the settled motion for each value of a parameter.
@@ -171,6 +174,8 @@ def bifurcation(
         Length of a cycle [s]; that of the drives if not given.
     solver : EventDriven, optional
         Compiled if not given.
+    executor : concurrent.futures.Executor, optional
+        Where runs are made, all of them at the same time without `follow`; here if not given.
     progress : callable, optional
         Called with the number of runs done and of all; if it returns False, no more begin.
 
@@ -199,6 +204,7 @@ def bifurcation(
     found = check_pair(mechanism, law)
     if isinstance(found, PrintedForm):
         raise InputError(f"bifurcation runs with EventDriven only, which cannot solve {law!r}.")
+    check_executor(executor)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
     full, array = axis_of(mechanism, found, path, values)
@@ -215,13 +221,23 @@ def bifurcation(
     tally = Tally(len(array) * len(begun), progress)
     samples = np.full((len(array), len(begun), keep), np.nan)
     status = np.full(samples.shape[:2], Status.CANCELLED, dtype=object)
+
+    def keep_row(seen: tuple[int, Found]) -> bool:
+        row, (samples[row], status[row], _) = seen[0], seen[1]
+        tally.tell(tally.done + len(begun))
+        return tally.going
+
+    if not follow:
+        tasks = ((method, row, float(value), begun) for row, value in enumerate(array))
+        spread(_row, tasks, keep_row, executor or Inline())
+        return _judged(shared, array, sample, samples, status)
     now: Starts = begun
     for row, value in enumerate(array):
-        if not tally.going:
+        seen = _row(method, row, float(value), now)
+        ends = zip(begun, seen[1][2], strict=True)
+        now = tuple(shared.next_start(first, end) for first, end in ends)
+        if not keep_row(seen):
             break
-        samples[row], status[row], ends = method.run(float(value), now if follow else begun)
-        now = tuple(shared.next_start(first, end) for first, end in zip(begun, ends, strict=True))
-        tally.tell((row + 1) * len(begun))
     return _judged(shared, array, sample, samples, status)
 
 
@@ -344,6 +360,11 @@ class _Method(ABC):
     @abstractmethod
     def run(self, value: float, starts: Starts) -> Found:
         """Return samples, status, and where the runs from several starts ended."""
+
+
+def _row(method: _Method, row: int, value: float, starts: Starts) -> tuple[int, Found]:
+    """Return the place of a value, and what came of it."""
+    return row, method.run(value, starts)
 
 
 @final

@@ -1,7 +1,8 @@
 """Draws from the posterior of a fit, by emcee or dynesty, where one of them is installed."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, final
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.described import Described
 from stickslip.display import require_library
 from stickslip.errors import InputError, check_size, not_whole
+from stickslip.executors import check_executor, workers_of
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
@@ -108,6 +110,7 @@ def sample_posterior(
     steps: int | None = None,
     live_points: int | None = None,
     seed: int = 0,
+    executor: Executor | None = None,
     progress: Watch | None = None,
 ) -> Posterior:
     """Draw from the posterior of a fit with a flat prior within its bounds.
@@ -130,6 +133,9 @@ def sample_posterior(
         for each live point, more where unknowns trade off.
     seed : int
         Of the random numbers.
+    executor : concurrent.futures.Executor, optional
+        Where emcee's walkers are evaluated at the same time; here if not given. The draws do not
+        depend on it. dynesty moves one point after the other and takes none.
     progress : callable, optional
         Called with the number of predictions so far; False ends drawing with the draws so far.
 
@@ -166,19 +172,23 @@ def sample_posterior(
         )
     if sampler not in ("emcee", "dynesty"):
         raise InputError(f"sampler must be 'emcee' or 'dynesty', got {sampler!r}.")
-    target = _Target(fit, progress)
+    check_executor(executor)
+    if executor is not None and sampler == "dynesty":
+        raise InputError("dynesty moves one point after the other: leave executor out.")
+    target = _Target(fit)
+    chain = _Chain(target, progress, executor)
     count = _count(sampler, steps, live_points, len(target.free))
     library = require_library(sampler, "bayes", "use RecordFit.bootstrap, which needs nothing")
     draw = _walked if sampler == "emcee" else _nested
     random = np.random.default_rng(seed)
-    draws = np.array([target.values(row) for row in draw(library, target, count, random)])
+    draws = np.array([target.values(row) for row in draw(library, chain, count, random)])
     for moved in fit.inference.held.values():
         draws += random.standard_normal((len(draws), len(moved))) @ moved
     return Posterior(
         paths=fit.free_parameters.paths,
         draws=draws,
-        runs=target.runs,
-        cancelled=target.cancelled,
+        runs=chain.runs,
+        cancelled=chain.cancelled,
     )
 
 
@@ -204,9 +214,8 @@ def _count(sampler: str, steps: int | None, live_points: int | None, free: int) 
 class _Target:
     """The logarithm of the posterior over the coordinates that no bound holds."""
 
-    def __init__(self, fit: RecordFit, watch: Watch | None) -> None:
-        self.fit, self.watch = fit, watch
-        self.runs, self.cancelled = 0, False
+    def __init__(self, fit: RecordFit) -> None:
+        self.fit = fit
         self.best = fit.free_parameters.coordinates(fit.values)
         self.free = [
             i for i, path in enumerate(fit.free_parameters.paths) if path not in fit.at_bounds
@@ -233,14 +242,40 @@ class _Target:
         at[self.free] = free
         return self.fit.free_parameters.values(at)
 
-    def __call__(self, free: Array) -> float:
-        """Return the logarithm of the posterior, less its largest value."""
-        if np.any(free < self.low) or np.any(free > self.high):
-            return -math.inf
+    def within(self, free: Array) -> bool:
+        """Whether the prior is not 0 there."""
+        return not (np.any(free < self.low) or np.any(free > self.high))
+
+    def __call__(self, rows: Iterable[Array]) -> list[float]:
+        """Return the logarithm of the posterior at points within the prior, less its largest."""
+        return [self._at(free) for free in rows]
+
+    def _at(self, free: Array) -> float:
         best = self.fit.optimum.best
-        self.runs += 1
         seen = self.fit.problem.linearise(self.values(free), best, slopes=False)
         return -self.weight * (seen.cost - best.cost) if math.isfinite(seen.cost) else -1e300
+
+
+class _Chain:
+    """Asks the target here or elsewhere, counts predictions, and tells who watches."""
+
+    def __init__(self, target: _Target, watch: Watch | None, executor: Executor | None) -> None:
+        self.target, self.watch, self.executor = target, watch, executor
+        self.runs, self.cancelled = 0, False
+
+    def __call__(self, points: Array) -> Any:
+        """Return the logarithm of the posterior at a point (p,) or at several (n, p)."""
+        rows = np.atleast_2d(points)
+        found = np.full(len(rows), -math.inf)
+        inside = [place for place, row in enumerate(rows) if self.target.within(row)]
+        self.runs += len(inside)
+        if self.executor is None:
+            found[inside] = self.target(rows[inside])
+        else:  # few tasks: the record travels with each
+            parts = np.array_split(inside, min(len(inside), workers_of(self.executor)) or 1)
+            seen = self.executor.map(self.target, [rows[part] for part in parts if len(part)])
+            found[inside] = [value for values in seen for value in values]
+        return found if points.ndim == 2 else float(found[0])
 
     def goes_on(self) -> bool:
         """Tell the watcher how many predictions there were; return whether it wants more."""
@@ -248,30 +283,32 @@ class _Target:
         return not self.cancelled
 
 
-def _walked(library: Any, target: _Target, steps: int, random: np.random.Generator) -> Array:
+def _walked(library: Any, chain: _Chain, steps: int, random: np.random.Generator) -> Array:
+    target = chain.target
     size = len(target.free)
     walkers = 2 * size + 2
     start = target.best[target.free] + target.spread * random.normal(size=(walkers, size))
     start = np.clip(start, target.low, target.high)
-    chain = library.EnsembleSampler(walkers, size, target)
-    chain.random_state = np.random.RandomState(int(random.integers(2**31))).get_state()
-    for _ in chain.sample(start, iterations=steps):
-        if not target.goes_on():
+    sampler = library.EnsembleSampler(walkers, size, chain, vectorize=True)
+    sampler.random_state = np.random.RandomState(int(random.integers(2**31))).get_state()
+    for _ in sampler.sample(start, iterations=steps):
+        if not chain.goes_on():
             break
-    found: Array = chain.get_chain(discard=int(BURN_IN * chain.iteration), flat=True)
+    found: Array = sampler.get_chain(discard=int(BURN_IN * sampler.iteration), flat=True)
     return found
 
 
-def _nested(library: Any, target: _Target, points: int, random: np.random.Generator) -> Array:
+def _nested(library: Any, chain: _Chain, points: int, random: np.random.Generator) -> Array:
+    target = chain.target
     nested = library.NestedSampler(
-        target,
+        chain,
         lambda cube: target.low + cube * (target.high - target.low),
         len(target.free),
         nlive=points,
         rstate=random,
     )
     for _ in nested.sample(dlogz=ENOUGH):
-        if not target.goes_on():
+        if not chain.goes_on():
             break
     for _ in nested.add_live_points():  # what the volume that is left consists of
         pass
