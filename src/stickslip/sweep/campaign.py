@@ -22,7 +22,7 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.display import Summary, text_of
 from stickslip.documents import document, json_text, unwritable, write_file
-from stickslip.errors import InputError, ParameterError, UnknownNameError, not_whole
+from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import quantity
 from stickslip.friction import Friction
@@ -403,8 +403,11 @@ class Campaign(metaclass=Described):
                 rows = design.rows(start, start + PART)
                 try:
                     check_columns(case.mechanism, law, rows)
-                except (InputError, ParameterError) as error:
-                    raise type(error)(f"{_told(case, start)}{error}") from None
+                except InputError as error:
+                    where = _told(case, start)
+                    if not where:
+                        raise
+                    raise InputError(f"{where}{error}") from None
             runs = _runs(case, self, 0, 1)
             units |= runs.units
         return units

@@ -204,7 +204,8 @@ class Design(metaclass=Described):
                     f"{path} is {factor.times!r} times a factor, which must be another factor of"
                     " the campaign that is no multiple itself."
                 )
-            if self.kind == "morris" and not np.isfinite(factor.at(np.array([0.0, 1.0]))).all():
+            endless = isinstance(factor, Normal) and not factor.high - factor.low < math.inf
+            if self.kind == "morris" and endless:
                 raise InputError(f"Morris trajectories need low and high of {path}.")
         least = self.block
         if self.runs is not None and self.runs < least:
