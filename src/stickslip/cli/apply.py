@@ -34,6 +34,8 @@ class Wanted:
     """End of the range of speeds."""
     at: tuple[str, ...]
     """Contact inputs with their values."""
+    to: str | None
+    """What reads the file."""
     polynomial: bool
     """Whether the damping changes with the speed."""
     holds: bool
@@ -68,6 +70,7 @@ def run(
             largest_speed=wanted.largest_speed,
             law_load=law_load,
             at=stated(wanted.at),
+            to=wanted.to,
             polynomial=wanted.polynomial,
             holds=wanted.holds,
             run=wanted.run,
