@@ -78,7 +78,7 @@ def test_the_document_has_all_numbers(called):
         (("law.toml", "arm.urdf", "-o", "law.toml"), "law.toml already exists; give --force"),
         (("law.toml", "arm.urdf", "-o", "."), "is a folder, but a file is written"),
         (("law.toml", "none.urdf", "-o", "new.urdf"), "none.urdf cannot be read: No such file"),
-        (("law.toml", "law.toml", "-o", "new.urdf"), "law.toml is not XML: "),
+        (("law.toml", "law.toml", "-o", "new.urdf"), "law.toml is none of the files that friction can be written into: URDF; MJCF; "),
         (("law.toml", "arm.urdf", "-o", "new.urdf"), "give its end, as --largest-speed"),
         (
             ("law.toml", "arm.urdf", "-o", "new.urdf", "--joint", "elbow=wrist", *SPEED),

@@ -90,7 +90,7 @@ class ModelJoint:
     name: str
     """Its name; empty if it has none."""
     kind: str
-    """``"hinge"`` or ``"slide"``, ``"either"`` if the file does not say; else it takes no friction."""
+    """``"hinge"``, ``"slide"`` or ``"either"``, if the file does not say; else no friction."""
     line: int
     place: Any
     """Where it stands, as the reader of the format gives it."""
