@@ -24,6 +24,8 @@ LIST = ".stickslip"
 """File that lists what was written into a folder, with hashes."""
 ABANDONED = 3600.0
 """Age from which a temporary folder is taken to be left by a process that was killed [s]."""
+NOT_XML = (expat.ExpatError, LookupError, ValueError)
+"""What the parser raises; of encodings that are unknown, or of several bytes, not its own error."""
 LARGEST = 20_000_000
 """Bytes of a model that are read at most; meshes are in files of their own."""
 
@@ -51,7 +53,7 @@ def check_xml(data: bytes, name: str) -> None:
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(data, True)
-    except expat.ExpatError as error:
+    except NOT_XML as error:
         raise InputError(f"{name} is not XML: {error}.") from None
 
 

@@ -257,6 +257,8 @@ BAD = {
     "nothing": (lambda t: "", "is not XML"),
     "cut": (lambda t: t[:-20], "is not XML"),
     "root": (lambda t: "<sdf/>", "root <sdf>; a URDF file has <robot>"),
+    "encoding": (lambda t: t.replace("utf-8", "u"), "is not XML: unknown encoding"),
+    "bytes": (lambda t: t.replace("utf-8", "utf-32"), "is not XML: multi-byte encodings"),
     "entities": (lambda t: "<!DOCTYPE x><mujoco/>", "declares entities"),
     "xacro": (
         lambda t: '<robot xmlns:xacro="x"><xacro:include filename="a"/></robot>',

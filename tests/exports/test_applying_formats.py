@@ -407,6 +407,10 @@ BAD = {
         "other": (lambda t: "a: 1", "has no ros__parameters"),
         "empty": (lambda t: "", "has no ros__parameters"),
         "deep": (lambda t: "[" * 10_000, "is not YAML"),
+        "alias": (
+            lambda t: t.replace("[0.5, 0.8]", "&a [0.5, 0.8]").replace("[0.01, 0.02]", "*a"),
+            "has an alias in line 14, which ROS 2 does not read",
+        ),
         "position": (lambda t: t.replace("placed", "elbow"), "no joint 'elbow', but joint1"),
         "steep": (
             lambda t: t.replace("joint1", "elbow").replace("- 5.0", "- 0"),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, final
 from xml.parsers import expat
 
-from stickslip.documents import check_xml
+from stickslip.documents import NOT_XML, check_xml
 from stickslip.errors import InputError
 from stickslip.exports.applying.edits import Edit
 
@@ -85,7 +85,7 @@ def root_of(data: bytes) -> str:
     found: list[str] = []
     parser = expat.ParserCreate()
     parser.StartElementHandler = lambda name, _: found.append(name)
-    with contextlib.suppress(expat.ExpatError):
+    with contextlib.suppress(*NOT_XML):
         parser.Parse(data[:HEAD], False)
     return found[0] if found else ""
 

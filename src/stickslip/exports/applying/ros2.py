@@ -62,9 +62,17 @@ class Ros2(Model):
                 " 'stickslip[ros]'."
             ) from None
         try:
-            root = yaml.compose(self.data.decode("utf-8"), Loader=yaml.SafeLoader)
+            text = self.data.decode("utf-8")
+            root = yaml.compose(text, Loader=yaml.SafeLoader)
+            aliases = [one for one in yaml.scan(text) if isinstance(one, yaml.AliasToken)]
         except (yaml.YAMLError, UnicodeDecodeError, RecursionError):
             raise InputError(f"{self.path} is not YAML.") from None
+        if aliases:
+            line = aliases[0].start_mark.line + 1
+            raise InputError(
+                f"{self.path} has an alias in line {line}, which ROS 2 does not read: write what it"
+                " stands for."
+            )
         found = [*_parameters("", root)]
         if not found:
             raise InputError(f"{self.path} has no ros__parameters, so it has none of a ROS 2 node.")
