@@ -419,6 +419,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
     parser.add_argument("--measured", action="store_true")
+    parser.add_argument("--law", action="append", help="of --measured, may be repeated; all if not")
     parser.add_argument("--file", type=Path)
     options = parser.parse_args()
     if options.measured:
@@ -426,7 +427,7 @@ def main() -> None:
         folder, file = Path(data) / "bam_xl330", options.file or Path(MEASURED)
         if not data or not folder.is_dir():
             parser.error("STICKSLIP_DATA must name a folder that has bam_xl330.")
-        for line in measured(file, folder):
+        for line in measured(file, folder, options.law or MEASURED_LAWS):
             print(line, flush=True)
         print(*table(rows_of(file)), sep="\n")
         return

@@ -14,6 +14,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.exports.applying.edits import Edit
 from stickslip.exports.applying.models import (
+    ONE_DAMPING,
     Beside,
     Carried,
     Model,
@@ -40,10 +41,7 @@ class Ros2(Model):
     title: ClassVar[str] = "YAML of ROS 2"
     program: ClassVar[str] = "ROS 2"
     refuses: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {
-            "polynomial": "has one damping for all speeds",
-            "holds": "has no friction at rest",
-        }
+        {**ONE_DAMPING, "holds": "has no friction at rest"}
     )
 
     @classmethod
