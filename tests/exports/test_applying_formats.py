@@ -411,12 +411,19 @@ BAD = {
             lambda t: t.replace("[0.5, 0.8]", "&a [0.5, 0.8]").replace("[0.01, 0.02]", "*a"),
             "has an alias in line 14, which ROS 2 does not read",
         ),
-        "position": (lambda t: t.replace("placed", "elbow"), "no joint 'elbow', but joint1"),
+        "position": (
+            lambda t: t.replace("placed", "elbow"),
+            "joint 'elbow' of positions has no friction to be written: neither",
+        ),
+        "name": (lambda t: t, "no joint 'elbow', but joint1, joint2, lift"),
         "steep": (
             lambda t: t.replace("joint1", "elbow").replace("- 5.0", "- 0"),
             r"friction.fp2\[0\] must be above 0 s/rad, got 0",
         ),
-        "arrays": (lambda t: t.replace("joint1", "elbow, b"), "no joint 'elbow', but lift"),
+        "arrays": (
+            lambda t: t.replace("joint1", "elbow, b"),
+            "'elbow' of arm/cartesian has no friction to be written",
+        ),
     },
     "a.txt": {"text": (lambda t: "hello", "none of the files that friction can be written into")},
 }

@@ -104,6 +104,17 @@ class Ros2(Model):
                     )
 
     @override
+    def elsewhere(self, name: str) -> str:
+        for node, parameters in self.nodes:
+            if name in _texts(parameters.get("joints")):
+                return (
+                    f"{self.path}: joint {name!r} of {node} has no friction to be written: neither"
+                    f" friction.{', '.join(ARRAYS)} with an entry for each joint, nor"
+                    f" gains.{name}.{FEED_FORWARD} with effort among the command_interfaces."
+                )
+        return ""
+
+    @override
     def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
         steady = steady_of(subject)
         v, force = steady.velocity, steady.force + beside.damping * steady.velocity
