@@ -3,6 +3,7 @@
 import difflib
 import json
 import math
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -236,6 +237,22 @@ def test_a_gear_law_is_written_as_its_source_has_it(servo, name):
         level, damping = published(read, motor, external, v)
         expected = math.copysign(level, v) + damping * v
         assert told.force(v, 1.0) == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_rhoban_bam_itself_has_the_friction_of_the_law(servo, name):
+    reason = "Rhoban/bam is not installed (Python 3.12): pip install better-actuator-models"
+    bam = pytest.importorskip("bam.model", reason=reason)
+    law, _ = made(name)
+    model = bam.load_model(str(apply(law, servo).save(servo, force=True)))
+    rng = random.Random(0)
+    for _ in range(50):
+        motor, external = rng.gauss(0.0, 0.5), rng.gauss(0.0, 0.5)
+        v = rng.choice((-1.0, 1.0)) * 10.0 ** rng.uniform(-3.0, 1.0)
+        level, damping = model.compute_frictions(motor, external, v)
+        told = bound(law, {"motor": motor, "external": external, "transmitted": motor - external})
+        # nine digits are written
+        assert abs(told.force(v, 1.0)) == pytest.approx(level + damping * abs(v), rel=1e-7)
 
 
 def test_the_rest_of_the_parameters_of_a_servo_stays_byte_by_byte(servo):
