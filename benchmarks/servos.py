@@ -6,9 +6,10 @@ position loop that samples, with an encoder of 4096 counts and a PWM of 885. The
 fitted to the angle and the voltage that such a servo reports. Counted is how many nominal 95 %
 intervals hold the true value, and whether the pairs that the record does not separate are named.
 
-``python -m benchmarks.servos --measured`` fits laws to the servo in ``bam_xl330`` of
-``STICKSLIP_DATA`` and prints the table of the how-to guide on servos: each law is fitted to the
-records of all gains but one, and its error is that on the gain that was left out.
+``python -m benchmarks.servos --measured`` fits laws to two measured sets of ``STICKSLIP_DATA`` and
+prints the tables of the how-to guide on servos. Of the servo in ``bam_xl330``, each law is fitted
+to the records of all gains but one, and its error is that on the gain that was left out; of the
+pendulum in ``simple_pendulum_drive``, to all records but one.
 
 Results are appended to a file line by line, and a run that was killed goes on where it was.
 """
@@ -44,6 +45,8 @@ PERIOD, DURATION = 4e-3, 16.0
 TOGETHER = 0.95
 """Correlation beyond which two estimates are named together."""
 RESULTS, MEASURED = "servos.jsonl", "servo_laws.jsonl"
+SERVO, SWING = "bam_xl330", "simple_pendulum_drive"
+"""The measured sets."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -311,8 +314,8 @@ def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
     return float(np.mean(np.abs(np.concatenate(angles) - log.angle)))
 
 
-def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> Iterator[str]:
-    """Fit laws to the measured servo and append what is found to a file; yield progress."""
+def of_servo(folder: Path, name: str) -> dict[str, Any]:
+    """Return what a law makes of the servo, with one gain in turn left out."""
     every = logs(folder)
     rig = Pendulum(
         mass=0.49,
@@ -332,40 +335,99 @@ def measured(file: Path, folder: Path, names: Sequence[str] = MEASURED_LAWS) -> 
         record = joined(chosen, loop=settings is WHOLE)
         return fit(start, friction, record, vary=vary, route="shooting", settings=settings)
 
-    done = {row["law"] for row in rows_of(file)}
-    for name in names:
-        if name in done:
-            continue
-        began = time.process_time()
-        row: dict[str, Any] = {"law": name}
-        try:
-            found = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
-            row |= {
-                "title": found.law.title,
-                "rms": found.rms,
-                "found": [
-                    [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
-                    for one in found.estimates
-                ],
-                "said": list(found.sentences),
-                "held_out": {},
-            }
-            for gain in GAINS:
-                own = [one for one in every if one.gain != gain]
-                part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
-                rest = [one for one in every if one.gain == gain]
-                row["held_out"][str(gain)] = part.score(joined(rest)).rms
-            motor = found.mechanism.drive
-            loop = PositionLoop(gain=1.0)
-            motor = replace(motor, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
-            whole = fitted(replace(found.mechanism, drive=motor), found.law, every, WHOLE)
-            row["loop"] = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
-        except StickslipError as error:
-            row["error"] = str(error)
-        row["seconds"] = time.process_time() - began
-        with file.open("a", encoding="utf-8") as out:
-            out.write(json.dumps(row) + "\n")
-        yield f"{name}: {row['seconds']:.0f} s {row.get('error', '')}"
+    found = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
+    held_out = {}
+    for gain in GAINS:
+        own = [one for one in every if one.gain != gain]
+        part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
+        held_out[str(gain)] = part.score(joined([one for one in every if one.gain == gain])).rms
+    loop = PositionLoop(gain=1.0)
+    motor = replace(found.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
+    whole = fitted(replace(found.mechanism, drive=motor), found.law, every, WHOLE)
+    through = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
+    return {**said_of(found), "held_out": held_out, "loop": through}
+
+
+def said_of(found: Any) -> dict[str, Any]:
+    """Return what a row has of a fit to a whole set."""
+    return {
+        "title": found.law.title,
+        "rms": found.rms,
+        "found": [
+            [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
+            for one in found.estimates
+        ],
+        "said": list(found.sentences),
+    }
+
+
+SWINGS = {"ddp": 6.0, "sac": 4.0, "ilqr": 2.8, "energy_shaping": 5.0}
+"""Records of the pendulum with one mass, and until when [s] it moves as torque and weight have it.
+
+People push it later. In ilqr it accelerates by 54 rad/s^2 at 3.0 s; torque and weight give 16.
+"""
+SWINGING = RecordSettings(segment=0.5, position_zeros=False)
+"""In segments of 0.5 s, as its published errors are."""
+
+
+def swing(folder: Path, name: str) -> Measurement:
+    """Return a record of the pendulum, driven by the torque that its drive reports."""
+    import pandas as pd
+
+    d = pd.read_parquet(folder / f"{name}.parquet")
+    # the first steps of one are uneven
+    d = d[(d["t_s"] >= 0.1) & (d["t_s"] <= SWINGS[name])]
+    t, angle, rate, torque = (d[key].to_numpy() for key in ("t_s", "q_rad", "dq_rad_s", "tau_Nm"))
+    return Measurement(
+        time=t - t[0], position=angle, velocity=rate, force=torque, turning=True, name=name
+    )
+
+
+def of_swing(folder: Path, name: str) -> dict[str, Any]:
+    """Return what a law makes of the pendulum, with one record in turn left out.
+
+    The torque is in a scale of the drive's own, and so are the mass and the inertia that are found.
+    """
+    every = {one: swing(folder, one) for one in SWINGS}
+    rig = Pendulum(mass=0.74, length=0.5, rest_angle=0.0)
+    free = ["friction.*", *(f"mechanism.{one}" for one in ("mass", "inertia", "rest_angle"))]
+
+    def fitted(start: Any, friction: Any, chosen: Sequence[str]) -> Any:
+        record = Measurement(trials=tuple(every[one] for one in chosen), name="pendulum")
+        return fit(start, friction, record, vary=free, route="shooting", settings=SWINGING)
+
+    found = fitted(rig, LAWS.get(name) or law(name), [*every])
+    held_out = {}
+    for one, record in every.items():
+        part = fitted(found.mechanism, found.law, [other for other in every if other != one])
+        held_out[one] = part.score(Measurement(trials=(record,), name=one)).rms
+    return {**said_of(found), "held_out": held_out}
+
+
+SETS = {
+    SERVO: (of_servo, MEASURED_LAWS),
+    SWING: (of_swing, ("viscous", "coulomb", "coulomb-viscous", "stribeck", "bam-m3")),
+}
+"""What makes the rows of a set, and its laws."""
+
+
+def measured(file: Path, data: Path, names: Sequence[str]) -> Iterator[str]:
+    """Fit laws to the measured sets and append what is found to a file; yield progress."""
+    done = {(row["set"], row["law"]) for row in rows_of(file)}
+    for place, (rows, usual) in SETS.items():
+        for name in names or usual:
+            if (place, name) in done:
+                continue
+            began = time.process_time()
+            row: dict[str, Any] = {"set": place, "law": name}
+            try:
+                row |= rows(data / place, name)
+            except StickslipError as error:
+                row["error"] = str(error)
+            row["seconds"] = time.process_time() - began
+            with file.open("a", encoding="utf-8") as out:
+                out.write(json.dumps(row) + "\n")
+            yield f"{place}, {name}: {row['seconds']:.0f} s {row.get('error', '')}"
 
 
 def rows_of(file: Path) -> list[dict[str, Any]]:
@@ -374,31 +436,71 @@ def rows_of(file: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in lines]
 
 
+PLAIN = {SERVO: "bam-m1", SWING: "coulomb-viscous"}
+"""A level and a viscous part, with which the other laws are compared."""
+SHARES = ("transmitted", "motor_", "external_")
+"""What names of a share of the torque have in them."""
+
+
 def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the table of laws, in Markdown."""
-    yield (
-        "| law | held-out error over 1 s, mrad | over 6 s in sample, mrad | share of the torque"
-        " | R, ohm | k_t, N m/A |"
-    )
-    yield "|---|---|---|---|---|---|"
-    for row in rows:
-        if "error" in row:
-            yield f"| {row['law']} | {row['error']} | | | | |"
+    """Yield the lines of the tables of laws, in Markdown."""
+    for place in SETS:
+        own = [row for row in rows if row["set"] == place]
+        if not own:
             continue
-        errors = np.array(list(row["held_out"].values()))
-        spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
-        mean = math.sqrt(float(np.mean(errors**2)))
-        found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
-        shares = [
-            interval(name, one)
-            for name, one in found.items()
-            if any(word in name for word in ("transmitted", "motor_", "external_"))
+        swings = place == SWING
+        length = "0.5 s" if swings else "1 s"
+        heads = [
+            f"held-out error over {length}, mrad",
+            f"error of {PLAIN[place]} over this",
+            *(["level, N m"] if swings else ["over 6 s in sample, mrad"]),
+            "share of the torque",
+            *(["viscous, N m s/rad"] if swings else ["R, ohm", "k_t, N m/A"]),
         ]
-        yield (
-            f"| {row['law']} | {1e3 * mean:.0f} ± {1e3 * spread:.0f}"
-            f" | {1e3 * np.mean(row['loop']):.0f} | {', '.join(shares) or '-'}"
-            f" | {interval('', found['resistance'])} | {interval('', found['torque_constant'])} |"
-        )
+        yield f"{place}:"
+        yield f"| law | {' | '.join(heads)} |"
+        yield f"|{'---|' * (len(heads) + 1)}"
+        plain = [row for row in own if row["law"] == PLAIN[place] and "error" not in row]
+        for row in own:
+            yield f"| {row['law']} | {' | '.join(_cells(row, plain, swings))} |"
+
+
+def _cells(row: Mapping[str, Any], plain: Sequence[Mapping[str, Any]], swings: bool) -> list[str]:
+    """Return the cells of a row, behind the name of its law."""
+    if "error" in row:
+        return [row["error"], "", "", "", "", *([] if swings else [""])]
+    errors = np.array(list(row["held_out"].values()))
+    spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
+    mean = math.sqrt(float(np.mean(errors**2)))
+    digits = 1 if swings else 0
+    found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
+    shares = [
+        interval(name, one) for name, one in found.items() if any(word in name for word in SHARES)
+    ]
+    other = ("kinetic_coefficient", "viscous_coefficient")
+    level, viscous = (interval("", found[one]) if one in found else "-" for one in other)
+    through = "" if swings else f"{1e3 * np.mean(row['loop']):.0f}"
+    motor = (
+        [] if swings else [interval("", found[one]) for one in ("resistance", "torque_constant")]
+    )
+    gain = [_gain(row, one) for one in plain if one["law"] != row["law"]]
+    return [
+        f"{1e3 * mean:.{digits}f} ± {1e3 * spread:.{digits}f}",
+        *(gain or ["-"]),
+        level if swings else through,
+        ", ".join(shares) or "-",
+        *([viscous] if swings else motor),
+    ]
+
+
+def _gain(row: Mapping[str, Any], plain: Mapping[str, Any]) -> str:
+    """Return the ratio of two errors, a part that was left out at a time, with a 95 % interval."""
+    from scipy.stats import t as student
+
+    ratios = np.log([plain["held_out"][one] / error for one, error in row["held_out"].items()])
+    half = float(student.ppf(0.975, len(ratios) - 1) * np.std(ratios, ddof=1) / len(ratios) ** 0.5)
+    low, middle, high = np.exp(np.mean(ratios) + np.array([-half, 0.0, half]))
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
 def interval(name: str, found: Sequence[Any]) -> str:
@@ -419,14 +521,15 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
     parser.add_argument("--measured", action="store_true")
+    parser.add_argument("--law", action="append", help="of --measured, may be repeated; all if not")
     parser.add_argument("--file", type=Path)
     options = parser.parse_args()
     if options.measured:
         data = os.environ.get("STICKSLIP_DATA", "")
-        folder, file = Path(data) / "bam_xl330", options.file or Path(MEASURED)
-        if not data or not folder.is_dir():
-            parser.error("STICKSLIP_DATA must name a folder that has bam_xl330.")
-        for line in measured(file, folder):
+        file = options.file or Path(MEASURED)
+        if not data or not all((Path(data) / place).is_dir() for place in SETS):
+            parser.error(f"STICKSLIP_DATA must name a folder that has {' and '.join(SETS)}.")
+        for line in measured(file, Path(data), options.law or ()):
             print(line, flush=True)
         print(*table(rows_of(file)), sep="\n")
         return

@@ -1,4 +1,4 @@
-"""JSON documents, and files and folders that are written whole or not at all."""
+"""JSON documents, files that are read whole, and those written whole or not at all."""
 
 import contextlib
 import ctypes
@@ -15,6 +15,7 @@ import time
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
 from stickslip.errors import InputError
 
@@ -23,6 +24,37 @@ LIST = ".stickslip"
 """File that lists what was written into a folder, with hashes."""
 ABANDONED = 3600.0
 """Age from which a temporary folder is taken to be left by a process that was killed [s]."""
+NOT_XML = (expat.ExpatError, LookupError, ValueError)
+"""What the parser raises; of encodings that are unknown, or of several bytes, not its own error."""
+LARGEST = 20_000_000
+"""Bytes of a model that are read at most; meshes are in files of their own."""
+
+
+def read_bytes(path: Path, name: str = "") -> bytes:
+    """Return the bytes of a model, which messages call by a name or its path."""
+    name = name or str(path)
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise InputError(f"{name} cannot be read: {error.strerror or error}.") from None
+    if len(data) > LARGEST:
+        raise InputError(f"{name} has more than {LARGEST} bytes, too many for a model.")
+    return data
+
+
+def check_xml(data: bytes, name: str) -> None:
+    """Refuse what is not well-formed XML, or declares entities, which may stand for any length."""
+    parser = expat.ParserCreate()
+
+    def refuse(*_: object) -> None:
+        raise InputError(f"{name} declares entities, which models do not need: leave them out.")
+
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+    except NOT_XML as error:
+        raise InputError(f"{name} is not XML: {error}.") from None
 
 
 def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def test_the_document_has_all_numbers(called):
         (("law.toml", "arm.urdf", "-o", "law.toml"), "law.toml already exists; give --force"),
         (("law.toml", "arm.urdf", "-o", "."), "is a folder, but a file is written"),
         (("law.toml", "none.urdf", "-o", "new.urdf"), "none.urdf cannot be read: No such file"),
-        (("law.toml", "law.toml", "-o", "new.urdf"), "law.toml is not XML: "),
+        (("law.toml", "law.toml", "-o", "new.urdf"), "law.toml is none of the files that"),
         (("law.toml", "arm.urdf", "-o", "new.urdf"), "give its end, as --largest-speed"),
         (
             ("law.toml", "arm.urdf", "-o", "new.urdf", "--joint", "elbow=wrist", *SPEED),
@@ -121,3 +121,17 @@ def test_a_verdict_stands_for_the_law_beside_it(called, tmp_path):
     code, out, _ = called("verdict.json", "arm.urdf", "-o", "new.urdf", "--no-run", *SPEED)
     assert code == 0
     assert "shoulder: stribeck" in out
+
+
+def test_laws_without_a_mechanism_go_into_a_joint(called, tmp_path):
+    (tmp_path / "alone.toml").write_text(
+        "[friction.coulomb]\nkinetic_coefficient = 0.4\n"
+        "[friction.coulomb-viscous]\nkinetic_coefficient = 0.3\nviscous_coefficient = 0.1\n"
+    )
+    asked = ("alone.toml", "arm.urdf", "-o", "new.urdf", "--joint", "elbow", *SPEED)
+    code, _, err = called(*asked)
+    assert code == 2
+    assert "alone.toml has coulomb, coulomb-viscous: choose one law with --law" in err
+    code, out, _ = called(*asked, "--law", "coulomb-viscous", "--no-run")
+    assert code == 0
+    assert 'damping="0.1" friction="0.3"' in out

@@ -177,3 +177,21 @@ def test_an_fmu_is_of_the_rig_that_is_named_with_the_law_of_the_file(called, tmp
     code, _, err = called("law.toml", "--to", "fmu", "--rig", "axis.toml", "--force")
     assert code == 2
     assert "several laws" in err
+
+
+def test_a_file_with_laws_alone_is_exported(called, tmp_path):
+    text = LAW[LAW.index("[friction.stribeck]") : LAW.index("[run]")]
+    (tmp_path / "alone.toml").write_text(text, encoding="utf-8")
+    assert called("alone.toml", "--to", "c", "-o", "code")[0] == 0
+    assert "0.35" in (tmp_path / "code" / "stribeck.c").read_text(encoding="utf-8")
+    code, _, err = called("alone.toml", "--to", "mjcf", "-o", "model")
+    assert code == 2
+    assert 'give it, as --load "50 N"' in err
+    code, _, err = called("alone.toml", "--to", "c", "--law", "strybeck", "-o", "other")
+    assert (code, "Did you mean 'stribeck'?" in err) == (2, True)
+    # what says how well a law is known says it of a mechanism
+    known = LAW[LAW.index("[friction.stribeck]") :]
+    (tmp_path / "known.toml").write_text(known, encoding="utf-8")
+    code, _, err = called("known.toml", "--to", "c", "-o", "third")
+    assert code == 2
+    assert "mechanism is missing" in err

@@ -11,6 +11,7 @@ import pytest
 from stickslip import load_measurement, load_rig
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data, guess_robot
+from stickslip.experiments.readers.servo_json import read_servo
 
 TIME = np.arange(120) / 30
 NAMES = ["shoulder.pos", "elbow.pos"]
@@ -251,6 +252,30 @@ def test_a_damaged_log_of_a_servo_is_refused(tmp_path, text, message):
     file = tmp_path / "run.json"
     file.write_text(text)
     with pytest.raises(InputError, match=message):
+        load_measurement(file)
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_a_huge_integer_of_a_servo_is_no_number(tmp_path, sign):
+    """JSON has integers of any length, and a float ends at 1.8e308."""
+    huge = sign + "1" + "0" * 400
+    file = tmp_path / "run.json"
+    text = json.dumps(BAM | {"entries": ENTRIES})
+    for old in ('"temp": 30.0', '"speed": 1.0', '"mass": 0.49'):
+        text = text.replace(old, f"{old.split()[0]} {huge}", 1)
+    file.write_text(text)
+    read = load_measurement(file, columns={"time": "timestamp", "position": "position"})
+    np.testing.assert_array_equal(read.position, np.sin(MOVES))
+    table = read_servo(file).data
+    assert np.isnan(table["speed [rad/s]"][0])
+    assert np.isnan(table["temp [degC]"][0])
+    assert table["speed [rad/s]"][1:].notna().all()
+    said = " ".join(guess_data(file).doubts)
+    assert "length 0.1 m" in said
+    assert "mass 1" not in said.replace("-", "")
+    everywhere = [{"timestamp": float(t), "position": int(huge)} for t in MOVES]
+    file.write_text(json.dumps({"entries": everywhere}))
+    with pytest.raises(InputError, match="no 'position' of its entries is a number"):
         load_measurement(file)
 
 

@@ -17,6 +17,7 @@ from stickslip import (
     QuadraticDrag,
     Rig,
     Stribeck,
+    export,
     simulate,
 )
 from stickslip.errors import InputError
@@ -256,6 +257,8 @@ BAD = {
     "nothing": (lambda t: "", "is not XML"),
     "cut": (lambda t: t[:-20], "is not XML"),
     "root": (lambda t: "<sdf/>", "root <sdf>; a URDF file has <robot>"),
+    "encoding": (lambda t: t.replace("utf-8", "u"), "is not XML: unknown encoding"),
+    "bytes": (lambda t: t.replace("utf-8", "utf-32"), "is not XML: multi-byte encodings"),
     "entities": (lambda t: "<!DOCTYPE x><mujoco/>", "declares entities"),
     "xacro": (
         lambda t: '<robot xmlns:xacro="x"><xacro:include filename="a"/></robot>',
@@ -283,6 +286,27 @@ def test_a_model_that_cannot_take_the_law_is_refused_in_one_sentence(arm, kind):
     arm.write_text(change(ARM))
     with pytest.raises(InputError, match=message):
         written(LAW, arm, "elbow")
+
+
+@pytest.mark.parametrize("kind", ["mjcf", "urdf"])
+def test_a_declaration_in_a_comment_is_none(arm, kind):
+    said = b"<!-- no <!DOCTYPE x> and no <!ENTITY y> -->"
+    if kind == "urdf":
+        arm.write_bytes(DESK_ARM.read_bytes().replace(b"<link", said + b"<link", 1))
+        assert len(read_urdf(arm).robot.joints) == 3
+    else:
+        arm.write_bytes(ARM.encode().replace(b"<default>", said + b"<default>", 1))
+    assert said in written(LAW, arm, "elbow").content
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_a_declaration_is_refused_in_any_encoding(tmp_path, encoding):
+    path = tmp_path / "robot.urdf"
+    text = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE a [<!ENTITY b "c">]><robot/>'
+    path.write_bytes(text.encode(encoding))
+    for read in (read_urdf, lambda path: written(LAW, path, "j")):
+        with pytest.raises(InputError, match="declares entities"):
+            read(path)
 
 
 def test_a_fixed_joint_has_no_friction(tmp_path):
@@ -474,6 +498,66 @@ def test_classes_of_included_files_count_and_missing_ones_are_named(arm):
     arm.write_text(ARM[:begin] + ARM[end:])
     (row,) = written(LAW, arm, "rail").joints
     assert any(line.startswith("Class 'rail' is neither in this file") for line in row.lost)
+
+
+def with_nested_classes(arm, places):
+    """Put the classes into parts of parts; those in later places are of other joints."""
+    begin, end = ARM.index("\t<default>"), ARM.index("\t<worldbody>")
+    classes, folder = ARM[begin:end], arm.parent
+    (folder / "parts/deep").mkdir(parents=True)
+    (folder / "parts/more.xml").write_text('<mujoco><include file="classes.xml"/></mujoco>')
+    for i, place in enumerate(places):
+        text = classes.replace('type="slide"', 'type="hinge"') if i else classes
+        (folder / place / "classes.xml").write_text(f"<mujoco>{text}</mujoco>")
+    arm.write_text(ARM[:begin] + '\t<include file="parts/more.xml"/>\n' + ARM[end:])
+
+
+@pytest.mark.parametrize("places", [("",), ("parts",), ("", "parts")])
+def test_classes_of_nested_includes_are_those_that_mujoco_finds(arm, places):
+    """MuJoCo seeks them beside the main file first, then beside the one that includes."""
+    mujoco = mujoco_or_skip()
+    with_nested_classes(arm, places)
+    model = mujoco.MjModel.from_xml_path(str(arm))
+    assert model.joint("rail").type[0] == mujoco.mjtJoint.mjJNT_SLIDE
+    (row,) = written(LAW, arm, "rail", load=1.0, run=True).joints
+    assert not row.rotary
+    assert row.motions
+
+
+def test_classes_that_mujoco_does_not_find_are_missing(arm):
+    mujoco = mujoco_or_skip()
+    with_nested_classes(arm, ("parts/deep",))
+    with pytest.raises(ValueError, match=r"classes\.xml"):
+        mujoco.MjModel.from_xml_path(str(arm))
+    (row,) = written(LAW, arm, "rail").joints
+    assert any(line.startswith("Class 'rail' is neither in this file") for line in row.lost)
+
+
+def test_a_joint_of_a_nested_include_is_named_with_the_file_that_mujoco_reads(arm):
+    folder = arm.parent
+    (folder / "parts").mkdir()
+    (folder / "parts/more.xml").write_text('<mujoco><include file="limb.xml"/></mujoco>')
+    for place in ("limb.xml", "parts/limb.xml"):
+        (folder / place).write_text(ARM)
+    arm.write_text('<mujoco><include file="parts/more.xml"/></mujoco>')
+    with pytest.raises(InputError, match=re.escape(f"but in {folder / 'limb.xml'}, which it")):
+        written(LAW, arm, "elbow")
+
+
+def test_joints_have_no_normal_force_to_depend_on(arm):
+    rig = robot_rig({"elbow": LAW}, damping=0.0)
+    for source in (rig, LAW):
+        (row,) = written(source, arm, "elbow").joints
+        assert not any("normal force" in line for line in row.lost)
+    (row,) = written(LAW, arm, "rail", load=2.0).joints
+    assert "Dependence on the normal force: the joint has the friction at 2 N." in row.lost
+    text = export(rig, "c", contact="elbow").files
+    assert "no normal force was known" not in "".join(text.values())
+    slide = Rig(
+        mechanism=Axis(inertia=1.0), laws={"coulomb-viscous": LAW}, named=("coulomb-viscous",)
+    )
+    (row,) = written(slide, arm, "rail").joints
+    assert "Dependence on the normal force, which was not known." in row.lost
 
 
 def test_a_law_with_an_input_is_run_at_the_value_that_was_given():

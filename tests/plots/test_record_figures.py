@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip.friction import Coulomb, CoulombViscous
+from stickslip.friction import Coulomb, CoulombViscous, Stribeck
 from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, house_style
 from stickslip.plots.laws.friction_map import MapLaw, draw_friction_map
 from stickslip.plots.laws.hysteresis import Loop, draw_loops
@@ -110,6 +110,54 @@ def test_no_name_stands_across_the_line_at_rest():
         ends = axes.transData.inverted().transform([(box.x0, box.y0), (box.x1, box.y1)])[:, 0]
         # how wide letters are is estimated when names are placed: one of them at most
         assert ends.min() > -0.01 * np.ptp(axes.get_xlim())
+
+
+STRIBECK = Stribeck(
+    kinetic_coefficient=0.3,
+    static_coefficient=0.45,
+    stribeck_velocity=0.02,
+    viscous_coefficient=0.3,
+)
+READINGS = {
+    "Stribeck": MapLaw(STRIBECK, 0.0),
+    "Coulomb + viscous": MapLaw(
+        CoulombViscous(kinetic_coefficient=0.32, viscous_coefficient=0.26), 0.0
+    ),
+}
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("slowest", [0.01, 1e-4])
+def test_names_keep_off_the_readings_of_a_table_and_off_its_axis(seed, narrow, slowest):
+    rng = np.random.default_rng(seed)
+    v = np.geomspace(slowest, 0.5, 16) if slowest < 1e-3 else np.linspace(slowest, 0.5, 40)
+    friction = STRIBECK.steady(v, 1.0) + 0.02 * rng.standard_normal(len(v))
+    draw = draw_friction_map(v, friction, READINGS, 1.0, chosen="Stribeck", low_speeds=False)
+    (axes,) = drawn(draw, narrow=narrow)
+    names = [text for text in axes.texts if text.get_text() in READINGS]
+    assert len(names) == 2
+    dots, frame = axes.transData.transform(np.column_stack([v, friction])), axes.get_window_extent()
+    for text in names:
+        box = text.get_window_extent()
+        assert box.x0 > frame.x0
+        inside = (dots > [box.x0, box.y0]) & (dots < [box.x1, box.y1])
+        assert not inside.all(axis=1).any()
+
+
+def test_readings_in_one_direction_over_powers_of_ten_have_a_logarithmic_axis():
+    v = np.geomspace(1e-4, 0.5, 12)
+    for speeds, scale in ((v, "log"), (-v, "linear"), (0.1 + v, "linear"), (v - 1e-4, "linear")):
+        friction = np.sign(speeds) * STRIBECK.steady(np.abs(speeds), 1.0)
+        (axes, *_) = drawn(draw_friction_map(speeds, friction, READINGS, 1.0, chosen="Stribeck"))
+        assert axes.get_xscale() == scale
+        low, high = axes.get_xlim()
+        assert low < speeds.min()
+        assert speeds.max() < high
+        x, y = series(axes)[C1]
+        moving = x != 0.0
+        expected = np.sign(x) * STRIBECK.steady(np.abs(x), 1.0)
+        np.testing.assert_allclose(y[moving], expected[moving], rtol=1e-9)
 
 
 def test_a_direction_with_a_few_noisy_points_counts_as_not_measured():

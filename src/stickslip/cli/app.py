@@ -557,7 +557,9 @@ def apply(
         Path,
         typer.Argument(
             metavar="MODEL",
-            help="Robot description (URDF) or model for MuJoCo (MJCF) whose joints get the laws.",
+            help="File whose joints get the laws: a robot description (URDF), a model for MuJoCo"
+            " (MJCF), a scene in USD as text, parameters of a servo for Rhoban/bam (JSON) or of"
+            " controllers of ROS 2 (YAML).",
         ),
     ],
     output: Annotated[
@@ -602,6 +604,15 @@ def apply(
             ' "temperature=35 degC"; may be repeated.',
         ),
     ] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="PROGRAM",
+            help="What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which"
+            " PhysX (Isaac Sim) and Newton read.",
+        ),
+    ] = None,
     polynomial: Annotated[
         bool,
         typer.Option(
@@ -629,7 +640,7 @@ def apply(
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Write friction into the joints of a URDF or MJCF file, and change nothing else in it.
+    """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints what the file cannot have of the laws and what that costs: the error of the friction
     force, and of the motion in MuJoCo.
@@ -644,6 +655,7 @@ def apply(
         law_load=law_load,
         largest_speed=largest_speed,
         at=tuple(at or ()),
+        to=to,
         polynomial=polynomial,
         holds=holds,
         run=run,

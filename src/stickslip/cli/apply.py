@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cli.console import print_json, show_table, stdout
-from stickslip.cli.export import by_option, loads, stated
+from stickslip.cli.export import by_option, law_source, loads, stated
 from stickslip.cli.law_choice import check_named
 from stickslip.documents import document
 from stickslip.errors import InputError
-from stickslip.experiments import load_rig
+from stickslip.experiments import Rig
 from stickslip.exports import Applied, AppliedJoint, apply, check_output
 from stickslip.formatting import quantity
 from stickslip.quantities import turned
@@ -34,6 +34,8 @@ class Wanted:
     """End of the range of speeds."""
     at: tuple[str, ...]
     """Contact inputs with their values."""
+    to: str | None
+    """What reads the file."""
     polynomial: bool
     """Whether the damping changes with the speed."""
     holds: bool
@@ -56,18 +58,19 @@ def run(
     path = _law_file(path)
     check_named(path)
     check_output(model, output, force=force)
-    source = load_rig(path, allow_import=allow_import)
+    source = law_source(path, wanted.law, allow_import=allow_import)
     load, law_load = loads(wanted.load, wanted.law_load)
     with by_option():
         found = apply(
             source,
             model,
             joints=_paired(wanted.joints),
-            law=wanted.law,
+            law=wanted.law if isinstance(source, Rig) else None,
             load=load,
             largest_speed=wanted.largest_speed,
             law_load=law_load,
             at=stated(wanted.at),
+            to=wanted.to,
             polynomial=wanted.polynomial,
             holds=wanted.holds,
             run=wanted.run,

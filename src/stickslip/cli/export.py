@@ -1,7 +1,8 @@
 """``stickslip export``."""
 
 import contextlib
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,12 +16,17 @@ from stickslip.cli.law_choice import (
 )
 from stickslip.documents import document
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import LOAD, load_rig, read_number
+from stickslip.experiments import LOAD, Rig, load_rig, read_number
 from stickslip.exports import TARGETS, export, export_fmu, identifier
+from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, Quantity, named
 
 FMU = "fmu"
 """The target that takes a rig with its law."""
+ALONE = frozenset({"title", "friction"})
+"""Tables of a file with laws and no mechanism."""
+ANY_AXIS: dict[str, str | float | bool] = {"mechanism.type": "axis", "mechanism.inertia": 1.0}
+"""What such a file is read with, and laws do not depend on."""
 BESIDE = (".json", ".html", ".csv")
 """Of a report, none of which is a rig file."""
 
@@ -77,7 +83,7 @@ def run(
         return
     target = known
     refuse_overwriting(output, output, force=force)
-    source = load_rig(path, allow_import=allow_import)
+    source = law_source(path, wanted.law, allow_import=allow_import)
     rig = None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import)
     load, law_load = loads(wanted.load, wanted.law_load)
     with by_option():
@@ -85,7 +91,7 @@ def run(
             source,
             to,
             name=wanted.name,
-            law=wanted.law,
+            law=wanted.law if isinstance(source, Rig) else None,
             contact=wanted.contact,
             load=load,
             law_load=law_load,
@@ -102,6 +108,22 @@ def run(
     console.print(f"{target.title}: {', '.join(map(str, files))}", markup=False)
     for remark in found.remarks:
         console.print(f"  {remark}", markup=False)
+
+
+def law_source(path: Path, law: str | None, *, allow_import: bool) -> Rig | FrictionLaw:
+    """Return the rig of a file, or the law itself of one with laws alone."""
+    tables: Set[str] = frozenset()
+    with contextlib.suppress(OSError, ValueError):  # said with its place when the rig is read
+        tables = tomllib.loads(path.read_text(encoding="utf-8")).keys()
+    if "friction" not in tables or not tables <= ALONE:
+        return load_rig(path, allow_import=allow_import)
+    rig = load_rig(path, overrides=ANY_AXIS, allow_import=allow_import)
+    laws = {name: rig.laws[name] for name in rig.named or rig.laws}
+    if law is None and len(laws) != 1:
+        listed = ", ".join(laws) or "no law"
+        raise InputError(f"{path} has {listed}: choose one law with --law.")
+    found: FrictionLaw = named(laws, law or next(iter(laws)), "law")
+    return found
 
 
 def _refuse_foreign(to: str, wanted: Wanted) -> None:

@@ -181,7 +181,7 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
             f" {quantity(shortest, 's')} for these bristles on this inertia; the model has"
             f" {quantity(step, 's')}. Use the integrator Euler: at the same step, the error of"
             " implicitfast is 20 to 200 times as large where bristles are damped.",
-            about_load(subject, load),
+            *about_load(subject, load),
         ),
     )
 

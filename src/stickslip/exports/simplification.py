@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, ClassVar, Final, final
+from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from stickslip.experiments import Rig
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity
 from stickslip.friction import SetValuedLaw
-from stickslip.maths import Scalar
+from stickslip.maths import Scalar, tanh
 from stickslip.mechanisms import slip_names
 from stickslip.quantities import Quantity, turned
 from stickslip.simulation import simulate
@@ -51,6 +51,8 @@ class JointFriction(SetValuedLaw):
     """Friction force at any speed, and its largest at rest."""
     damping: Annotated[float, Quantity("d", "N s/m", low=0)]
     """Growth of the friction force with the speed."""
+    static_surplus: Annotated[float, Quantity("f_s - f", "N", low=0)] = 0.0
+    """What rest holds above the level, in simulators that have it."""
 
     @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
@@ -58,7 +60,7 @@ class JointFriction(SetValuedLaw):
 
     @override
     def break_away(self, load: Scalar) -> Scalar:
-        return self.level + 0.0 * load
+        return self.level + self.static_surplus + 0.0 * load
 
 
 @final
@@ -97,11 +99,40 @@ class PolynomialFriction(SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Simplified:
-    """A law as a joint of a simulator has it."""
+class SmoothFriction(SetValuedLaw):
+    """Friction that a controller makes up for, smooth through rest, where it is 0."""
 
-    joint: JointFriction | PolynomialFriction
-    """Level and damping, by least squares over both directions."""
+    name: ClassVar[str] = "smooth-friction"
+    title: ClassVar[str] = "Smooth friction"
+    formula: ClassVar[str] = r"F = \phi_1 / (1 + e^{-\phi_2 v}) - \phi_1 / 2"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("height", "steepness")
+
+    height: Annotated[float, Quantity("phi_1", "N", low=0)]
+    """Twice the friction at high speed."""
+    steepness: Annotated[float, Quantity("phi_2", "s/m", above=0)]
+    """Inverse of the speed within which it grows."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        return 0.5 * self.height * tanh(0.5 * self.steepness * speed) + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return 0.0 * load
+
+
+JointLaw = TypeVar("JointLaw", bound=SetValuedLaw)
+JointLaw_co = TypeVar("JointLaw_co", bound=SetValuedLaw, covariant=True)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Compared(Generic[JointLaw_co]):
+    """A law as another program has it."""
+
+    joint: JointLaw_co
+    """What stands for it, by least squares over both directions."""
     load: float
     """Normal force of both [N]."""
     largest_speed: float
@@ -114,6 +145,10 @@ class Simplified:
     """What the joint cannot have, in sentences."""
     effect: tuple[str, ...]
     """What it changes on a rig, in sentences; empty without one."""
+
+
+Simplified: TypeAlias = Compared[JointFriction | PolynomialFriction]
+"""A law as a joint of a simulator has it."""
 
 
 def steady_force(
@@ -135,12 +170,14 @@ def steady_force(
     return force
 
 
-def simplified(subject: Subject, *, polynomial: bool = False, holds: bool = False) -> Simplified:
+def simplified(
+    subject: Subject, *, polynomial: bool = False, holds: bool = False, static: bool = False
+) -> Simplified:
     """Return level and damping of a joint for a law, with what they leave.
 
     A polynomial of the damping is nowhere below 0, beyond the largest speed either: it is a sum of
     squares and of a slope. A joint that `holds` has the level of break-away, and the damping that
-    then comes closest.
+    then comes closest. A `static` one has the level of break-away at rest alone.
 
     Examples
     --------
@@ -152,10 +189,8 @@ def simplified(subject: Subject, *, polynomial: bool = False, holds: bool = Fals
     """
     from scipy.optimize import nnls
 
-    load, most = subject.needed_load(), subject.needed_speed()
-    speed = np.linspace(LEAST * most, most, SPEEDS)
-    velocity = np.concatenate([-speed[::-1], speed])
-    force = steady_force(subject, velocity, load)
+    steady = steady_of(subject)
+    most, velocity = steady.largest_speed, steady.velocity
     share = np.abs(velocity) / most
     powers = np.column_stack([np.sign(velocity), *(velocity * share**k / most for k in range(3))])
     # columns: a level, a damping, its growth, and (share - root)^2
@@ -163,36 +198,82 @@ def simplified(subject: Subject, *, polynomial: bool = False, holds: bool = Fals
     if polynomial:
         squares = np.stack([0.0 * ROOTS, ROOTS**2, -2.0 * ROOTS, 1.0 + 0.0 * ROOTS])
         parts = np.column_stack([np.eye(4)[:, :3], squares])
-    known = np.zeros(4)
+    known, held = np.zeros(4), max(steady.break_away)
     if holds:
-        known[0] = max(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+        known[0] = held
         parts = parts[:, 1:]
-    weights, _ = nnls(powers @ parts, force - powers @ known)
+    weights, _ = nnls(powers @ parts, steady.force - powers @ known)
     found = known + parts @ weights
     level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
-    residual = force - powers @ np.array([level, *dampings])
-    if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(force).max()):
-        residual = np.zeros_like(residual)
     damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
-    joint: JointFriction | PolynomialFriction
     if polynomial:
-        joint = PolynomialFriction(
-            level=float(level), damping=damping, damping_slope=slope, damping_curvature=curvature
+        return compared(
+            subject,
+            steady,
+            PolynomialFriction(
+                level=float(level),
+                damping=damping,
+                damping_slope=slope,
+                damping_curvature=curvature,
+            ),
         )
-    else:
-        joint = JointFriction(level=float(level), damping=damping)
-    return Simplified(
-        joint=joint,
+    surplus = max(0.0, held - float(level)) if static else 0.0
+    joint = JointFriction(level=float(level), damping=damping, static_surplus=surplus)
+    return compared(subject, steady, joint)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Steady:
+    """Friction of steady sliding in both directions, all speeds alike."""
+
+    load: float
+    """Normal force [N]."""
+    largest_speed: float
+    """End of the range of speeds [m/s]."""
+    velocity: NDArray[np.float64]
+    """From the largest backwards to the largest ahead [m/s]."""
+    force: NDArray[np.float64]
+    """Friction at these [N]."""
+    break_away: tuple[float, float]
+    """Largest friction at rest, ahead and backwards [N]."""
+
+
+def steady_of(subject: Subject) -> Steady:
+    """Return the friction of steady sliding over the range in which a law is used."""
+    load, most = subject.needed_load(), subject.needed_speed()
+    speed = np.linspace(LEAST * most, most, SPEEDS)
+    velocity = np.concatenate([-speed[::-1], speed])
+    ahead, back = (float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+    return Steady(
         load=load,
         largest_speed=most,
+        velocity=velocity,
+        force=steady_force(subject, velocity, load),
+        break_away=(ahead, back),
+    )
+
+
+def compared(
+    subject: Subject, steady: Steady, joint: JointLaw, called: str = "the joint's friction"
+) -> Compared[JointLaw]:
+    """Return what stands for a law, which sentences call by a name, with what it leaves."""
+    stands = np.sign(steady.velocity) * joint.sliding(np.abs(steady.velocity), steady.load)
+    residual = steady.force - stands
+    if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(steady.force).max()):
+        residual = np.zeros_like(residual)
+    return Compared(
+        joint=joint,
+        load=steady.load,
+        largest_speed=steady.largest_speed,
         largest=float(np.abs(residual).max()),
         rms=float(np.sqrt(np.mean(residual**2))),
-        lost=tuple(_lost(subject, joint, speed, load)),
+        lost=tuple(_lost(subject, joint, steady, called)),
         effect=tuple(_effects(subject, joint)),
     )
 
 
-def _effects(subject: Subject, joint: JointFriction | PolynomialFriction) -> Iterator[str]:
+def _effects(subject: Subject, joint: SetValuedLaw) -> Iterator[str]:
     """Yield the effect on the rig that was named, or on that of the law's file if it moves."""
     if subject.rig is not None:
         yield from _effect(subject.rig, *_runs(subject, subject.rig, joint))
@@ -204,25 +285,21 @@ def _effects(subject: Subject, joint: JointFriction | PolynomialFriction) -> Ite
                 yield from _effect(subject.own_rig, *runs)
 
 
-def _lost(
-    subject: Subject,
-    joint: JointFriction | PolynomialFriction,
-    speed: NDArray[np.float64],
-    load: float,
-) -> Iterator[str]:
+def _lost(subject: Subject, joint: SetValuedLaw, steady: Steady, called: str) -> Iterator[str]:
     """Yield what a joint with one level cannot have."""
-    law, turning = subject.law, subject.rotary
+    law, turning, load = subject.law, subject.rotary, steady.load
     unit, speed_unit = turned("N", turning), turned("m/s", turning)
-    ahead = steady_force(subject, speed, load)
-    back = -steady_force(subject, -speed, load)
-    scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), joint.level)
+    speed, ahead = steady.velocity[SPEEDS:], steady.force[SPEEDS:]
+    back = -steady.force[SPEEDS - 1 :: -1]
+    held = float(joint.break_away(load))
+    scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), held)
     same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
-    levels = [float(law.towards(side).break_away(load)) for side in (1, -1)]
+    levels = steady.break_away
     for level in dict.fromkeys(levels):
-        if abs(level - joint.level) > SAME * scale:
+        if abs(level - held) > SAME * scale:
             yield (
-                f"Static friction: rest holds {quantity(level, unit)}, with the joint's friction"
-                f" {quantity(joint.level, unit)}."
+                f"Static friction: rest holds {quantity(level, unit)}, with {called}"
+                f" {quantity(held, unit)}."
             )
     for forces in (ahead,) if same else (ahead, back):
         drop = float(forces[0] - forces.min())
@@ -237,23 +314,22 @@ def _lost(
     if law.states:
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
     if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
-        yield about_load(subject, load)
+        yield from about_load(subject, load)
     if subject.at:
         yield f"Dependence on contact inputs: the joint has the friction at {subject.at_text}."
 
 
-def about_load(subject: Subject, load: float) -> str:
-    """Return that a joint has its friction at one normal force, in a sentence."""
-    return (
-        f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
-        if subject.levels == "per load"
-        else "Dependence on the normal force, which was not known."
-    )
+def about_load(subject: Subject, load: float) -> Iterator[str]:
+    """Yield that a joint has its friction at one normal force, in a sentence, if there is one."""
+    if subject.levels == "per load":
+        yield (
+            f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
+        )
+    elif subject.has_normal_force:
+        yield "Dependence on the normal force, which was not known."
 
 
-def _runs(
-    subject: Subject, rig: Rig, joint: JointFriction | PolynomialFriction
-) -> tuple[Trajectory, Trajectory]:
+def _runs(subject: Subject, rig: Rig, joint: SetValuedLaw) -> tuple[Trajectory, Trajectory]:
     """Return the motion of a rig with the law and with the joint, both computed exactly."""
     contacts = len(rig.mechanism.contacts())
     if contacts != 1:

@@ -23,6 +23,11 @@ LOAD_TEXT: Final = {
     "forces": "Levels are forces in N, because no normal force was known: the load is 1.",
     "torques": "Levels are torques in N m, because no normal force was known: the load is 1.",
 }
+JOINT_TEXT: Final = {
+    "forces": "Levels are forces in N: the load is 1.",
+    "torques": "Levels are torques in N m: the load is 1.",
+}
+"""The same of joints, which no normal force presses together."""
 
 
 @final
@@ -102,13 +107,23 @@ class Subject:
         for one in self.constants():
             yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
         ratio = self.levels == "per load"
-        yield LOAD_TEXT["torques per load" if ratio and self.rotary else self.levels]
+        if ratio or self.has_normal_force:
+            yield LOAD_TEXT["torques per load" if ratio and self.rotary else self.levels]
+        else:
+            yield JOINT_TEXT[self.levels]
         if self.estimates is not None and self.estimates.largest_speed is not None:
             unit = turned("m/s", self.rotary)
             yield (
                 f"Fitted at speeds up to {self.estimates.largest_speed:.6g} {unit}; the law is"
                 " extrapolated beyond."
             )
+
+    @property
+    def has_normal_force(self) -> bool:
+        """Whether a normal force presses the contact together, known or not; joints have none."""
+        if self.mechanism is None:
+            return self.levels != "torques"  # a law itself, of a rotary joint
+        return hasattr(self.mechanism, "load")
 
     @property
     def at_text(self) -> str:

@@ -134,7 +134,9 @@ def export(
         rotary=rotary,
         at=at or {},
     )
-    return target.export(subject_of(source, target, given, name=name, rig=rig))
+    return target.export(
+        subject_of(source, target.title, given, evaluates=target.evaluates, name=name, rig=rig)
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -151,9 +153,15 @@ class Asked:
 
 
 def subject_of(
-    source: "Source", target: Target, asked: Asked, *, name: str | None = None, rig: Rig | None
+    source: "Source",
+    title: str,
+    asked: Asked,
+    *,
+    evaluates: bool,
+    name: str | None = None,
+    rig: Rig | None,
 ) -> Subject:
-    """Return the law of a source as a target takes it."""
+    """Return the law of a source as a target takes it, evaluated at its contact inputs or not."""
     rotary, law_load = asked.rotary, asked.law_load
     if rotary is not None and (rig is not None or not isinstance(source, FrictionLaw)):
         raise InputError(
@@ -161,10 +169,10 @@ def subject_of(
             " (of an Axis, its field rotary)."
         )
     found = _taken(source, asked.law, asked.contact, rig, law_load, rotary=rotary)
-    stated = _inputs(found, target, asked.at)
+    stated = _inputs(found, title, asked.at, evaluates=evaluates)
     used = dataclasses.replace(
         found,
-        law=bound(found.law, stated) if target.evaluates else found.law,
+        law=bound(found.law, stated) if evaluates else found.law,
         at=stated,
         name=identifier(name if name is not None else found.law.name),
         load=_load(found, law_load if asked.load is None and rig is None else asked.load),
@@ -299,16 +307,18 @@ def _of_contact(
     )
 
 
-def _inputs(subject: Subject, target: Target, given: Mapping[str, Given]) -> Mapping[str, float]:
+def _inputs(
+    subject: Subject, title: str, given: Mapping[str, Given], *, evaluates: bool
+) -> Mapping[str, float]:
     """Return the contact inputs at which a target evaluates a law."""
     law, asked = subject.law, subject.law.inputs
     for name in given:
         if name not in asked:
             raise UnknownNameError(f"contact input of {law.name}", name, asked)
-    if not target.evaluates:
+    if not evaluates:
         if given:
             raise InputError(
-                f"{target.title} has an argument for each contact input ({', '.join(asked)}):"
+                f"{title} has an argument for each contact input ({', '.join(asked)}):"
                 " leave --at out (in Python at)."
             )
         return {}
@@ -322,7 +332,7 @@ def _inputs(subject: Subject, target: Target, given: Mapping[str, Given]) -> Map
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
             raise InputError(
-                f"{target.title} has the friction at one value of each contact input, and"
+                f"{title} has the friction at one value of each contact input, and"
                 f" {law.name} depends on {name}: give it, as --at {name}=... in"
                 f" {quantity.unit} (in Python at={{{name!r}: ...}})."
             )

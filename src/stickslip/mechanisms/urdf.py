@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.documents import check_xml, read_bytes
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms.rigid_bodies import (
     UNIT,
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 else:
     from stickslip.mechanisms.robot import Robot, RobotJoint
 
-LARGEST = 20_000_000
-"""Bytes of a file that are read at most; descriptions with meshes inside are not meant."""
 MOVES = ("revolute", "continuous", "prismatic")
 """Kinds of joints that move."""
 ANGLE = Quantity("q")
@@ -263,19 +262,9 @@ def _parsed(path: str | Path, file: str) -> "Element":
     """Return the root of the file."""
     from xml.etree import ElementTree
 
-    try:
-        with Path(path).open("rb") as stream:
-            data = stream.read(LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
-    if len(data) > LARGEST:
-        raise InputError(f"{file} has more than {LARGEST} bytes, too many for a robot's joints.")
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise InputError(f"{file} declares entities, which URDF does not need: leave them out.")
-    try:
-        root = ElementTree.fromstring(data)
-    except ElementTree.ParseError as error:
-        raise InputError(f"{file} is not XML: {error}.") from None
+    data = read_bytes(Path(path), file)
+    check_xml(data, file)
+    root = ElementTree.fromstring(data)
     if root.tag != "robot":
         raise InputError(f"{file} has the root <{root.tag}>; a URDF file has <robot>.")
     if any("xacro" in str(one.tag) or "${" in "".join(one.attrib.values()) for one in root.iter()):

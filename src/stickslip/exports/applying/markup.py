@@ -1,16 +1,19 @@
 """XML files of which single attributes are changed, and every other byte stays."""
 
+import contextlib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, final
 from xml.parsers import expat
 
+from stickslip.documents import NOT_XML, check_xml
 from stickslip.errors import InputError
+from stickslip.exports.applying.edits import Edit
 
-LARGEST: Final = 20_000_000
-"""Bytes of a file that are read at most; meshes are in files of their own."""
+HEAD: Final = 100_000
+"""Bytes at the beginning of a file within which its first element is sought."""
 ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
@@ -62,29 +65,6 @@ class Markup:
         return Edit(last.end, last.end, (indent[0] if indent else b"") + text.encode("ascii"))
 
 
-@final
-@dataclass(frozen=True)
-class Edit:
-    """Bytes that take the place of others."""
-
-    start: int
-    end: int
-    text: bytes
-
-
-def edited(data: bytes, edits: Sequence[Edit]) -> bytes:
-    """Return the bytes with all edits done.
-
-    Examples
-    --------
-    >>> edited(b"abcd", [Edit(1, 2, b"X"), Edit(4, 4, b"!")])
-    b'aXcd!'
-    """
-    for one in sorted(edits, key=lambda edit: (edit.start, edit.end), reverse=True):
-        data = data[: one.start] + one.text + data[one.end :]
-    return data
-
-
 def _attribute_edits(data: bytes, tag: Tag, values: Mapping[str, str]) -> Iterator[Edit]:
     name_end = tag.start + 1 + len(tag.name.encode())
     there = {m[1].decode("latin-1"): m for m in ATTRIBUTE.finditer(data, name_end, tag.head)}
@@ -100,17 +80,19 @@ def _attribute_edits(data: bytes, tag: Tag, values: Mapping[str, str]) -> Iterat
         yield Edit(last, last, added.encode("ascii"))
 
 
-def read_markup(path: Path) -> Markup:
-    """Read an XML file."""
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
-    if len(data) > LARGEST:
-        raise InputError(f"{path} has more than {LARGEST} bytes, too many for a model.")
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise InputError(f"{path} declares entities, which models do not need: leave them out.")
+def root_of(data: bytes) -> str:
+    """Return the name of the first element; empty of what is no XML."""
+    found: list[str] = []
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = lambda name, _: found.append(name)
+    with contextlib.suppress(*NOT_XML):
+        parser.Parse(data[:HEAD], False)
+    return found[0] if found else ""
+
+
+def markup_of(path: Path, data: bytes) -> Markup:
+    """Return an XML file with its elements."""
+    check_xml(data, str(path))
     return Markup(path, data, _parsed(path, data))
 
 
@@ -136,10 +118,7 @@ def _parsed(path: Path, data: bytes) -> Tag:
         tag.end = tag.head if data[tag.head - 2] == ord("/") else data.index(b">", closed) + 1
 
     parser.StartElementHandler, parser.EndElementHandler = begin, finish
-    try:
-        parser.Parse(data, True)
-    except expat.ExpatError as error:
-        raise InputError(f"{path} is not XML: {error}.") from None
+    parser.Parse(data, True)
     return roots[0]
 
 

@@ -1,33 +1,57 @@
-"""Joints of URDF and MJCF files, and the friction that each format has for them."""
+"""What a model file is: joints that can be given friction, and what its format has of a law."""
 
-import contextlib
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import ClassVar, Final, final
+from typing import Any, ClassVar, Final, final
 
 from typing_extensions import override
 
 from stickslip.errors import InputError, nearest
-from stickslip.exports.applying.markup import Edit, Markup, Tag, read_markup
-from stickslip.exports.joints import SOFT
-from stickslip.mechanisms import has_macros
+from stickslip.exports.applying.edits import Edit, edited
+from stickslip.exports.simplification import (
+    Compared,
+    PolynomialFriction,
+    Simplified,
+    simplified,
+)
+from stickslip.exports.subject import Subject
+from stickslip.formatting import percent, quantity
+from stickslip.friction import SetValuedLaw
+from stickslip.mechanisms import DCMotor
+from stickslip.quantities import turned
 
 DIGITS: Final = 9
 """Significant digits of the numbers that are written."""
-HARD: Final = "0.9999 0.9999 0.001"
-"""Impedance of MuJoCo's friction constraint, the largest that it has: links of robots are light,
-and the creep of a loaded joint is in proportion to its inverse inertia."""
-DEEPEST: Final = 8
-"""Files that include each other, one within the other."""
-URDF_KINDS: Final = MappingProxyType(
-    {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
-)
-HOLDS_JOINTS: Final = ("body", "frame", "replicate", "worldbody", "mujocoinclude")
-"""Elements of MJCF whose child <joint> is a joint; others have defaults and references."""
+SHARE: Final = 0.6
+"""Share of break-away under which a joint has to hold."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Beside:
+    """What the mechanism of a law has beside it at the joint."""
+
+    damping: float = 0.0
+    """Damper [N s/m] or [N m s/rad]."""
+    armature: float | None = None
+    """Inertia of motor and gear [kg] or [kg m^2]; None leaves that of the file."""
+    motor: DCMotor | None = None
+    """Motor with its gear, where the law was fitted through one."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Wishes:
+    """How laws become what a format has: arguments of `apply`."""
+
+    polynomial: bool = False
+    """Whether the damping changes with the speed."""
+    holds: bool = False
+    """Whether the level is that of break-away."""
 
 
 @final
@@ -37,6 +61,8 @@ class Friction:
 
     level: float
     """Friction at any speed [N] or [N m]."""
+    static: float
+    """Largest friction at rest, of formats that have it."""
     damping: tuple[float, ...]
     """Coefficients of v, v |v| and v^3; one alone where the rest is 0."""
     armature: float | None = None
@@ -45,98 +71,131 @@ class Friction:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Carried:
+    """A law as a joint of a file has it."""
+
+    values: Mapping[str, str]
+    """What is written, by name."""
+    near: Compared[SetValuedLaw] | None
+    """What the joint has in place of the law; None if it has the law itself."""
+    lost: tuple[str, ...]
+    """What the file cannot have of the law, in sentences."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class ModelJoint:
-    """A joint of a file that can be given friction."""
+    """A joint of a file."""
 
     name: str
-    rotary: bool
-    tag: Tag
-    has: Mapping[str, str]
-    """Friction that the file gives it so far, as attributes."""
-    inherited: Mapping[str, str]
-    """Those of `has` that are not its own, with the class that they come from."""
+    """Its name; empty if it has none."""
+    kind: str
+    """``"hinge"``, ``"slide"`` or ``"either"``, if the file does not say; else no friction."""
+    line: int
+    place: Any
+    """Where it stands, as the reader of the format gives it."""
+    given: Mapping[str, tuple[str, str]]
+    """Friction that the file gives it so far, by name, each with the class that it comes from."""
+
+    @property
+    def rotary(self) -> bool | None:
+        """Whether it turns; None if the file does not say."""
+        return None if self.kind == "either" else self.kind == "hinge"
+
+    @property
+    def has(self) -> Mapping[str, str]:
+        """Friction that the file gives it so far, by name."""
+        return {key: value for key, (value, _) in self.given.items()}
 
 
 @dataclass(frozen=True)
 class Model(ABC):
-    """A file with joints."""
+    """A file with joints; a format for a program is one subclass and its entry of `CONSUMERS`."""
 
-    markup: Markup
+    path: Path
+    data: bytes
 
     name: ClassVar[str]
-    """Name of the format, as that of the target of `export`."""
+    """Name of the format, as ``--to`` takes it."""
     title: ClassVar[str]
-    written: ClassVar[tuple[str, ...]]
-    """Attributes that are read and reported."""
+    program: ClassVar[str]
+    """What reads the file."""
+    refuses: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Fields of `Wishes` that the format cannot meet, with what it has instead."""
+    runs: ClassVar[bool] = False
+    """Whether MuJoCo can run the file."""
+
+    @classmethod
+    @abstractmethod
+    def recognises(cls, path: Path, data: bytes) -> bool:
+        """Return whether a file seems to be of the format."""
 
     @abstractmethod
-    def joints(self) -> Iterator[tuple[Tag, str, Mapping[str, tuple[str, str]]]]:
-        """Yield joints, their kind, and their friction by attribute with its class."""
+    def joints(self) -> Iterator[ModelJoint]:
+        """Yield the joints, those that take no friction too."""
 
     @abstractmethod
-    def attributes(self, friction: Friction) -> Mapping[str, str]:
-        """Return friction as attributes."""
+    def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
+        """Return a law as a joint of the file has it."""
 
     @abstractmethod
-    def edits(self, joint: ModelJoint, friction: Friction) -> list[Edit]:
-        """Return the edits that give a joint friction."""
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+        """Return the edits that give a joint values."""
 
-    @abstractmethod
-    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
-        """Yield what of it the format does not have, in sentences."""
+    def has_exactly(self, subject: Subject) -> bool:  # noqa: ARG002  # most have no law itself
+        """Return whether the format has the law itself, at all contact inputs."""
+        return False
+
+    def elsewhere(self, name: str) -> str:  # noqa: ARG002  # most files stand alone
+        """Return where else a joint of a name is, in a sentence; empty if that is not known."""
+        return ""
+
+    def remarks(self) -> Sequence[str]:
+        """Return what users of the file have to know, in sentences."""
+        return ()
+
+    def written(self, values: Sequence[tuple[ModelJoint, Mapping[str, str]]]) -> bytes:
+        """Return the file with values of its joints."""
+        return edited(self.data, [one for pair in values for one in self.edits(*pair)])
 
     def joint(self, name: str) -> ModelJoint:
         """Return a joint by its name."""
-        path, given = self.markup.path, list(self.joints())
-        names = [tag.attributes.get("name", "") for tag, _, _ in given]
+        given = list(self.joints())
+        names = [one.name for one in given]
         if not name or name not in names:
             raise InputError(f"{self._unknown(name, names)}{self._unnamed(given)}")
         if Counter(names)[name] > 1:
-            lines = [tag.line for tag, _, _ in given if tag.attributes.get("name") == name]
+            lines = [str(one.line) for one in given if one.name == name]
             raise InputError(
-                f"{path}: {len(lines)} joints are called {name!r}, in lines"
-                f" {', '.join(map(str, lines))}: rename all but one."
+                f"{self.path}: {len(lines)} joints are called {name!r}, in lines"
+                f" {', '.join(lines)}: rename all but one."
             )
-        tag, kind, has = given[names.index(name)]
-        if kind not in ("hinge", "slide"):
-            movable = [n for n, (_, kind, _) in zip(names, given, strict=True) if kind in _MOVE]
+        found = given[names.index(name)]
+        if found.kind not in _MOVE:
             raise InputError(
-                f"{path}: joint {name!r} is of type {kind}, which {_REFUSED.get(kind, _OTHER)}."
-                f" Joints that take friction: {', '.join(filter(None, movable)) or 'none'}."
+                f"{self.path}: joint {name!r} is of type {found.kind}, which"
+                f" {_REFUSED.get(found.kind, _OTHER)}. Joints that take friction:"
+                f" {', '.join(self.movable) or 'none'}."
             )
-        return ModelJoint(
-            name=name,
-            rotary=kind == "hinge",
-            tag=tag,
-            has={key: value for key, (value, _) in has.items()},
-            inherited={key: where for key, (_, where) in has.items() if where},
-        )
+        return found
 
     @property
     def movable(self) -> list[str]:
         """Names of the joints that take friction."""
-        return [
-            tag.attributes["name"]
-            for tag, kind, _ in self.joints()
-            if kind in _MOVE and tag.attributes.get("name")
-        ]
+        return [one.name for one in self.joints() if one.kind in _MOVE and one.name]
 
     def _unknown(self, name: str, names: list[str]) -> str:
-        path, known = self.markup.path, list(filter(None, names))
-        held = _included(self.markup, name)
-        if held is not None:
-            return (
-                f"{path}: joint {name!r} is not in this file but in {held}, which it includes:"
-                " apply the law to that file."
-            )
+        known = list(filter(None, names))
+        if elsewhere := self.elsewhere(name):
+            return elsewhere
         if not known:
-            return f"{path} has no joint with a name, so none is {name!r}."
+            return f"{self.path} has no joint with a name, so none is {name!r}."
         close = nearest(name, known)
         hint = f" Did you mean {close}?" if close else ""
-        return f"{path} has no joint {name!r}, but {', '.join(known)}.{hint}"
+        return f"{self.path} has no joint {name!r}, but {', '.join(known)}.{hint}"
 
-    def _unnamed(self, given: list[tuple[Tag, str, Mapping[str, tuple[str, str]]]]) -> str:
-        lines = [str(tag.line) for tag, _, _ in given if not tag.attributes.get("name")]
+    def _unnamed(self, given: list[ModelJoint]) -> str:
+        lines = [str(one.line) for one in given if not one.name]
         if not lines:
             return ""
         if len(lines) == 1:
@@ -147,7 +206,80 @@ class Model(ABC):
         )
 
 
-_MOVE: Final = ("hinge", "slide")
+class JointModel(Model):
+    """A file whose joints have one level and a damping."""
+
+    holds_statically: ClassVar[bool] = False
+    """Whether a joint has a level of its own at rest."""
+
+    @abstractmethod
+    def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
+        """Return friction as what is written."""
+
+    @abstractmethod
+    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
+        """Yield what of it the format does not have, in sentences."""
+
+    @override
+    def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
+        friction, near, lost = level_and_damping(
+            subject, beside, wishes, static=self.holds_statically
+        )
+        return Carried(
+            values=self.attributes(joint, friction),
+            near=near,
+            lost=(*lost, *self.lost(joint, friction)),
+        )
+
+
+def level_and_damping(
+    subject: Subject, beside: Beside, wishes: Wishes, *, static: bool = False
+) -> tuple[Friction, Simplified, tuple[str, ...]]:
+    """Return a level and a damping for a law and what stands beside it, and what they leave."""
+    near = simplified(subject, polynomial=wishes.polynomial, holds=wishes.holds, static=static)
+    joint = near.joint
+    damping = [joint.damping + beside.damping]
+    if isinstance(joint, PolynomialFriction) and (joint.damping_slope or joint.damping_curvature):
+        damping += [joint.damping_slope, joint.damping_curvature]
+    friction = Friction(
+        level=joint.level,
+        static=float(joint.break_away(near.load)),
+        damping=tuple(damping),
+        armature=beside.armature,
+    )
+    return friction, near, (*of_damper(subject, beside), *_slips(subject, near), *near.lost)
+
+
+def of_damper(subject: Subject, beside: Beside) -> Iterator[str]:
+    """Yield that the damping is not that of the law alone, in a sentence."""
+    if beside.damping:
+        unit = turned("N s/m", subject.rotary)
+        yield (
+            f"The damping contains {quantity(beside.damping, unit)} of the mechanism on which the"
+            " law was fitted."
+        )
+
+
+def _slips(subject: Subject, near: Simplified) -> Iterator[str]:
+    push = SHARE * min(float(subject.law.towards(side).break_away(near.load)) for side in (1, -1))
+    held = float(near.joint.break_away(near.load))
+    if push > held:
+        unit = turned("N", subject.rotary)
+        yield (
+            f"It slips where the law holds: {percent(SHARE)} of break-away,"
+            f" {quantity(push, unit)}, is more than the level of {quantity(held, unit)}."
+            " --holds (in Python holds=True) gives it the level of break-away."
+        )
+
+
+def number(value: float) -> str:
+    """Return a number as it is written."""
+    return f"{value:.{DIGITS}g}"
+
+
+ONE_DAMPING: Final = MappingProxyType({"polynomial": "has one damping for all speeds"})
+"""What formats without a polynomial refuse."""
+_MOVE: Final = ("hinge", "slide", "either")
 _OTHER: Final = "is not known here"
 _FREE: Final = "moves in six directions, and a law is of one"
 _REFUSED: Final = MappingProxyType(
@@ -159,211 +291,3 @@ _REFUSED: Final = MappingProxyType(
         "ball": "turns about three axes, and a law is of one",
     }
 )
-
-
-def _number(value: float) -> str:
-    return f"{value:.{DIGITS}g}"
-
-
-def includes(markup: Markup) -> Iterator[Path]:
-    """Yield the files that a file includes."""
-    for tag in markup.root.walk():
-        if tag.name == "include" and tag.attributes.get("file"):
-            yield markup.path.parent / tag.attributes["file"]
-
-
-def _included(markup: Markup, name: str, depth: int = DEEPEST) -> Path | None:
-    """Return the included file that has a joint of a name."""
-    for path in includes(markup) if depth else ():
-        try:
-            found = read_markup(path)
-        except InputError:
-            continue
-        if any(
-            tag.attributes.get("name") == name for tag in found.root.walk() if tag.name == "joint"
-        ):
-            return path
-        deeper = _included(found, name, depth - 1)
-        if deeper is not None:
-            return deeper
-    return None
-
-
-@final
-class UrdfModel(Model):
-    """A robot description."""
-
-    name: ClassVar[str] = "urdf"
-    title: ClassVar[str] = "URDF"
-    written: ClassVar[tuple[str, ...]] = ("friction", "damping")
-
-    @override
-    def joints(self) -> Iterator[tuple[Tag, str, Mapping[str, tuple[str, str]]]]:
-        for tag in self.markup.root.children:
-            if tag.name == "joint":
-                kind, dynamics = tag.attributes.get("type", ""), _dynamics(tag)
-                given = {} if dynamics is None else dynamics.attributes
-                has = {key: (given[key], "") for key in self.written if key in given}
-                yield tag, URDF_KINDS.get(kind, kind), has
-
-    @override
-    def attributes(self, friction: Friction) -> Mapping[str, str]:
-        return {"damping": _number(friction.damping[0]), "friction": _number(friction.level)}
-
-    @override
-    def edits(self, joint: ModelJoint, friction: Friction) -> list[Edit]:
-        values = self.attributes(friction)
-        dynamics = _dynamics(joint.tag)
-        if dynamics is not None:
-            return self.markup.with_attributes({dynamics: values})
-        if not joint.tag.children:
-            raise InputError(
-                f"{self.markup.path}: joint {joint.name!r} has neither <parent> nor <child>."
-            )
-        text = "".join(f' {key}="{value}"' for key, value in values.items())
-        return [self.markup.with_child(joint.tag, f"<dynamics{text}/>")]
-
-    @override
-    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
-        if friction.armature is not None:
-            yield (
-                f"Armature: URDF has none for the {_number(friction.armature)}"
-                f" {'kg m^2' if joint.rotary else 'kg'} of motor and gear; it is left out."
-            )
-        if any(one.name == "mimic" for one in joint.tag.children):
-            yield (
-                "The joint follows another one (mimic): simulators differ in whether its friction"
-                " acts."
-            )
-
-
-def _dynamics(tag: Tag) -> Tag | None:
-    return next((one for one in tag.children if one.name == "dynamics"), None)
-
-
-@final
-class MjcfModel(Model):
-    """A model for MuJoCo."""
-
-    name: ClassVar[str] = "mjcf"
-    title: ClassVar[str] = "MJCF"
-    written: ClassVar[tuple[str, ...]] = (
-        "frictionloss", "damping", "armature", "solreffriction", "solimpfriction", "springdamper",
-    )  # fmt: skip
-
-    @override
-    def joints(self) -> Iterator[tuple[Tag, str, Mapping[str, tuple[str, str]]]]:
-        classes = self._classes()
-        for tag in self.markup.root.walk():
-            if tag.parent is None or tag.parent.name not in HOLDS_JOINTS:
-                continue
-            if tag.name == "freejoint":
-                yield tag, "free", {}
-            elif tag.name == "joint":
-                values = dict(classes.get(_class_of(tag), classes[""]))
-                values |= {key: (value, "") for key, value in tag.attributes.items()}
-                kind, _ = values.get("type", ("hinge", ""))
-                yield tag, kind, {key: values[key] for key in self.written if key in values}
-
-    def _classes(self) -> dict[str, dict[str, tuple[str, str]]]:
-        """Return attributes of joints by default class, with the class that gives each."""
-        found: dict[str, dict[str, tuple[str, str]]] = {"": {}}
-
-        def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
-            name = tag.attributes.get("class", top or "main")
-            own = dict(outer)
-            for one in tag.children:
-                if one.name == "joint":
-                    own |= {key: (value, name) for key, value in one.attributes.items()}
-            found[name] = own
-            for one in tag.children:
-                if one.name == "default":
-                    read(one, own, "")
-
-        for tag in (one for root in _roots(self.markup) for one in root.children):
-            if tag.name == "default":
-                read(tag, found[""], "main")
-                found[""] = found[tag.attributes.get("class", "main")]
-        return found
-
-    @override
-    def attributes(self, friction: Friction) -> Mapping[str, str]:
-        values = {
-            "frictionloss": _number(friction.level),
-            "damping": " ".join(map(_number, friction.damping)),
-            "solreffriction": SOFT,
-            "solimpfriction": HARD,
-        }
-        if friction.armature is not None:
-            values["armature"] = _number(friction.armature)
-        return values
-
-    @override
-    def edits(self, joint: ModelJoint, friction: Friction) -> list[Edit]:
-        return self.markup.with_attributes({joint.tag: self.attributes(friction)})
-
-    @override
-    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
-        replaced = [key for key in joint.inherited if key in self.attributes(friction)]
-        if replaced:
-            given = ", ".join(
-                f"{key}={joint.has[key]!r} of class {joint.inherited[key]!r}" for key in replaced
-            )
-            yield f"The joint's own attributes take the place of {given}; other joints keep these."
-        unknown = _class_of(joint.tag)
-        if unknown not in self._classes():
-            yield (
-                f"Class {unknown!r} is neither in this file nor in one that it includes: the joint"
-                f" is taken to {'turn' if joint.rotary else 'slide'}, as it says itself or by"
-                " default."
-            )
-        if joint.has.get("springdamper", "0").split()[:1] not in ([], ["0"]):
-            yield (
-                f"springdamper={joint.has['springdamper']!r} makes MuJoCo compute a damping of its"
-                " own, which takes the place of this one: remove it."
-            )
-        for tag in self.markup.root.walk():
-            adds = [key for key in ("damping", "armature", "lugre") if key in tag.attributes]
-            if adds and tag.attributes.get("joint") == joint.name and tag.name != "joint":
-                yield (
-                    f"The actuator <{tag.name}> in line {tag.line} has {' and '.join(adds)}, which"
-                    " come on top of those of the joint."
-                )
-
-
-def _roots(markup: Markup, depth: int = DEEPEST) -> Iterator[Tag]:
-    """Yield the roots of the files that a file includes, and its own."""
-    for path in includes(markup) if depth else ():
-        with contextlib.suppress(InputError):  # MuJoCo says what it misses
-            yield from _roots(read_markup(path), depth - 1)
-    yield markup.root
-
-
-def _class_of(tag: Tag) -> str:
-    """Return the default class of a joint: its own, or the nearest childclass around it."""
-    if "class" in tag.attributes:
-        return tag.attributes["class"]
-    outer = tag.parent
-    while outer is not None:
-        if "childclass" in outer.attributes:
-            return outer.attributes["childclass"]
-        outer = outer.parent
-    return ""
-
-
-def read_model(path: Path) -> Model:
-    """Read a file, whose root says what it is."""
-    markup = read_markup(path)
-    root = markup.root
-    if any(
-        tag.name.startswith("xacro:") or "${" in "".join(tag.attributes.values())
-        for tag in root.walk()
-    ):
-        raise has_macros(str(path))
-    if root.name == "robot":
-        return UrdfModel(markup)
-    if root.name in ("mujoco", "mujocoinclude"):
-        return MjcfModel(markup)
-    raise InputError(
-        f"{path} has the root <{root.name}>; a URDF file has <robot>, an MJCF file <mujoco>."
-    )

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from stickslip.described import Described
 from stickslip.drives import Drive, PiecewiseLinear, Sine
 from stickslip.errors import StickslipError
-from stickslip.exports.applying.markup import Markup, read_markup
-from stickslip.exports.applying.models import DEEPEST, HARD, MjcfModel, Model, includes
+from stickslip.exports.applying.mjcf import HARD, Mjcf
+from stickslip.exports.applying.models import SHARE, Model
 from stickslip.exports.joints import SOFT, TIMESTEP
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
@@ -25,8 +25,6 @@ from stickslip.mechanisms import Axis, given_inputs, input_names
 from stickslip.quantities import turned
 from stickslip.simulation import simulate
 
-SHARE: Final = 0.6
-"""Share of break-away under which a joint has to hold."""
 HOLD: Final = 10.0
 """How long [s]."""
 LONGEST: Final = 10.0
@@ -114,13 +112,13 @@ def motions_in_mujoco(
             "MuJoCo is not installed, so the file was not run in it:"
             " pip install 'stickslip[mujoco]'."
         )
-    if model.markup.root.name == "mujocoinclude":
+    if isinstance(model, Mjcf) and model.markup.root.name == "mujocoinclude":
         return {}, "The file is a part of a model, so it was not run in MuJoCo."
     try:
         spec = _spec(mujoco, model, content)
         compiled = spec.compile()
         found = {one.name: tuple(_motions(mujoco, compiled, one, "")) for one in joints}
-        if not isinstance(model, MjcfModel):
+        if not isinstance(model, Mjcf):
             for one in joints:
                 its = spec.joint(one.name)
                 its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
@@ -141,10 +139,10 @@ def _numbers(text: str) -> list[float]:
 
 def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
     """Return the model as MuJoCo reads it; of URDF without shapes, which have no part in it."""
-    if isinstance(model, MjcfModel):
-        parts = dict(_parts(model.markup))
+    if isinstance(model, Mjcf):
+        parts = {name: part.data for name, part in model.parts()}
         spec = mujoco.MjSpec.from_string(content.decode(), include=parts or None)
-        spec.modelfiledir = str(model.markup.path.resolve().parent)
+        spec.modelfiledir = str(model.path.resolve().parent)
         return spec
     root = ElementTree.fromstring(content)
     for link in root.iter("link"):
@@ -153,16 +151,6 @@ def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.compiler.balanceinertia = True  # moments of inertia of a file are rounded
     return spec
-
-
-def _parts(markup: Markup, depth: int = DEEPEST) -> Iterator[tuple[str, bytes]]:
-    for tag, path in zip(
-        (one for one in markup.root.walk() if one.name == "include"), includes(markup), strict=True
-    ):
-        part = read_markup(path)
-        yield tag.attributes["file"], part.data
-        if depth:
-            yield from _parts(part, depth - 1)
 
 
 def _motions(

@@ -1,7 +1,7 @@
 """Writes friction of laws into joints of a model file, and says what that leaves of them."""
 
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -12,19 +12,17 @@ from stickslip.described import Described
 from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
-from stickslip.exports.applying.markup import Edit, edited
-from stickslip.exports.applying.models import HARD, Friction, Model, ModelJoint, read_model
-from stickslip.exports.applying.running import SHARE, JointMotion, Tested, motions_in_mujoco
-from stickslip.exports.joints import SOFT
-from stickslip.exports.registry import TARGETS
-from stickslip.exports.simplification import PolynomialFriction, Simplified, simplified
+from stickslip.exports.applying.consumers import read_model
+from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
+from stickslip.exports.applying.running import JointMotion, Tested, motions_in_mujoco
 from stickslip.exports.subject import Subject
 from stickslip.exports.verb import Asked, subject_of
-from stickslip.formatting import percent, quantity
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
 from stickslip.mechanisms import (
     Axis,
+    DCMotor,
     Mechanism,
     Pendulum,
     Robot,
@@ -54,8 +52,9 @@ class AppliedJoint(metaclass=Described):
     """Attributes that the file gave it."""
     after: Mapping[str, str]
     """Attributes that were written."""
-    largest_speed: float
-    """End of the range of speeds over which both are compared [m/s] or [rad/s]."""
+    largest_speed: float | None
+    """End of the range of speeds over which both are compared [m/s] or [rad/s]; None where the file
+    has the law itself."""
     rms: float
     """Root mean square of the difference of the steady friction, over speeds from 0 to the end of
     the range in both directions, all alike [N] or [N m]."""
@@ -74,12 +73,13 @@ class AppliedJoint(metaclass=Described):
         unit, speed = turned("N", self.rotary), turned("m/s", self.rotary)
         values = " ".join(f'{key}="{value}"' for key, value in self.after.items())
         before = " ".join(f'{key}="{value}"' for key, value in self.before.items())
-        return (
-            f"{values}; before: {before or 'none'}.",
-            f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
-            f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most.",
-            *self.lost,
+        error = (
+            "The file has the law itself: the error of the friction is 0."
+            if self.largest_speed is None
+            else f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
+            f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most."
         )
+        return (f"{values}; before: {before or 'none'}.", error, *self.lost)
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
@@ -106,7 +106,7 @@ class Applied(metaclass=Described):
     path: Path
     """The file that was read."""
     target: str
-    """``"urdf"`` or ``"mjcf"``."""
+    """What reads it, such as ``"urdf"`` or ``"mjcf"``."""
     content: bytes
     """The file with friction, equal to the one that was read but for the joints' attributes."""
     joints: tuple[AppliedJoint, ...]
@@ -175,17 +175,18 @@ def apply(
     largest_speed: Given | None = None,
     law_load: float | None = None,
     at: Mapping[str, Given] | None = None,
+    to: str | None = None,
     polynomial: bool = False,
     holds: bool = False,
     run: bool = True,
 ) -> Applied:
     """Write friction laws into the joints of a model file, and change nothing else in it.
 
-    A joint of URDF gets ``damping`` and ``friction`` in its ``<dynamics>``; one of MJCF gets
-    ``frictionloss``, ``damping``, ``solreffriction`` and ``solimpfriction``, and ``armature`` where
-    the mechanism of the law has one. The level and the damping are those that come closest to the
-    law, by least squares over speeds up to the largest in both directions; a damper of the law's
-    mechanism is added. Where MuJoCo is installed, each joint is run in it.
+    Files are URDF, MJCF, USD as text for PhysX (Isaac Sim) or Newton, the parameters of a servo in
+    Rhoban/bam's JSON, and parameters of ROS 2 controllers in YAML. The level and the damping of a
+    joint are those that come closest to the law, by least squares over speeds up to the largest in
+    both directions; a damper of the law's mechanism is added. Where MuJoCo is installed, each joint
+    of URDF and MJCF is run in it.
 
     Parameters
     ----------
@@ -193,7 +194,7 @@ def apply(
         The law, or what has it: of a verdict it is the law to use. `load_rig` reads a ``law.toml``.
         Contacts with laws of their own go to the joints with their names.
     file : str or Path
-        The model: a robot description (URDF) or a model for MuJoCo (MJCF).
+        The file with the joints.
     joints : str, collection of str, or mapping of str to str, optional
         Joints that get the law; or, by contact, the joint that gets its law. If not given, all
         contacts with a law, or the only joint of the file.
@@ -207,6 +208,9 @@ def apply(
         Normal force [N] at which the law was fitted, if its levels are forces.
     at : mapping of str to float or str, optional
         Contact inputs of the law at which the joint has its friction.
+    to : str, optional
+        What reads the file: ``"urdf"``, ``"mjcf"``, ``"physx"``, ``"newton"``, ``"bam"`` or
+        ``"ros2"``. Needed for USD only, which PhysX and Newton both read.
     polynomial : bool
         Of MJCF, whether the damping changes with the speed (MuJoCo 3.7 and later). Off by default.
     holds : bool
@@ -235,51 +239,51 @@ def apply(
     >>> found.joints[0].sentences[0]
     'damping="0.1" friction="0.3"; before: friction="0.15" damping="0.02".'
     """
-    model = read_model(Path(file))
-    if polynomial and model.name != "mjcf":
-        raise InputError(
-            f"{model.title} has one damping for all speeds: leave polynomial (--polynomial) out."
-        )
+    model = read_model(Path(file), to)
+    wishes = Wishes(polynomial=polynomial, holds=holds)
+    _check_wishes(model, wishes)
     given = Asked(law=law, load=load, largest_speed=largest_speed, law_load=law_load, at=at or {})
-    found: dict[str, tuple[AppliedJoint, Tested]] = {}
-    edits: list[Edit] = []
+    rows: dict[str, AppliedJoint] = {}
+    tested: list[Tested] = []
+    values: list[tuple[ModelJoint, Mapping[str, str]]] = []
     for contact, name in _pairs(source, model, joints):
         joint = model.joint(name)
-        if name in found:
+        if name in rows:
             raise InputError(f"joint {name!r} is named twice; it has one friction.")
         asked = replace(given, contact=contact or None)
         if isinstance(source, FrictionLaw):
-            asked = replace(asked, rotary=joint.rotary)
-        subject = subject_of(source, TARGETS[model.name], asked, rig=None)
+            asked = replace(asked, rotary=joint.rotary is not False)
+        subject = _subject(source, model, asked)
         _check_kind(model, joint, subject)
-        near = simplified(subject, polynomial=polynomial, holds=holds)
-        friction = _friction(near, subject)
-        edits += model.edits(joint, friction)
-        found[name] = _applied(model, joint, contact, subject, near, friction)
-    content = edited(model.markup.data, edits)
-    rows, remarks = [one for one, _ in found.values()], _remarks(model)
-    if run:
-        motions, why = motions_in_mujoco(model, content, [one for _, one in found.values()])
-        rows = [replace(one, motions=motions.get(one.joint, ())) for one in rows]
+        beside = _beside(subject.mechanism, subject.contact)
+        carried = model.carry(joint, subject, beside, wishes)
+        values.append((joint, carried.values))
+        rows[name] = _applied(joint, contact, subject, carried)
+        if carried.near is not None:
+            near, damping = carried.near.joint, beside.damping
+            tested.append(Tested(name=name, subject=subject, joint=near, damping=damping))
+    content, remarks = model.written(values), [*model.remarks()]
+    if run and not model.runs:
+        remarks.append(
+            f"The file was not run in {model.program}; errors are those of the friction."
+        )
+    elif run:
+        motions, why = motions_in_mujoco(model, content, tested)
+        rows = {name: replace(one, motions=motions.get(name, ())) for name, one in rows.items()}
         remarks += [why] if why else []
     return Applied(
         path=Path(file),
         target=model.name,
         content=content,
-        joints=tuple(rows),
+        joints=tuple(rows.values()),
         remarks=tuple(remarks),
     )
 
 
-def _remarks(model: Model) -> list[str]:
-    if model.name == "urdf":
-        return [
-            "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
-            f' creep. The rows "stiff" are with solreffriction="{SOFT}" and'
-            f' solimpfriction="{HARD}" at the joints and time steps of 1 ms: set these in your'
-            " program, or apply the laws to an MJCF file, where they are written."
-        ]
-    return []
+def _check_wishes(model: Model, wishes: Wishes) -> None:
+    for name, instead in model.refuses.items():
+        if getattr(wishes, name):
+            raise InputError(f"{model.title} {instead}: leave {name} (--{name}) out.")
 
 
 def _pairs(
@@ -299,7 +303,7 @@ def _pairs(
         names = model.movable if asked is None else list(asked)
         if asked is None and len(names) != 1:
             raise InputError(
-                f"{model.markup.path} has {len(names)} joints that take friction"
+                f"{model.path} has {len(names)} joints that take friction"
                 f" ({', '.join(names) or 'none with a name'}), and this is one law: choose with"
                 " --joint (in Python joints)."
             )
@@ -349,91 +353,61 @@ def _contacts(source: "Source") -> list[str]:
 
 
 def _check_kind(model: Model, joint: ModelJoint, subject: Subject) -> None:
-    if subject.rotary != joint.rotary:
+    if joint.rotary is not None and subject.rotary != joint.rotary:
         what = "turns" if joint.rotary else "slides"
         raise InputError(
-            f"{model.markup.path}: joint {joint.name!r} {what}, but the law is of a mechanism that"
+            f"{model.path}: joint {joint.name!r} {what}, but the law is of a mechanism that"
             f" {'turns' if subject.rotary else 'slides'}, with friction in"
             f" {turned('N', subject.rotary)}: choose another joint; of an axis, rotary in"
             " [mechanism] says which it is."
         )
 
 
-def _friction(near: Simplified, subject: Subject) -> Friction:
-    """Return what the joint gets: the law, and the damper and the motor of its mechanism."""
-    joint, (damper, armature) = near.joint, _beside(subject.mechanism, subject.contact)
-    damping = [joint.damping + damper]
-    if isinstance(joint, PolynomialFriction) and (joint.damping_slope or joint.damping_curvature):
-        damping += [joint.damping_slope, joint.damping_curvature]
-    return Friction(level=joint.level, damping=tuple(damping), armature=armature or None)
-
-
-def _beside(mechanism: Mechanism | None, contact: str) -> tuple[float, float]:
-    """Return the damper and the motor's inertia of a joint."""
+def _beside(mechanism: Mechanism | None, contact: str) -> Beside:
+    """Return the damper, the motor and its inertia at a joint."""
     if isinstance(mechanism, Axis | Pendulum):
-        return mechanism.damping, float(driving_inertia(mechanism.drive))
+        motor = mechanism.drive if isinstance(mechanism.drive, DCMotor) else None
+        inertia = float(driving_inertia(mechanism.drive))
+        return Beside(damping=mechanism.damping, armature=inertia or None, motor=motor)
     if isinstance(mechanism, Robot):
         for one in mechanism.joints:
             if contact in ("", one.contact_name):
                 if one.coupling:
                     raise InputError(
                         f"friction of {one.joint!r} acts along a motor that other joints turn too"
-                        " (coupling), and that of a joint in URDF and MJCF along its own angle:"
-                        " choose the other joints with --joint."
+                        " (coupling), and that of a joint in a file along its own angle: choose the"
+                        " other joints with --joint."
                     )
-                return one.damping, max(0.0, one.armature + one.added_armature)
+                inertia = max(0.0, one.armature + one.added_armature)
+                return Beside(damping=one.damping, armature=inertia or None)
     if isinstance(mechanism, SerialArm):
         names = [one.name for one in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]
-        return link.damping, link.rotor_inertia * link.gear_ratio**2
-    return 0.0, 0.0
+        inertia = link.rotor_inertia * link.gear_ratio**2
+        return Beside(damping=link.damping, armature=inertia or None)
+    return Beside()
 
 
-def _applied(
-    model: Model,
-    joint: ModelJoint,
-    contact: str,
-    subject: Subject,
-    near: Simplified,
-    friction: Friction,
-) -> tuple[AppliedJoint, Tested]:
-    damper, _ = _beside(subject.mechanism, subject.contact)
-    row = AppliedJoint(
+def _subject(source: "Source", model: Model, asked: Asked) -> Subject:
+    """Return the law as the format takes it: at values of its contact inputs, but for its own."""
+    if not asked.at:
+        whole = subject_of(source, model.title, asked, evaluates=False, rig=None)
+        if model.has_exactly(whole):
+            return whole
+    return subject_of(source, model.title, asked, evaluates=True, rig=None)
+
+
+def _applied(joint: ModelJoint, contact: str, subject: Subject, carried: Carried) -> AppliedJoint:
+    near = carried.near
+    return AppliedJoint(
         joint=joint.name,
         contact=contact,
         law=subject.law.name,
         before=joint.has,
-        after=model.attributes(friction),
-        largest_speed=near.largest_speed,
-        rms=near.rms,
-        largest=near.largest,
-        rotary=joint.rotary,
-        lost=(
-            *_damper(subject, damper),
-            *_slips(subject, near),
-            *near.lost,
-            *model.lost(joint, friction),
-        ),
+        after=carried.values,
+        largest_speed=None if near is None else near.largest_speed,
+        rms=0.0 if near is None else near.rms,
+        largest=0.0 if near is None else near.largest,
+        rotary=subject.rotary,
+        lost=carried.lost,
     )
-    return row, Tested(name=joint.name, subject=subject, joint=near.joint, damping=damper)
-
-
-def _slips(subject: Subject, near: Simplified) -> Iterator[str]:
-    push = SHARE * min(float(subject.law.towards(side).break_away(near.load)) for side in (1, -1))
-    if push > near.joint.level:
-        unit = turned("N", subject.rotary)
-        level = quantity(near.joint.level, unit)
-        yield (
-            f"It slips where the law holds: {percent(SHARE)} of break-away,"
-            f" {quantity(push, unit)}, is more than the level of {level}."
-            " --holds (in Python holds=True) gives it the level of break-away."
-        )
-
-
-def _damper(subject: Subject, damper: float) -> Iterator[str]:
-    if damper:
-        unit = turned("N s/m", subject.rotary)
-        yield (
-            f"The damping contains {quantity(damper, unit)} of the mechanism on which the law was"
-            " fitted."
-        )

@@ -12,11 +12,15 @@ from stickslip.plots.core.theme import label_at, label_column, lay_out
 
 LETTER: Final = 5.5
 """Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
+WIDEST: Final = 6.5
+"""That of names with many wide letters, which then keep off what stands beside them."""
 HALF_LINE: Final = 7.0
 AWAY: Final = (11.0, 17.0, 25.0, 36.0)
 """Distances of a name from its curve that are tried [CSS px]."""
 BESIDE: Final = 8.0
 """Distance of a name from its curve where it stands at its side [CSS px]."""
+DOT: Final = 4.0
+"""Half the size of a point with its surroundings [CSS px]."""
 CROSSED: Final = 1e3
 OUTSIDE: Final = 1e5
 
@@ -47,10 +51,12 @@ class _Box(NamedTuple):
         return max(width, 0.0) * max(height, 0.0)
 
 
-def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> None:
+def label_curves(
+    axes: Axes, curves: Sequence[Curve], *, places: int = 36, points: Array | None = None
+) -> None:
     """Write the name of each curve above or below it, where it is free and clearly meant.
 
-    Set the limits of the axes before.
+    Names keep off points (n, 2) too. Set the limits of the axes before.
     """
     figure = axes.get_figure(root=True)
     if figure is None:
@@ -58,6 +64,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     lay_out(figure)
     pixel = 72 / figure.dpi
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
+    frame = frame._replace(left=frame.left + BESIDE)  # names do not stand on the axis
     drawn = [(curve, _in_pixels(axes, curve, pixel)) for curve in curves]
     drawn = [(curve, path) for curve, path in drawn if len(path)]  # others hide nothing
     paths = [path for _, path in drawn]
@@ -65,10 +72,13 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
         _Box(*(float(edge) * pixel for edge in text.get_window_extent().extents))
         for text in axes.texts
     ]
+    if points is not None:
+        dots = axes.transData.transform(points) * pixel
+        taken += [_Box(x - DOT, y - DOT, x + DOT, y + DOT) for x, y in dots.tolist()]
     for index, (curve, _) in enumerate(drawn):
         if not curve.text:
             continue
-        half = LETTER * _letters(curve.text) / 2
+        half = WIDEST * _letters(curve.text) / 2
         tries = [
             (_cost(box, taken, paths, index, frame) + far, anchor, rank, box)
             for anchor in np.linspace(frame.left + 4, frame.right - 4, places)

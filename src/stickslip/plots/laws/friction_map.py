@@ -26,6 +26,8 @@ OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
 SINGLE: Final = 100
 """Points up to which each is drawn to be seen by itself."""
+SPREAD: Final = 100.0
+"""Largest speed over the smallest from which readings in one direction have a logarithmic axis."""
 TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
 WIDTH: Final = 22
@@ -75,10 +77,11 @@ def draw_friction_map(
     look = looks(laws, chosen)
     low = low_speed(v_max)
     slow = np.abs(velocity) <= low
-    spans = [_span(velocity)]
+    spread = _is_spread(velocity)
+    spans = [_span(velocity, spread)]
     turn = np.zeros(len(velocity)) if trend is None else np.asarray(trend)
-    if low_speeds and int(slow.sum()) >= FEW and not slow.all():
-        spans.append(_span(velocity[slow]))
+    if low_speeds and not spread and int(slow.sum()) >= FEW and not slow.all():
+        spans.append(_span(velocity[slow], spread=False))
 
     def draw(figure: Figure, narrow: bool) -> None:
         shape = (len(spans), 1) if narrow else (1, len(spans))
@@ -89,7 +92,7 @@ def draw_friction_map(
             _points(axes, factor * velocity[seen], friction[seen], turn[seen])
             lines = _inside(curves, first, last, factor)
             _lines(axes, lines, look, chosen)
-            _frame(axes, (factor * first, factor * last), friction[seen], lines)
+            _frame(axes, (factor * first, factor * last), friction[seen], lines, spread)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         if low_speeds:
             grid.flat[0].set_title("all speeds", color=MUTED)
@@ -97,7 +100,11 @@ def draw_friction_map(
             _say_trend(grid.flat[0])
         if len(spans) > 1:
             grid.flat[1].set_title(f"below {number(factor * low)} {unit}", color=MUTED)
-        _names(grid.flat[0], curves, look, factor, chosen)
+        points = np.column_stack([factor * velocity, friction])
+        shown = {name: (factor * v, f) for name, (v, f) in curves.items()}
+        if spread:
+            shown = _inside(curves, *spans[0], factor)
+        _names(grid.flat[0], shown, look, chosen, points[: SINGLE if len(points) <= SINGLE else 0])
 
     return draw
 
@@ -127,8 +134,17 @@ def _curve(one: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> 
     return v[kept], force[kept] + one.offset
 
 
-def _span(velocity: Array) -> tuple[float, float]:
-    """Return the ends of the horizontal axis; 0 is always on it."""
+def _is_spread(velocity: Array) -> bool:
+    """Return whether these are readings at speeds of several powers of ten, in one direction."""
+    slowest, fastest = float(velocity.min()), float(velocity.max())
+    return len(velocity) <= SINGLE and 0.0 < slowest <= fastest / SPREAD
+
+
+def _span(velocity: Array, spread: bool) -> tuple[float, float]:
+    """Return the ends of the horizontal axis; 0 is on it, unless it is logarithmic."""
+    if spread:
+        margin = float(velocity.max() / velocity.min()) ** 0.03
+        return float(velocity.min()) / margin, float(velocity.max()) * margin
     low, high = min(float(velocity.min()), 0.0), max(float(velocity.max()), 0.0)
     margin = 0.03 * (high - low)
     return low - margin, high + margin
@@ -172,30 +188,34 @@ def _frame(
     span: tuple[float, float],
     friction: Array,
     lines: Mapping[str, tuple[Array, Array]],
+    spread: bool,
 ) -> None:
     """Set the limits: a few points far out are cut off rather than flatten the rest."""
     low, high = np.percentile(friction, [OUTER, 100 - OUTER])
     forces = np.concatenate([[low, high, 0.0], *[force for _, force in lines.values()]])
     margin = 0.06 * max(float(np.ptp(forces)), 1e-12)
+    axes.set_xscale("log" if spread else "linear")
     axes.set_xlim(*span)
     axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
-    axes.locator_params(axis="x", nbins=7)
     axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
-    axes.axvline(0.0, color=LINE, linewidth=0.8, zorder=0)
+    if not spread:
+        axes.locator_params(axis="x", nbins=7)
+        axes.axvline(0.0, color=LINE, linewidth=0.8, zorder=0)
 
 
 def _names(
     axes: Axes,
     curves: Mapping[str, tuple[Array, Array]],
     look: Mapping[str, LineStyle],
-    factor: float,
     chosen: str,
+    points: Array,
 ) -> None:
     """Name the laws in the quadrants that friction leaves free; beside the curves if one-way."""
     low, high = axes.get_xlim()
     if min(-low, high) < 0.2 * (high - low):
-        named = [Curve(factor * v, f, name, look[name].colour) for name, (v, f) in curves.items()]
-        label_curves(axes, [*named, _upright(axes)])
+        named = [Curve(v, f, name, look[name].colour) for name, (v, f) in curves.items()]
+        at_rest = [] if axes.get_xscale() == "log" else [_upright(axes)]
+        label_curves(axes, [*named, *at_rest], points=points)
         return
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: name != chosen)
