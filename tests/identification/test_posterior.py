@@ -1,4 +1,6 @@
 import dataclasses
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ from tests.selection.test_records import AXIS, QUICK, TRUTH, recorded
 import stickslip
 from stickslip import CoulombViscous, Measurement, SpringBlock, Viscous
 from stickslip.errors import InputError
+from stickslip.executors import Inline
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.records import posterior
 from stickslip.identification.records.fitting import fit_record
@@ -109,6 +112,19 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
     looked_on = sample_posterior(linear, sampler=sampler, seed=1, progress=lambda runs: None)
     assert not looked_on.cancelled
     assert looked_on.runs > found.runs
+
+
+def test_draws_do_not_depend_on_where_walkers_are_evaluated(linear):
+    here = sample_posterior(linear, steps=20, seed=1)
+    with ThreadPoolExecutor(3) as threads:
+        there = sample_posterior(linear, steps=20, seed=1, executor=threads)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
+        far = sample_posterior(linear, steps=20, seed=1, executor=processes)
+    np.testing.assert_array_equal(there.draws, here.draws)
+    np.testing.assert_array_equal(far.draws, here.draws)
+    assert there.runs == far.runs == here.runs
+    with pytest.raises(InputError, match="leave executor out"):
+        sample_posterior(linear, sampler="dynesty", executor=Inline())
 
 
 def test_live_points_say_how_often_nested_sampling_predicts(linear):

@@ -2,7 +2,9 @@
 
 import json
 import math
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -66,6 +68,16 @@ def test_a_spline_found_by_a_short_search_brings_no_less_than_three_phases(splin
     assert spline.three_phase.feasible
     assert spline.factor >= 1.0
     assert spline.factor == spline.value / spline.three_phase.value
+
+
+def test_a_search_does_not_depend_on_its_executor(capsule, law, short_polishes):
+    ask = {"limits": WIDE_LIMITS, "goal": "speed", "evaluations": FEW, "seed": 3}
+    here = optimise_profile(capsule, law, **ask)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        there = optimise_profile(capsule, law, executor=pool, **ask)
+    assert there.value == here.value
+    assert there.best.profile == here.best.profile
+    assert there.evaluations == here.evaluations
 
 
 def test_a_leaning_swing_exceeds_the_best_three_phases_by_two_fifths(

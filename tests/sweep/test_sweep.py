@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -213,6 +214,22 @@ def test_following_goes_on_where_the_last_run_ended():
     np.testing.assert_allclose(parts.samples.ravel(), whole.samples.ravel(), atol=1e-9)
     fixed = bifurcation(oscillator, law, "frequency", [1.0, 1.0], keep=4, follow=False, **settings)
     np.testing.assert_array_equal(fixed.samples[0], fixed.samples[1])
+
+
+@pytest.mark.parametrize("follow", [True, False])
+def test_a_bifurcation_does_not_depend_on_its_executor(follow):
+    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    law, settings = Coulomb(kinetic_coefficient=0.5), {"state": "x", "keep": 4, "settle": 2}
+    values, told = np.linspace(0.9, 1.1, 7), []
+    settings |= {"follow": follow, "solver": PLAIN}
+    here = bifurcation(oscillator, law, "frequency", values, **settings)
+    with ThreadPoolExecutor(3) as pool:
+        there = bifurcation(
+            oscillator, law, "frequency", values, executor=pool,
+            progress=lambda *counts: told.append(counts), **settings,
+        )  # fmt: skip
+    np.testing.assert_array_equal(there.samples, here.samples)
+    assert told == [(done, 7) for done in range(1, 8)]
 
 
 def swinging_cart(amplitude):

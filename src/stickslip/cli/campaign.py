@@ -16,8 +16,7 @@ from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import read_number
-from stickslip.experiments.readers.toml import parse, read_bytes
+from stickslip.experiments import parse, read_bytes, read_number
 from stickslip.formatting import count, number, printable, quantity
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.solver import (
@@ -43,7 +42,6 @@ from stickslip.sweep import (
     SensitivityIndices,
     Uniform,
 )
-from stickslip.sweep.design import OF_INDICES
 
 CANCELLED: Final = 130
 KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
@@ -123,7 +121,7 @@ def _indices(
     asked: Campaign, found: CampaignRuns, cases: Sequence[str]
 ) -> list[SensitivityIndices]:
     """Return the indices of each output that is one number, and write them beside the runs."""
-    if asked.design not in OF_INDICES:
+    if asked.whole.block == 1:
         return []
     if len(cases) > 1:
         note("Sensitivity indices are of one case: make a campaign of each.")

@@ -64,6 +64,8 @@ INSIDE = {
     "motor_constants": "readers.reader_options",
     "noise_of": "differentiation",
     "of_files": "hashing",
+    "parse": "readers.toml",
+    "read_bytes": "readers.toml",
     "read_data": "records",
     "read_gain": "units",
     "read_number": "units",

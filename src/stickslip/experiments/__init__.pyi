@@ -61,6 +61,8 @@ from stickslip.experiments.readers.reader_options import column_of as column_of
 from stickslip.experiments.readers.reader_options import motor_constants as motor_constants
 from stickslip.experiments.readers.robot_guess import guess_robot as guess_robot
 from stickslip.experiments.readers.table_reader import is_data_file as is_data_file
+from stickslip.experiments.readers.toml import parse as parse
+from stickslip.experiments.readers.toml import read_bytes as read_bytes
 from stickslip.experiments.recorded_drive import as_recorded as as_recorded
 from stickslip.experiments.recorded_drive import command_of as command_of
 from stickslip.experiments.records import load_measurement as load_measurement

@@ -251,18 +251,7 @@ def _edges(values: Any) -> Any:
 
 
 def draw_sensitivity(results: Sequence[SensitivityIndices]) -> Draw:
-    """Return a drawing of sensitivity indices with their intervals, a panel for each output.
-
-    Parameters
-    ----------
-    results : sequence of SensitivityIndices
-        What `CampaignRuns.sensitivity` returns.
-
-    Returns
-    -------
-    callable
-        Draws them: bars of first and total index, or of the mean size of the change.
-    """
+    """Return a drawing of sensitivity indices with their intervals, a panel for each output."""
 
     def draw(figure: Figure, _narrow: bool) -> None:
         panels = figure.subplots(len(results), squeeze=False)

@@ -121,6 +121,7 @@ class CampaignRuns(Tabular):
     units: Mapping[str, str]
     """SI unit of each column that has one."""
     parts: tuple[_Finished, ...] = field(repr=False)
+    """What is to be known of each file."""
     made: int
     """Runs that were made now; the others were there."""
     complete: bool
@@ -635,8 +636,8 @@ def campaign(
     ...         runs=1000,
     ...         outputs=["x"],
     ...     )
-    ...     found.to_dataframe(["x"])["x"].mean().round(3)
-    np.float64(0.207)
+    ...     round(float(found.to_dataframe(["x"])["x"].mean()), 3)
+    0.207
     """
     return Campaign(
         cases=(Case(mechanism=mechanism, law=law, t_end=t_end, y0=y0),),

@@ -230,7 +230,18 @@ class Design(metaclass=Described):
         return blocks * self.block
 
     def shares(self, start: int, stop: int) -> Array:
-        """Return points (runs, factors) of the unit cube."""
+        """Return points of the unit cube.
+
+        Parameters
+        ----------
+        start, stop : int
+            First run, and the one after the last.
+
+        Returns
+        -------
+        array (runs, factors)
+            Shares of the distributions of the factors.
+        """
         many = len(self.factors)
         if self.kind == "random":  # a number each, so that no run depends on where a part begins
             random = np.random.PCG64(self.seed)
@@ -247,7 +258,18 @@ class Design(metaclass=Described):
         return _sampled(self.kind, many, len(self) // self.block, self.seed)[start:stop]
 
     def rows(self, start: int, stop: int) -> dict[str, Array]:
-        """Return the values (runs,) of each factor in runs `start` to `stop`."""
+        """Return the values that runs take.
+
+        Parameters
+        ----------
+        start, stop : int
+            First run, and the one after the last.
+
+        Returns
+        -------
+        dict of str to array (runs,)
+            Values of each factor [SI].
+        """
         stop = min(stop, len(self))
         if self.kind == "grid":
             levels = [one.levels() for one in self.factors.values()]

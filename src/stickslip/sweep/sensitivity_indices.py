@@ -83,7 +83,20 @@ class SensitivityIndices(OnAxes, Tabular):
         return f"{name} of {self.output} from {self.used} {what}{left}."
 
     def text_of(self, name: str, place: int) -> str:
-        """Return an index of a factor with its interval."""
+        """Return an index of a factor with its interval.
+
+        Parameters
+        ----------
+        name : str
+            Which index, a key of `indices`.
+        place : int
+            Which factor.
+
+        Returns
+        -------
+        str
+            Such as ``"0.86 ± 0.09"``.
+        """
         value = number(float(self.indices[name][place]))
         if name not in self.half_widths:
             return value
