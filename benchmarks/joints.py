@@ -374,14 +374,21 @@ def totals(rows: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
+PLAIN = ("coulomb-viscous", "coulomb-viscous")
+CASES = (
+    *(("clean", (one, TRUE[(i + k) % 6])) for k in (1, 3) for i, one in enumerate(TRUE)),
+    ("still", PLAIN),
+    ("late elbow", PLAIN),
+    ("wrong mass", PLAIN),
+)
+"""What is wrong with each arm of a study, and its laws."""
+
+
 def study(seed: int, results: Path, numbers: Sequence[int]) -> None:
     """Judge selections on all arms of a study."""
-    cases = [("clean", (a, TRUE[(i + k) % 6])) for k in (1, 3) for i, a in enumerate(TRUE)]
-    plain = ("coulomb-viscous", "coulomb-viscous")
-    cases += [("still", plain), ("late elbow", plain), ("wrong mass", plain)]
     rows = []
     with results.open("a", encoding="utf-8") as file:
-        for number, (kind, names) in enumerate(cases):
+        for number, (kind, names) in enumerate(CASES):
             if number not in range(*numbers):
                 continue
             rows.append(judged(kind, names, number, seed))

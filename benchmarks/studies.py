@@ -1,0 +1,257 @@
+"""All studies of what selections say of rigs with a known truth, as one campaign with one table.
+
+``python -m benchmarks.studies -o studies --seed 5 --share 0.1`` judges a tenth of the rigs of each
+study, spread over its truths; ``--only axes joints`` some studies, ``--executor dask://HOST:PORT``
+on a cluster. Each rig is a line of ``rows.jsonl`` in the folder, and depends on study, seed and
+number alone: what was ended goes on where it was. The table is written as ``studies.csv``.
+
+A verdict is right if it names the true law or one that predicts as well, of a rig with a fault, if
+the fault is named; a false certainty is what each study says in its own words. Regret is the error
+of the named law on a fresh motion over that of the best candidate, less 1.
+"""
+
+import argparse
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from benchmarks import (
+    closed_loop_axes,
+    faults,
+    force_maps,
+    friction_tables,
+    joints,
+    structures,
+    travel_truth,
+    whole_verdicts,
+)
+from benchmarks.axis_records import FAULTS, FURTHER, TRUTHS
+from benchmarks.faults import stored
+from stickslip.cli.process_pool import workers
+from stickslip.executors import spread
+
+Row = Mapping[str, Any]
+GOLDEN = 0.618
+STRUCTURES = (*TRUTHS, *FAULTS, *FURTHER)
+
+
+class Outcome(NamedTuple):
+    """What a verdict on one rig is worth."""
+
+    right: bool
+    false: bool
+    held: int = 0
+    """Intervals of 95 % that hold the truth."""
+    bounded: int = 0
+    """Intervals."""
+    regret: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Rigs of one kind."""
+
+    count: int
+    """Rigs of the whole study."""
+    judge: Callable[[int, int], dict[str, Any]]
+    """Returns what a selection says of a rig, by seed and number."""
+    outcome: Callable[[Row], Outcome]
+    """Returns what that is worth."""
+
+
+def _regret(errors: Mapping[str, float], named: str | None) -> float:
+    """Return the excess of the error of a law over the least."""
+    known = [one for one in errors.values() if math.isfinite(one) and one > 0.0]
+    own = errors.get(named or "", math.nan)
+    return own / min(known) - 1.0 if known and math.isfinite(own) else math.nan
+
+
+def _travel(row: Row) -> Outcome:
+    held = [one["held"] for one in row["intervals"]]
+    regret = _regret(row["errors"], row["named"])
+    return Outcome(row["right"], row["false"], sum(held), len(held), regret)
+
+
+def _table(row: Row) -> Outcome:
+    return Outcome(row["right"], row["false"])
+
+
+def _axis(row: Row) -> Outcome:
+    held = [one["covered"] for one in row["intervals"] if one["bounded"]]
+    return Outcome(
+        closed_loop_axes.right(row),
+        closed_loop_axes.falsely_certain(row),
+        sum(held),
+        len(held),
+        _regret(row["fresh"], row["named"]),
+    )
+
+
+def _whole(row: Row) -> Outcome:
+    found = [one["covered"] for one in row["intervals"] if not row["kinds"]]
+    good = whole_verdicts.named(row) if row["built_in"] else whole_verdicts.right(row)
+    return Outcome(
+        good,
+        bool(whole_verdicts.false_certainties(row)),
+        sum(found),
+        len(found),
+        _regret(row["fresh"], row["closest"]),
+    )
+
+
+def _arm(row: Row) -> Outcome:
+    known = {name: one for name, one in row["joints"].items() if "named" in one}
+    wrong = [one for one in known.values() if one["outcome"] == "wrong"]
+    false = any(one["certain"] for one in wrong) or any(joints.faults_of(row, j) for j in known)
+    sound = row["kind"] in ("clean", "still")
+    said = any(one["said"] for one in known.values())
+    return Outcome(
+        not wrong if sound else said,
+        false,
+        sum(one["held"] for one in known.values()),
+        sum(one["bounded"] for one in known.values()),
+    )
+
+
+STUDIES: Mapping[str, Study] = {
+    "travels": Study(count=200, judge=travel_truth.judge, outcome=_travel),
+    "tables": Study(
+        count=40,
+        judge=lambda seed, number: friction_tables.judged(number, seed, 0.02),
+        outcome=_table,
+    ),
+    "axes": Study(
+        count=40,
+        judge=lambda seed, number: closed_loop_axes.judge(
+            seed, number, candidates=(), route=closed_loop_axes.CHOSEN
+        ),
+        outcome=_axis,
+    ),
+    "force maps": Study(
+        count=30, judge=lambda seed, number: force_maps.judged(number, seed), outcome=_whole
+    ),
+    "faults": Study(
+        count=len(faults.FAULTS),
+        judge=lambda seed, number: faults.judge([*faults.FAULTS][number], seed, "select"),
+        outcome=_whole,
+    ),
+    "structures": Study(
+        count=len(STRUCTURES),
+        judge=lambda seed, number: structures.told(STRUCTURES[number], seed=seed),
+        outcome=_whole,
+    ),
+    "joints": Study(
+        count=len(joints.CASES),
+        judge=lambda seed, number: joints.judged(*joints.CASES[number], number, seed),
+        outcome=_arm,
+    ),
+}
+
+
+def numbers(count: int, part: float) -> list[int]:
+    """Return the rigs of a part of a study, spread over it and over what repeats in it.
+
+    Examples
+    --------
+    >>> numbers(40, 0.1)
+    [0, 1, 14, 27]
+    """
+    step = round(GOLDEN * count) or 1
+    while math.gcd(step, count) > 1:
+        step += 1
+    return sorted(i * step % count for i in range(max(1, round(part * count))))
+
+
+def judged(name: str, seed: int, number: int) -> dict[str, Any]:
+    """Return the row of a rig; what fails is a row too."""
+    try:
+        row = STUDIES[name].judge(seed, number)
+    except Exception as error:  # one rig of hundreds must not end a campaign
+        row = {"refused": f"{type(error).__name__}: {error}"}
+    return row | {"study": name, "campaign": [seed, number]}
+
+
+def tabulated(rows: Sequence[Row]) -> pd.DataFrame:
+    """Return a line for each study."""
+    lines = []
+    for name, study in STUDIES.items():
+        own = [row for row in rows if row["study"] == name]
+        known = [row for row in own if not ("refused" in row or "failed" in row)]
+        if not own:
+            continue
+        found = [study.outcome(row) for row in known]
+        bounded = sum(one.bounded for one in found)
+        regrets = [one.regret for one in found if math.isfinite(one.regret)]
+        seconds = [row.get("processor", row.get("seconds", math.nan)) for row in known]
+        lines.append(
+            {
+                "study": name,
+                "rigs": len(own),
+                "refused": len(own) - len(known),
+                "right or equal": sum(one.right for one in found),
+                "false certainties": sum(one.false for one in found),
+                "intervals": bounded,
+                "coverage, %": 100.0 * sum(one.held for one in found) / max(bounded, 1),
+                "regret, median": float(np.median(regrets)) if regrets else math.nan,
+                "processor time, median s": float(np.median(seconds)) if seconds else math.nan,
+            }
+        )
+    return pd.DataFrame(lines)
+
+
+def run(
+    folder: Path, seed: int, part: float, only: Sequence[str], count: int, address: str | None
+) -> pd.DataFrame:
+    """Judge the rigs that a folder does not hold yet; write and return the table."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "rows.jsonl"
+    wanted = [(name, seed, n) for name in only for n in numbers(STUDIES[name].count, part)]
+    known = {(row["study"], *row["campaign"]): row for row in stored(path)}
+    tasks = [one for one in wanted if one not in known]
+    if path.exists() and not path.read_bytes().endswith(b"\n"):
+        with path.open("a", encoding="utf-8") as file:
+            file.write("\n")
+
+    def keep(row: dict[str, Any]) -> bool:
+        key = (row["study"], *row["campaign"])
+        with path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row) + "\n")
+        known[key] = row
+        done = sum(one in known for one in wanted)
+        said = row.get("refused") or row.get("failed") or STUDIES[key[0]].outcome(row)
+        print(f"{done} of {len(wanted)}: {key[0]} {key[2]}: {said}", flush=True)
+        return True
+
+    with workers(count, address) as executor:
+        if executor is None:
+            for task in tasks:
+                keep(judged(*task))
+        else:
+            spread(judged, tasks, keep, executor)
+    table = tabulated([known[one] for one in wanted])
+    table.to_csv(folder / "studies.csv", index=False)
+    return table
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run as the command line says."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.studies")
+    parser.add_argument("-o", "--output", type=Path, default=Path("studies"))
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--share", type=float, default=1.0, help="share of the rigs of each study")
+    parser.add_argument("--only", nargs="+", choices=STUDIES, default=[*STUDIES])
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--executor", metavar="dask://HOST:PORT")
+    given = parser.parse_args(arguments)
+    table = run(given.output, given.seed, given.share, given.only, given.workers, given.executor)
+    print(table.to_string(index=False, float_format="%.3g"))
+
+
+if __name__ == "__main__":
+    main()
