@@ -44,6 +44,7 @@ from stickslip import (
 )
 from stickslip.control import closed_loop
 from stickslip.errors import StickslipError
+from stickslip.friction import bound
 from stickslip.identification import RecordFit, RecordSettings, fit_record
 from stickslip.kinds import (
     RecordVerdict,
@@ -329,11 +330,14 @@ def _friction(law: FrictionLaw, motion: Motion) -> Array:
     from stickslip.identification.estimation.bristle_integration import Path, follow
 
     t, v = motion.time, motion.velocity
+    known = {name: {"position": motion.position}[name] for name in law.inputs}
+    told = bound(law, known) if known else law
     if not law.states:
-        return np.asarray(law.force(v, 1.0))  # type: ignore[attr-defined]
-    path = Path(time=t, velocity=v, load=np.ones_like(t), travel=np.diff(motion.position))
+        return np.asarray(told.force(v, 1.0))
+    travel = np.diff(motion.position)
+    path = Path(time=t, velocity=v, load=np.ones_like(t), travel=travel, inputs=known)
     states = follow(law, path, np.zeros((len(law.states), 1)))[..., 0]
-    return np.asarray(law.force(v, 1.0, tuple(states)))
+    return np.asarray(told.force(v, 1.0, tuple(states)))
 
 
 def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Motion) -> float:
