@@ -107,7 +107,7 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
 
 def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
-    with pytest.raises(InputError, match="acts against the motion") as caught:
+    with pytest.raises(InputError, match="96 % of the force") as caught:
         fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"], settings=QUICK)
     assert "Warnings of the data check: " in str(caught.value)
     assert "the sensor is at the end of its range" in str(caught.value)
@@ -286,3 +286,22 @@ def test_friction_against_the_pull_is_refused():
         InputError, match=r"mean coefficient of friction is −0\.6 and must be above"
     ):
         fit(machine, "rate-and-state", record)
+
+
+def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
+    """Its deflection looks like a negative inertia, which leaves most of the force."""
+    time = np.arange(5000) / 500
+    parts = ((1.0, 0.2), (0.1, 1.0), (0.01, 5.0))
+    position = 1e-4 * sum(a * np.sin(2.0 * np.pi * f * time + f) for a, f in parts)
+    record = Measurement(time=time, position=position, force=1e5 * position)
+    axis = Axis(inertia=5.0)
+    assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
+    with pytest.raises(InputError, match="which therefore says nothing") as caught:
+        fit(
+            axis,
+            CoulombViscous,
+            record,
+            vary=["friction.*", "mechanism.inertia"],
+            settings=QUICK,
+        )
+    assert "Check its sign" not in str(caught.value)

@@ -101,6 +101,7 @@ INSIDE = {
     "model_errors": "terms.findings",
     "names_of": "validation",
     "noise_floor": "residuals.trends",
+    "noise_left": "terms.findings",
     "positions_of": "records.refits",
     "quantities_read": "travel_model",
     "reads_as_forces": "records.level_units",

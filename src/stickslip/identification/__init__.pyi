@@ -93,6 +93,7 @@ from stickslip.identification.terms.findings import asked_of as asked_of
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import mass_held as mass_held
 from stickslip.identification.terms.findings import model_errors as model_errors
+from stickslip.identification.terms.findings import noise_left as noise_left
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel
 from stickslip.identification.travel_model import Trial as Trial

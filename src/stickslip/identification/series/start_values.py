@@ -42,6 +42,9 @@ GUESSED = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "s
 record covers: the speeds, the stroke, the level."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
+UNEXPLAINED = 0.8
+"""Share of the force that a regression leaves above which its signs accuse no channel. A force
+recorded with the wrong sign fits as well as with the right one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +128,13 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
         raise InputError(
             "no drive was given, and friction alone cannot cause this motion: linear regression"
             f" gives {said}. Give the force if there was one; only a free decay needs none."
+        )
+    if found.relative_error > UNEXPLAINED:
+        raise InputError(
+            f"inertia and sliding friction leave {100.0 * found.relative_error:.0f} % of the force:"
+            f" linear regression gives {said}, which therefore says nothing. Friction may hold the"
+            " body for most of the record, so that it moves by deflection only, or another force"
+            " acts. Record moves in which the body slides; check the meaning of each column."
         )
     raise InputError(
         f"the force acts against the motion that it should cause: linear regression gives {said}."

@@ -234,7 +234,7 @@ def model_errors(
     far = _fitted_outliers(found.balance, measurement)
     others = any(one.taken is not None for one in found.balance.series)
     error = partial(_error, measurement=measurement, hold=hold, response=response)
-    if found.left > HOLDS and found.best.rms > WHITE * _noise(found):
+    if found.left > HOLDS and found.best.rms > WHITE * noise_left(found):
         group = [_any_of(one) for one in found.faults if one.kinds[0] in LATE_OR_ELASTIC]
         larger = [error(one, of_mechanism=False) for one in group if one.size > found.best.rms]
         return (*larger, _unexplained(found, measurement), *far)
@@ -443,7 +443,7 @@ def _either(finding: str, late: float, cure: str = "") -> ModelError:
     )
 
 
-def _noise(found: Explanation) -> float:
+def noise_left(found: Explanation) -> float:
     """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
     balance = found.balance
     force = max(
@@ -492,7 +492,7 @@ def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
 
 def _partly(found: Explanation, measurement: Measurement) -> ModelError | None:
     """Return that a part of the friction is left that is no noise and no law explains, if so."""
-    noise = _noise(found)
+    noise = noise_left(found)
     if found.left <= PARTLY or found.best.rms <= FAR * noise:
         return None
     force = quantity(found.best.rms, measurement.unit("force"))

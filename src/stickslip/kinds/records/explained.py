@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
+from stickslip.errors import ParameterError
 from stickslip.evidence import TERMS, Fit, Structure
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
@@ -13,10 +14,12 @@ from stickslip.identification import (
     Asked,
     FittedLaw,
     ModelError,
+    RecordFit,
     RecordSettings,
     asked_of,
     errors_of,
     model_errors,
+    noise_left,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import (
@@ -40,6 +43,15 @@ ONE_MEMORY = "dahl-exponent"
 """Law whose exponent two memories may stand for."""
 ELASTIC = "elasto-plastic"
 """Law with a bristle that stands beside one that does not yield below break-away."""
+RELATIVES = ("gms", ELASTIC)
+"""Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
+leaves more than noise."""
+WHITE = 1.5
+"""Force that the closest law leaves over the noise of the sensors from which it is more."""
+RATE = 100.0
+"""Rate [1/s] at which an element or a bristle comes to its level where a search begins."""
+STATIC = 1.3
+"""Static over kinetic level where a search begins from a law without a static one."""
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
@@ -100,6 +112,34 @@ class Explained:
         }
         return {name: one for name, one in named.items() if one} | {**self.starts}
 
+    def relative(self, fits: Sequence[RecordFit]) -> tuple[CandidateSpec, FittedLaw] | None:
+        """Return the next law that no structure is, begun from the closest law with a bristle.
+
+        None where that leaves no more than noise, or where motion is simulated: along the measured
+        one a fit of theirs takes seconds, and there minutes.
+        """
+        closest = min(fits, key=lambda one: one.rms, default=None)
+        tried = {one.law.name for one in fits}
+        name = next((one for one in RELATIVES if one not in tried), None)
+        if closest is None or name is None or closest.problem.simulates or not closest.law.states:
+            return None
+        several = len(closest.law.states) > 1 and closest.law.name not in RELATIVES
+        if not several and closest.rms <= WHITE * noise_left(self.asked.explanation):
+            return None
+        spec = specification(name)
+        assert isinstance(spec.law, type)
+        own = begun_from(spec.law, closest.law)
+        if own is None:
+            return None
+        beside = {
+            path: value
+            for path, value in closest.fitted_law.values.items()
+            if not path.startswith("friction.")
+        }
+        values = {f"friction.{name}": getattr(own, name) for name in spec.law.fit_order}
+        start = FittedLaw(law=own, values=beside | values, cost=math.inf, rows=0)
+        return replace(spec, law=own), start
+
     def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
         """Whether the force balance tells a law from that of the best structure.
 
@@ -124,6 +164,35 @@ class Explained:
         if not (law.states and left < CLEARER * self.asked.explanation.best.rms):
             return found
         return tuple(one for one in found if one.kind not in ("law", "unexplained"))
+
+
+def begun_from(kind: type[FrictionLaw], law: FrictionLaw) -> FrictionLaw | None:
+    """Return a law with a bristle with the values of another one; None if it has no level of it.
+
+    Of levels and slopes by direction it begins with the means.
+    """
+
+    def value(name: str) -> float | None:
+        own = [getattr(law, f"{side}{name}", None) for side in ("", "forward_", "backward_")]
+        known = [float(one) for one in own if one is not None]
+        return sum(known) / len(known) if known else None
+
+    level, stiffness = value("kinetic_coefficient"), value("bristle_stiffness")
+    if not level or not stiffness:
+        return None
+    begun = {
+        "static_coefficient": STATIC * level,
+        "stribeck_velocity": level / stiffness * RATE,
+        "attraction": RATE * level,
+        "bristle_damping": stiffness / RATE,
+        "elastic_share": 0.5,
+        "viscous_coefficient": 0.0,
+    }
+    values = begun | {name: x for name in kind.fit_order if (x := value(name)) is not None}
+    try:
+        return kind(**{name: x for name, x in values.items() if name in kind.fit_order})
+    except ParameterError:
+        return None
 
 
 def explained(

@@ -204,6 +204,8 @@ def select_records(
         usual=usual,
         starts=asked.starts_of(chosen, parameters.unknown) if asked else {},
     )
+    if asked and laws is None:
+        found = _with_relatives(fitted, found, asked, progress)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         plan, judged, without = judged_of(
             fitted,
@@ -315,6 +317,20 @@ def _tried(
         for one in others.tried
     ]
     return by(choice.alternative, why), replace(others, tried=tuple(tried))
+
+
+def _with_relatives(
+    fitted: Callable[..., RecordCandidate], found: Climbed, asked: Explained, watch: Watch | None
+) -> Climbed:
+    """Return candidates with laws that no structure is, where the others leave more than noise."""
+    while True:
+        fits = [one.fit for one in found.tried if one.fit]
+        new = asked.relative(fits)
+        if new is None or new[0].name in {spec.name for spec in found.specs}:
+            return found
+        rival = min(fits, key=lambda one: one.rms).fitted_law
+        one = fitted(new[0], [new[1]], rival.cost / rival.rows, watch)
+        found = replace(found, specs=(*found.specs, new[0]), tried=(*found.tried, one))
 
 
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
