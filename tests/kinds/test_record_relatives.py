@@ -1,11 +1,14 @@
 """Laws with a bristle that the force balance does not compose are compared too."""
 
+from dataclasses import dataclass
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
-from stickslip import GMS, Axis, ElastoPlastic, LuGre, select
-from stickslip.kinds.records.explained import begun_from
+from stickslip import GMS, Axis, Coulomb, ElastoPlastic, LuGre, select
+from stickslip.kinds.records.explained import Explained, begun_from
 
 MAXWELL_SLIP = GMS(
     kinetic_coefficient=6.0,
@@ -40,6 +43,28 @@ def test_generalised_maxwell_slip_is_named_or_doubted():
     hedged = verdict.model_errors or verdict.best is None or verdict.best.doubt
     # the record may not tell the viscous slope: GMS without it is named then
     assert named.startswith("gms") or hedged or "gms" in verdict.equals
+    if verdict.closest.name == "gms":  # what other structures lack is no fault of the rig
+        assert not verdict.model_errors
+
+
+@dataclass
+class Best:
+    """Stands for the best structure of a balance."""
+
+    rms: float
+
+
+def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
+    asked = SimpleNamespace(asked=SimpleNamespace(explanation=SimpleNamespace(best=Best(rms=1.0))))
+
+    def found(law, rms, simulates=False):
+        return SimpleNamespace(law=law, rms=rms, problem=SimpleNamespace(simulates=simulates))
+
+    needs_none = Explained.needs_no_fault
+    assert needs_none(asked, found(MAXWELL_SLIP, 0.9))
+    assert not needs_none(asked, found(MAXWELL_SLIP, 1.1))
+    assert not needs_none(asked, found(MAXWELL_SLIP, 0.9, simulates=True))
+    assert not needs_none(asked, found(Coulomb(kinetic_coefficient=1.0), 0.9))
 
 
 def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():

@@ -279,25 +279,6 @@ class FrictionLaw(Parametrised, ABC):
         """
         return ()
 
-    def rates_along(
-        self, velocity: Scalar, load: Scalar
-    ) -> Callable[[tuple[Scalar, ...]], tuple[Scalar, ...]]:
-        """Return `rates` as a function of the states alone, for many of them at one velocity.
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        load : float or array
-            Normal force [N].
-
-        Returns
-        -------
-        callable
-            Gives the rates for a tuple of states.
-        """
-        return functools.partial(self.rates, velocity, load)
-
     def moved(
         self,
         velocity: Scalar,  # noqa: ARG002

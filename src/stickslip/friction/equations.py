@@ -157,15 +157,6 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         slip, choose, g = at(self, velocity)
         return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
 
-    def rates_along(
-        self: Any,
-        velocity: Scalar,
-        load: Scalar,  # noqa: ARG001
-    ) -> Callable[[tuple[Scalar, ...]], tuple[Scalar, ...]]:
-        slip, choose, g = at(self, velocity)  # the level costs more than the rates
-        p = leaf.told(self, slip, choose)[0]
-        return lambda states: memory.rates(p, slip, states, g)
-
     def moved(
         self: Any,
         velocity: Scalar,
@@ -187,7 +178,6 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         "states": names,
         "force": force,
         "rates": rates,
-        "rates_along": rates_along,
         "moved": moved,
         "steady": steady,
         "break_away": break_away,

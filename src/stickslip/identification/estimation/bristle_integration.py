@@ -119,31 +119,18 @@ def follow(
     starts = np.repeat(start[:, None, :], chunks, axis=1)
     if guess is not None:
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
-    flags: Array = np.zeros((0, chunks, copies), dtype=bool)
-    states, slopes = np.empty((steps + 1, *starts.shape)), np.empty_like(starts)
-    after = flags
-    rows: Any = np.arange(chunks)  # chunks to integrate: later ones where their start has changed
     # each sweep settles one more joint, whatever the slopes
+    flags: Array = np.zeros((0, chunks, copies), dtype=bool)
     for _ in range(min(chunks, SWEEPS)):
-        own = tuple(one[:, rows] for one in motion)
-        states[:, :, rows], slopes[:, rows], ends = _swept(
-            law, own, starts[:, rows], tuple(inputs), flags[:, rows]
-        )
-        after = after if len(after) == len(ends) else np.zeros((len(ends), chunks, copies), bool)
-        after[:, rows] = ends
-        gaps = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=0)
+        states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
+        gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         passed = np.concatenate([np.zeros_like(after[:, :1]), after[:, :-1]], axis=1)
-        turned = (passed != (flags if len(flags) else False)).any(axis=0)
-        apart = ~(np.max(gaps, axis=0, initial=0.0) <= mismatch * size) | turned.any(axis=0)
-        left = apart & np.isfinite(size)
-        if not left.any():
+        apart = ~(gap <= mismatch * size)
+        apart |= (passed != (flags if len(flags) else False)).any(axis=(0, 1))
+        if not (apart & np.isfinite(size)).any():
             break
-        joined, flags = _joined(starts, states[-1], slopes), passed
-        changed = turned | ~(np.max(np.abs(joined - starts), axis=0) <= mismatch * size)
-        changed[1:] |= ~(gaps <= mismatch * size)
-        rows = np.flatnonzero((changed & left).any(axis=1))
-        starts[:, rows] = joined[:, rows]
+        starts, flags = _joined(starts, states[-1], slopes), passed
     states[..., apart] = np.nan
     inside = states[1:].transpose(1, 2, 0, 3).reshape(bristles, -1, copies)
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
@@ -308,10 +295,8 @@ def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
 
 
 def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:
-    along = law.rates_along(v, n)
-
     def rates(z: Array) -> Array:
-        found = along(tuple(z))
+        found = law.rates(v, n, tuple(z))
         if len(found) == 1 and np.shape(found[0]) == z.shape[1:]:
             return np.asarray(found[0])[np.newaxis]
         return np.stack([np.broadcast_to(part, z.shape[1:]) for part in found])

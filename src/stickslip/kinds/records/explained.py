@@ -140,6 +140,14 @@ class Explained:
         start = FittedLaw(law=own, values=beside | values, cost=math.inf, rows=0)
         return replace(spec, law=own), start
 
+    def needs_no_fault(self, found: RecordFit) -> bool:
+        """Whether a law that no structure is leaves no more force than the best with its faults.
+
+        What the balance says of rig and record then stands for what its laws lack.
+        """
+        known = found.law.name in RELATIVES and not found.problem.simulates
+        return known and found.rms <= self.asked.explanation.best.rms
+
     def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
         """Whether the force balance tells a law from that of the best structure.
 
