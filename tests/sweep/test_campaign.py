@@ -212,6 +212,9 @@ def test_a_folder_holds_one_campaign(tmp_path):
     for replace in (False, True):
         with pytest.raises(InputError, match="holds other files"):
             asked().run(tmp_path / "other", replace=replace)
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(InputError, match="is a file, but a folder is needed"):
+        asked().run(tmp_path / "file")
     (tmp_path / "own/manifest.json").write_text("{")
     with pytest.raises(InputError, match=r"manifest\.json cannot be read"):
         asked().run(tmp_path / "own")

@@ -178,16 +178,16 @@ def _show(
     for case in cases:
         console.print(printable(case), markup=False)
     console.print(
-        f"{count(len(found), 'run')}, {found.certified} certified, in"
+        f"{count(len(found), 'run')}, {found.certified:,} certified, in"
         f" {count(len(found.parts), 'file')}"
         f" ({_size(found.size)}).",
         markup=False,
     )
     for name, runs in found.status.items():
-        console.print(f"  {name}: {runs}", markup=False)
+        console.print(f"  {name}: {runs:,}", markup=False)
     if found.made:
         console.print(
-            f"{found.made} runs were made in {quantity(took, 's')}, {found.made / took:.0f} a"
+            f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
             " second.",
             markup=False,
         )

@@ -480,6 +480,8 @@ class _Ledger:
             "cases": [dict(case.labels) for case in campaign.cases],
         }
         self.known: dict[str, _Finished] = {}
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder} is a file, but a folder is needed: choose another name.")
         before = self._manifest()
         if before is not None and before.get("campaign") != campaign.digest:
             if not replace:
