@@ -44,7 +44,7 @@ def dask(workers: int, *, processes: bool) -> Iterator[Executor]:
     """Yield the executor of a cluster on this machine."""
     from distributed import Client, LocalCluster
 
-    options = {"threads_per_worker": 1, "dashboard_address": None, "processes": processes}
+    options = {"threads_per_worker": 1, "dashboard_address": ":0", "processes": processes}
     options["memory_limit"] = 0
     with LocalCluster(n_workers=workers, **options) as cluster, Client(cluster) as client:
         yield client.get_executor()

@@ -73,6 +73,7 @@ def test_a_campaign_is_made_once(called, here):
     assert code == 0
     assert "200 runs, 200 certified, in 6 files" in shown
     table = pd.read_parquet(here / "stickslip-campaign/runs")
+    assert {*table.columns[:2]} == {"law", "run"}
     assert len(table) == 200
     assert set(table["law"]) == {"coulomb", "stribeck"}
     assert table["mechanism.compression"].between(0.05, 0.1).all()
@@ -88,7 +89,7 @@ def test_a_dry_run_writes_nothing(called, here):
     code, shown, _ = called("sweep", "campaign.toml", "--dry-run", "--workers", "4")
     assert code == 0
     assert "200 runs in 6 files" in shown
-    assert "on 4 workers" in shown
+    assert "on 4 cores" in shown
     assert not (here / "stickslip-campaign").exists()
 
 
@@ -121,6 +122,12 @@ def test_indices_stand_beside_the_runs(called, here):
         ("{final =", "{last =", "travel in [outputs] of campaign.toml needs one of final"),
         ('"10 ms"', '"10 mm"', "mm"),
         ('{event-times = "stop"}', '{event-times = "halt"}', "halt"),
+        ('rigs = "block.toml"', "rigs = {}", "rigs must be a file or a name"),
+        ('times = "kinetic_coefficient"', "times = 3", "times must be the path of a factor, got 3"),
+        ("low = 0.1,", "low = [0.1],", "low"),
+        ("low = 0.1,", 'log = "yes", low = 0.1,', "log must be a bool"),
+        ('["0.1 s", 0.2]', '"3 s"', "times must be a list"),
+        ("travel =", "run =", "'run' is a column of a campaign already"),
         ("[factors]", "[outputs.x]", "[factors] of campaign.toml is missing"),
     ],
 )
@@ -167,7 +174,7 @@ def test_a_cluster_takes_the_runs(called, here):
 
     whole = called("sweep", "campaign.toml", "-o", "here")
     with LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, protocol="tcp"
+        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0", protocol="tcp"
     ) as cluster:
         address = cluster.scheduler_address.replace("tcp://", "dask://")
         code, _, told = called("sweep", "campaign.toml", "-o", "far", "--executor", address)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from stickslip.errors import InputError
 from stickslip.executors import Inline
 from stickslip.outputs import EventTimes, Final, Max
 from stickslip.sweep import Campaign, Case, Design, Levels, Normal, Uniform, campaign
+from stickslip.sweep.sensitivity_indices import indices_of
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -141,16 +143,16 @@ def test_files_have_units_and_are_read_by_other_libraries(tmp_path):
     field = pq.read_schema(tmp_path / "runs" / found.parts[0].file).field("x")
     assert field.metadata == {b"unit": b"m"}
     table = pd.read_parquet(tmp_path / "runs/runs", columns=["x", "block"])
-    assert table["block"].astype(str).value_counts().to_dict() == {"light": 50, "a/b": 50}
+    assert table["block"].value_counts().to_dict() == {"01": 50, "a/b": 50}
     query = f"select count(*), sum(x) from '{tmp_path}/runs/runs/*/*.parquet'"
     count, total = duckdb.sql(query).fetchall()[0]
     assert (count, total) == (100, pytest.approx(table["x"].sum(), rel=1e-12))
-    assert found.to_dataframe(["block"])["block"].tolist() == ["a/b"] * 50 + ["light"] * 50
+    assert found.to_dataframe(["block"])["block"].tolist() == ["01"] * 50 + ["a/b"] * 50
 
 
 def cases():
     """Return two cases with names that no folder may have as they are."""
-    names = {"a/b": BLOCK, "light": SpringBlock(mass=0.5, stiffness=100.0, compression=0.1)}
+    names = {"a/b": BLOCK, "01": SpringBlock(mass=0.5, stiffness=100.0, compression=0.1)}
     return tuple(
         Case(mechanism=one, law=LAW, t_end=10.0, labels={"block": name})
         for name, one in names.items()
@@ -209,15 +211,74 @@ def test_a_folder_holds_one_campaign(tmp_path):
     assert files(found.folder) == files(asked(seed=1).run(tmp_path / "new").folder)
     (tmp_path / "other").mkdir()
     (tmp_path / "other/thesis.tex").write_text("mine")
-    for replace in (False, True):
+    for over in (False, True):
         with pytest.raises(InputError, match="holds other files"):
-            asked().run(tmp_path / "other", replace=replace)
+            asked().run(tmp_path / "other", replace=over)
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="is a file, but a folder is needed"):
         asked().run(tmp_path / "file")
+    mine = tmp_path / "web/runs/thesis.txt"
+    mine.parent.mkdir(parents=True)
+    mine.write_text("precious")
+    (tmp_path / "web/manifest.json").write_text('{"name": "my app"}')
+    for over in (False, True):
+        with pytest.raises(InputError, match="is of no campaign"):
+            asked().run(tmp_path / "web", replace=over)
+    assert mine.read_text() == "precious"
     (tmp_path / "own/manifest.json").write_text("{")
     with pytest.raises(InputError, match=r"manifest\.json cannot be read"):
         asked().run(tmp_path / "own")
+
+
+def test_entries_that_are_not_whole_are_made_again(tmp_path):
+    folder = asked().run(tmp_path / "own").folder
+    whole = files(folder)
+    told = json.loads((folder / "manifest.json").read_text())
+    del told["parts"][0]["rows"]
+    told["parts"][1]["file"] = "../other"
+    (folder / "manifest.json").write_text(json.dumps(told))
+    assert asked().run(folder).made == 16
+    assert files(folder) == whole
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks of files")
+def test_two_campaigns_at_once_in_a_folder_are_refused(tmp_path):
+    def second(done, total):
+        with pytest.raises(InputError, match="another process is running"):
+            asked().run(tmp_path / "own")
+        return True
+
+    assert asked().run(tmp_path / "own", progress=second).complete
+    assert asked().run(tmp_path / "own").made == 0
+
+
+def test_what_results_depend_on_is_told_apart():
+    known = asked().digest
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1 + 1e-17)
+    assert asked().digest == known
+    close = np.nextafter(block.compression, 1.0)
+    for changes in (
+        {"seed": 1},
+        {"outputs": {**OUTPUTS, "travel": Final("v")}},
+        {"part": 9},
+        {"cases": (Case(mechanism=BLOCK, law=LAW, t_end=10.0, y0={"v": 1e-300}),)},
+        {"cases": (Case(mechanism=replace(block, compression=close), law=LAW, t_end=10.0),)},
+    ):
+        assert asked(**changes).digest != known
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"outputs": {"run": Final("x")}}, "'run' is a column"),
+        ({"outputs": {"block": Final("x")}, "cases": "two"}, "'block' is a column"),
+    ],
+)
+def test_columns_have_names_of_their_own(changes, said):
+    if "cases" in changes:
+        changes = changes | {"cases": cases()}
+    with pytest.raises(InputError, match=said):
+        asked(**changes)
 
 
 @pytest.mark.parametrize(
@@ -278,7 +339,7 @@ def test_a_worker_of_dask_that_is_killed_changes_nothing(tmp_path):
     whole = files(asked(**runs).run(tmp_path / "whole").folder)
     killed = []
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
         Client(cluster) as client,
     ):
         workers = [*client.run(os.getpid).values()]
@@ -328,6 +389,18 @@ def test_sobol_indices_are_the_shares_of_the_variance(tmp_path):
     assert found.sentence == "Sobol indices of x from 1024 base points."
 
 
+def test_sobol_indices_of_a_published_function():
+    """Ishigami and Homma 1990, with a = 7 and b = 0.1."""
+    factors = {name: Uniform(low=-np.pi, high=np.pi) for name in "abc"}
+    design = Design(factors=factors, kind="saltelli", runs=5 * 4096, seed=1)
+    rows = design.rows(0, len(design))
+    own = np.sin(rows["a"])
+    values = own + 7 * np.sin(rows["b"]) ** 2 + 0.1 * rows["c"] ** 4 * own
+    found = indices_of(design, "y", "1", values)
+    np.testing.assert_allclose(found.indices["first"], [0.3139, 0.4424, 0.0], atol=0.01)
+    np.testing.assert_allclose(found.indices["total"], [0.5576, 0.4424, 0.2437], atol=0.01)
+
+
 def test_morris_indices_of_what_adds_up_are_its_changes(tmp_path):
     found = slid("morris", 300, tmp_path / "runs")
     assert found.indices["mu_star"][0] == pytest.approx(0.5, rel=1e-9)
@@ -358,5 +431,5 @@ def test_the_manifest_lists_what_is_there(tmp_path):
     assert told["schema"] == "stickslip/campaign/1"
     assert told["runs"] == 50
     assert {one["file"]: one["sha256"] for one in told["parts"]} == {
-        name: digest for name, digest in files(found.folder).items() if name != "manifest.json"
+        name: digest for name, digest in files(found.folder).items() if name.startswith("runs/")
     }

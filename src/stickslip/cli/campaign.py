@@ -16,6 +16,7 @@ from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.executors import Inline
 from stickslip.experiments import parse, read_bytes, read_number
 from stickslip.formatting import count, number, printable, quantity
 from stickslip.quantities import Quantity, full_path, parameters
@@ -93,7 +94,8 @@ def run(
             bar(done, total)
             return not interrupts.stopped
 
-        found = asked.run(folder, executor=pool, progress=progress, replace=force)
+        one = Inline() if at_once == 1 else None
+        found = asked.run(folder, executor=pool or one, progress=progress, replace=force)
     took = time.perf_counter() - begun
     if not found.complete:
         note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
@@ -162,7 +164,7 @@ def _show_estimate(
         console.print(printable(case), markup=False)
     console.print(
         f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
-        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'worker')}.",
+        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these.",
         markup=False,
     )
 
@@ -256,7 +258,7 @@ def _named(raw: Mapping[str, Any], key: str, file: str) -> dict[str, str]:
         given = {Path(one).stem if one.endswith(".toml") else one: one for one in given}
         if len(given) < len(raw[key]) and not isinstance(raw[key], str):
             raise InputError(f'{file}: {key} have equal names: give them as a = "...", b = "...".')
-    if not isinstance(given, dict) or not all(isinstance(one, str) for one in given.values()):
+    if not (given and isinstance(given, dict) and all(isinstance(x, str) for x in given.values())):
         raise InputError(
             f"{file}: {key} must be a file or a name, a list of them, or a table of them, got"
             f" {given!r}."
@@ -289,24 +291,33 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             raise InputError(f"{at} needs values, or low and high, or mean and sd.")
         fields = {one.name for one in dataclasses.fields(kind)}
         _known(own, fields, at)
+        for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
+            if key in own and not isinstance(own[key], kinds):
+                raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
+        needed = [one.name for one in dataclasses.fields(kind) if _needed(one)]
+        if lacking := [key for key in needed if key not in own]:
+            raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
             known = Quantity(known.symbol)
             own = {**own, "times": full_path(own["times"], list(units))}
-        read = {}
+        read: dict[str, Any] = {}
         for key, value in own.items():
             wanted = Quantity(known.symbol, known.unit) if key == "sd" else known
-            many = [*value] if isinstance(value, list) else [value]
-            if key not in ("number", "log", "times"):
-                many = [_number(one, wanted, f"{at}: {key}") for one in many]
-            read[key] = many if isinstance(value, list) else many[0]
+            if key in ("number", "log", "times"):
+                read[key] = value
+            elif key == "values" and isinstance(value, list):
+                read[key] = [_number(one, wanted, f"{at}: {key}") for one in value]
+            else:
+                read[key] = _number(value, wanted, f"{at}: {key}")
         try:
             found[path] = cast("Any", kind)(**read)
-        except TypeError:
-            lacking = [one.name for one in dataclasses.fields(kind) if one.name not in read]
-            raise InputError(f"{at} lacks {' or '.join(lacking)}.") from None
-        except ParameterError as error:
+        except (ParameterError, TypeError) as error:
             raise ParameterError(f"{at}: {error}") from None
     return found
+
+
+def _needed(field: "dataclasses.Field[Any]") -> bool:
+    return field.default is dataclasses.MISSING
 
 
 def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -345,6 +356,8 @@ def _outputs(table: object, file: str) -> dict[str, Output] | None:
             raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
         first, *others = [one.name for one in dataclasses.fields(cast("Any", KINDS[kind]))]
         _known(own, [kind, *others], at)
+        if "times" in own and not isinstance(own["times"], list):
+            raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
         read = {
             key: [_number(one, TIME, f"{at}: {key}") for one in value]
             if isinstance(value, list)

@@ -1,10 +1,12 @@
 """Campaigns: runs without number, on any executor, whose results are a folder of Parquet files."""
 
+import contextlib
+import dataclasses
 import hashlib
+import inspect
 import io
 import json
 import os
-import shutil
 import sys
 import time
 from collections import Counter
@@ -21,11 +23,11 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.display import Summary, text_of
-from stickslip.documents import document, json_text, unwritable, write_file
+from stickslip.documents import SCHEMA_VERSION, document, json_text, unwritable, write_file
 from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import quantity
-from stickslip.friction import Friction
+from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, check_columns
@@ -42,8 +44,14 @@ MANIFEST: Final = "manifest.json"
 JOURNAL: Final = "parts.jsonl"
 """Parts that are finished, a line each, until all of them are."""
 RUNS: Final = "runs"
+LOCK: Final = ".lock"
+OF_ALL: Final = ("sensitivity.csv", "sensitivity.svg")
+"""Files beside the runs that are made of all of them."""
+SCHEMA: Final = f"stickslip/campaign/{SCHEMA_VERSION}"
 PART: Final = 32_768
 """Runs of a file: some tenths of a second of work of a spring-block, and a megabyte."""
+RESERVED: Final = ("status", "certified")
+"""Columns that runs have of themselves, beside their number."""
 BLOCKS, BLOCK = 16, 64
 """Stretches of runs, and runs of each, by which a campaign is estimated."""
 
@@ -75,7 +83,7 @@ class Case(metaclass=Described):
     @property
     def where(self) -> str:
         """Folder of its files below that of all runs."""
-        return "/".join(f"{name}={quote(value, safe='')}" for name, value in self.labels.items())
+        return "/".join(f"{name}-{quote(value, safe='')}" for name, value in self.labels.items())
 
 
 @dataclass(frozen=True)
@@ -164,15 +172,15 @@ class CampaignRuns(Tabular):
             If there is no such column.
         """
         import pandas as pd
-        import pyarrow.dataset as ds
+        import pyarrow.parquet as pq
 
-        files = ds.dataset(self.folder / RUNS, partitioning=ds.partitioning(flavor="hive"))
         for name in columns or ():
-            if name not in files.schema.names:
-                raise UnknownNameError(f"column of {self.folder}", name, files.schema.names)
-        labels = [name for name in files.schema.names if name not in _own_columns(files)]
-        found = pd.read_parquet(self.folder / RUNS, columns=None if columns is None else [*columns])
-        return found.astype({name: str for name in labels if name in found})
+            if name not in self.columns:
+                raise UnknownNameError(f"column of {self.folder}", name, self.columns)
+        wanted = None if columns is None else [*columns]
+        tables = (pq.read_table(self.folder / one.file, columns=wanted) for one in self.parts)
+        found: pd.DataFrame = pd.concat([one.to_pandas() for one in tables], ignore_index=True)
+        return found
 
     @override
     def _column_units(self) -> Mapping[str, str]:
@@ -228,12 +236,6 @@ class CampaignRuns(Tabular):
         return Summary(sentence=f"{len(self)} runs, {self.certified} certified.", rows=rows)
 
 
-def _own_columns(files: Any) -> Sequence[str]:
-    """Return the columns that stand in the files and not in the names of their folders."""
-    names: Sequence[str] = next(files.get_fragments()).physical_schema.names
-    return names
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class Campaign(metaclass=Described):
@@ -276,6 +278,14 @@ class Campaign(metaclass=Described):
         names = {tuple(case.labels) for case in self.cases}
         if len(names) > 1 or len({case.where for case in self.cases}) < len(self.cases):
             raise InputError("cases need the same labels with different values.")
+        labels = (*self.cases[0].labels, "run")
+        taken = {*self.factors, *RESERVED, *(self.outputs or ())}
+        for name in labels:
+            if name in taken or labels.count(name) > 1:
+                raise InputError(
+                    f"{name!r} is a column of a campaign already: give the output or label another"
+                    " name."
+                )
         _ = self.whole
 
     @property
@@ -293,8 +303,21 @@ class Campaign(metaclass=Described):
         from importlib.metadata import version
 
         versions = [version(name) for name in ("stickslip", "numpy", "scipy")]
-        with np.printoptions(threshold=sys.maxsize, precision=17):
-            return hashlib.sha256(repr((self, versions)).encode()).hexdigest()
+        own = {
+            type(one)
+            for case in self.cases
+            for one in (case.mechanism, *_laws(case.law))
+            if not type(one).__module__.startswith("stickslip.")
+        }
+        code = sorted(f"{one.__qualname__} {_source(one)}" for one in own)
+        with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+            text = repr((self, versions, code))
+        if " at 0x" in text:
+            raise InputError(
+                "a campaign cannot tell whether its runs are the same when it goes on: give its"
+                " mechanisms and laws a repr without addresses, as dataclasses have."
+            )
+        return hashlib.sha256(text.encode()).hexdigest()
 
     def run(
         self,
@@ -345,10 +368,11 @@ class Campaign(metaclass=Described):
         if progress is not None:
             progress(there, total)
         missing = (task for task in self._tasks() if task[0] not in ledger.known)
-        complete = spread(_made, missing, keep, executor)
-        parts = tuple(ledger.known[name] for name in sorted(ledger.known))
-        if complete:
-            ledger.finish(parts)
+        with ledger.lock:
+            complete = spread(_made, missing, keep, executor)
+            parts = tuple(ledger.known[name] for name in sorted(ledger.known))
+            if complete:
+                ledger.finish(parts)
         return CampaignRuns(
             folder=Path(folder),
             design=self.whole,
@@ -414,6 +438,21 @@ class Campaign(metaclass=Described):
         return units
 
 
+def _laws(law: Friction) -> Sequence[object]:
+    """Return the laws of all contacts."""
+    if isinstance(law, Laws):
+        return [one for _, one in law.members]
+    return [*law.values()] if isinstance(law, Mapping) else [law]
+
+
+def _source(kind: type) -> str:
+    """Return the code of a class, empty where there is none to read."""
+    try:
+        return inspect.getsource(kind)
+    except (OSError, TypeError):
+        return ""
+
+
 def _told(case: Case, start: int) -> str:
     """Return which case an error is of, and from which run on its runs are counted."""
     at = ", ".join(f"{name} {value}" for name, value in case.labels.items())
@@ -443,7 +482,9 @@ def _made(
 
     runs = _runs(case, campaign, start, stop)
     frame = runs.to_dataframe()
-    frame.insert(0, "run", np.arange(start, stop))
+    for place, (label, value) in enumerate(case.labels.items()):
+        frame.insert(place, label, value)
+    frame.insert(len(case.labels), "run", np.arange(start, stop))
     table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(None)
     for place, name_of in enumerate(table.column_names):
         unit = runs.units.get(name_of, runs.units.get(name_of.rpartition(".")[0], ""))
@@ -483,71 +524,89 @@ class _Ledger:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"{folder} is a file, but a folder is needed: choose another name.")
         before = self._manifest()
+        if before is None and folder.exists() and {one.name for one in folder.iterdir()} - {LOCK}:
+            raise InputError(f"{folder} holds other files: choose another folder.")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self.lock = (folder / LOCK).open("a")
+        except OSError as error:
+            raise unwritable(folder, error) from error
+        self._alone()
+        listed = self._listed(before)
         if before is not None and before.get("campaign") != campaign.digest:
             if not replace:
+                self.lock.close()
                 raise InputError(
                     f"{folder} holds the runs of another campaign (other cases, factors, design,"
                     " outputs, or version): choose another folder."
                 )
-            shutil.rmtree(folder / RUNS, ignore_errors=True)
-            (folder / JOURNAL).unlink(missing_ok=True)
-            before = None
-        elif before is None and folder.exists() and any(folder.iterdir()):
-            raise InputError(f"{folder} holds other files: choose another folder.")
-        told = [*(before or {}).get("parts", []), *self._journal()] if before else []
-        for entry in told:
-            one = _Finished(**entry)
+            for name in (*(one.file for one in listed), JOURNAL, *OF_ALL):
+                (folder / name).unlink(missing_ok=True)
+            listed, before = [], None
+        for one in listed:
             if _hash_of(folder / one.file) == one.sha256:
                 self.known[one.file] = one
         self.rows = sum(one.rows for one in self.known.values())
         if before is None or self.rows < len(campaign):
-            self._write(folder / MANIFEST, json_text(document("campaign", self.head)))
-            lines = "".join(f"{_line(one)}\n" for one in self.known.values())
-            self._write(folder / JOURNAL, lines)
+            write_file(folder / MANIFEST, json_text(document("campaign", self.head)))
+            write_file(folder / JOURNAL, "".join(f"{_line(x)}\n" for x in self.known.values()))
 
     def add(self, finished: _Finished, data: bytes) -> None:
         """Keep a file; it is there before it is listed."""
         write_file(self.folder / finished.file, data)
         self.known[finished.file] = finished
         self.rows += finished.rows
-        with (self.folder / JOURNAL).open("a", encoding="utf-8") as journal:
-            journal.write(f"{_line(finished)}\n")
-            journal.flush()
-            os.fsync(journal.fileno())
+        try:
+            with (self.folder / JOURNAL).open("a", encoding="utf-8") as journal:
+                journal.write(f"{_line(finished)}\n")
+                journal.flush()
+                os.fsync(journal.fileno())
+        except OSError as error:
+            raise unwritable(self.folder / JOURNAL, error) from error
 
     def finish(self, parts: Sequence[_Finished]) -> None:
         """Write the manifest of a campaign that is complete."""
         content = {**self.head, "parts": [vars(one) for one in parts]}
-        self._write(self.folder / MANIFEST, json_text(document("campaign", content)))
+        write_file(self.folder / MANIFEST, json_text(document("campaign", content)))
         (self.folder / JOURNAL).unlink(missing_ok=True)
 
+    def _alone(self) -> None:
+        """Refuse to write where another process does; the system frees what a killed one held."""
+        with contextlib.suppress(ImportError):  # Windows
+            import fcntl
+
+            try:
+                fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                self.lock.close()
+                raise InputError(
+                    f"another process is running the campaign in {self.folder}: wait for it, or"
+                    " choose another folder."
+                ) from None
+
     def _manifest(self) -> dict[str, Any] | None:
+        """Return the manifest of a campaign; None if there is none."""
+        path = self.folder / MANIFEST
         try:
-            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
+            found = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
-            raise InputError(f"{self.folder / MANIFEST} cannot be read: {error}.") from None
-        return found if isinstance(found, dict) else {}
+            raise InputError(f"{path} cannot be read: {error}.") from None
+        if not (isinstance(found, dict) and found.get("schema") == SCHEMA):
+            raise InputError(f"{path} is of no campaign: choose another folder.")
+        return found
 
-    def _journal(self) -> Iterator[dict[str, Any]]:
-        """Yield the lines of the journal; the last one may have been cut off."""
-        try:
-            lines = (self.folder / JOURNAL).read_text(encoding="utf-8").splitlines()
-        except FileNotFoundError:
-            return
-        for line in lines:
-            try:
-                yield json.loads(line)
-            except ValueError:
-                continue
-
-    def _write(self, path: Path, text: str) -> None:
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(self.folder, error) from error
-        write_file(path, text)
+    def _listed(self, manifest: Mapping[str, Any] | None) -> list[_Finished]:
+        """Return the files of the manifest and of the journal, whose last line may be cut off."""
+        told = [] if manifest is None else [*manifest.get("parts", ())]
+        with contextlib.suppress(FileNotFoundError):
+            for line in (self.folder / JOURNAL).read_text(encoding="utf-8").splitlines():
+                with contextlib.suppress(ValueError):
+                    told.append(json.loads(line))
+        names = {one.name for one in dataclasses.fields(_Finished)}
+        whole = (one for one in told if isinstance(one, dict) and one.keys() == names)
+        return [_Finished(**one) for one in whole if one["file"].startswith(f"{RUNS}/")]
 
 
 def _line(finished: _Finished) -> str:
