@@ -80,7 +80,8 @@ def run(
         raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
     asked, cases = _read(path, allow_import=allow_import)
     if dry_run:
-        _show_estimate(asked.estimate(), cases, at_once, as_json=as_json)
+        shared = 1 if executor else at_once or os.cpu_count() or 1
+        _show_estimate(asked.estimate(), cases, shared, as_json=as_json)
         return
     begun = time.perf_counter()
     with (
@@ -151,10 +152,7 @@ def _indices(
     return indices
 
 
-def _show_estimate(
-    found: Estimate, cases: Sequence[str], at_once: int | None, *, as_json: bool
-) -> None:
-    shared = at_once or os.cpu_count() or 1
+def _show_estimate(found: Estimate, cases: Sequence[str], shared: int, *, as_json: bool) -> None:
     if as_json:
         content = {**dataclasses.asdict(found), "workers": shared, "cases": [*cases]}
         print_json(document("campaign-estimate", content))

@@ -19,6 +19,7 @@ from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, check_size
+from stickslip.executors import Inline
 from stickslip.formatting import number, printable
 from stickslip.sweep import VelocityMap, average_velocity
 
@@ -61,7 +62,7 @@ def run(
             cycles=cycles,
             settle=settle,
             y0=start,
-            executor=pool,
+            executor=pool or (Inline() if count == 1 else None),
             progress=progress,
         )
     _write(found, output, figure)
