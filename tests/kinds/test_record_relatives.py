@@ -1,13 +1,12 @@
 """Laws with a bristle that the force balance does not compose are compared too."""
 
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
-from stickslip import GMS, Axis, Coulomb, ElastoPlastic, LuGre, select
+from stickslip import GMS, Axis, ElastoPlastic, LuGre, select
 from stickslip.kinds.records.explained import Explained, begun_from
 
 MAXWELL_SLIP = GMS(
@@ -47,24 +46,13 @@ def test_generalised_maxwell_slip_is_named_or_doubted():
         assert not verdict.model_errors
 
 
-@dataclass
-class Best:
-    """Stands for the best structure of a balance."""
-
-    rms: float
-
-
 def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
-    asked = SimpleNamespace(asked=SimpleNamespace(explanation=SimpleNamespace(best=Best(rms=1.0))))
-
-    def found(law, rms, simulates=False):
-        return SimpleNamespace(law=law, rms=rms, problem=SimpleNamespace(simulates=simulates))
-
-    needs_none = Explained.needs_no_fault
-    assert needs_none(asked, found(MAXWELL_SLIP, 0.9))
-    assert not needs_none(asked, found(MAXWELL_SLIP, 1.1))
-    assert not needs_none(asked, found(MAXWELL_SLIP, 0.9, simulates=True))
-    assert not needs_none(asked, found(Coulomb(kinetic_coefficient=1.0), 0.9))
+    asked = SimpleNamespace(
+        asked=SimpleNamespace(explanation=SimpleNamespace(best=SimpleNamespace(rms=1.0))),
+        errors=(SimpleNamespace(kind="force limit"),),
+    )
+    for left in (0.0, 1.0):
+        assert Explained.errors_of(asked, "gms", MAXWELL_SLIP, left) == ()
 
 
 def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():

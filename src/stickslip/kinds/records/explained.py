@@ -140,14 +140,6 @@ class Explained:
         start = FittedLaw(law=own, values=beside | values, cost=math.inf, rows=0)
         return replace(spec, law=own), start
 
-    def needs_no_fault(self, found: RecordFit) -> bool:
-        """Whether a law that no structure is leaves no more force than the best with its faults.
-
-        What the balance says of rig and record then stands for what its laws lack.
-        """
-        known = found.law.name in RELATIVES and not found.problem.simulates
-        return known and found.rms <= self.asked.explanation.best.rms
-
     def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
         """Whether the force balance tells a law from that of the best structure.
 
@@ -167,7 +159,12 @@ class Explained:
 
         Of a law with a memory whose fit leaves far less force [N] than the balance's own best
         structure, the balance has nothing to say.
+
+        A law that no structure is and that leaves no more force than the best one with its faults
+        needs none: what the balance says of rig and record stands for what its laws lack.
         """
+        if law.name in RELATIVES and left <= self.asked.explanation.best.rms:
+            return ()
         found = errors_of(self.asked, law, name, self.errors, self.unit)
         if not (law.states and left < CLEARER * self.asked.explanation.best.rms):
             return found

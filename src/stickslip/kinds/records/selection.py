@@ -824,7 +824,7 @@ def with_errors(
         return c
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
-    errors = () if asked.needs_no_fault(c.fit) else asked.errors_of(c.name, c.fit.law, left)
+    errors = asked.errors_of(c.name, c.fit.law, left)
     far = asked.rejects(c.name, c.law, simplified=bool(c.simplifies))
     if not far or any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
         errors = tuple(one for one in errors if one.kind != "law")
