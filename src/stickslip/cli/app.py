@@ -931,6 +931,40 @@ def paper(
     run(rig, output, force=force, as_json=as_json)
 
 
+@command(app, "benchmark")
+def benchmark(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[TASK]...", help="Tasks; all if not given.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder of page, tables and results so far.")
+    ] = Path("stickslip-benchmark"),
+    peers: Annotated[
+        str | None,
+        typer.Option(
+            "--peers",
+            metavar="NAME,...",
+            help="Other libraries to run beside: scipy, lmfit, pysindy, mujoco. Default: those"
+            " that are installed.",
+        ),
+    ] = None,
+    count: Workers = None,
+    executor: ExecutorAt = None,
+    listed: Annotated[bool, typer.Option("--list", help="Only list the tasks.")] = False,
+    as_json: Json = False,
+    _quiet: Quiet = False,
+) -> None:
+    """Run the friction benchmark: public records, our laws, other libraries.
+
+    Each task fits one part of a record and predicts another. Records are downloaded where they are
+    missing. The same command goes on where one was ended.
+    """
+    from stickslip.cli.benchmark import run_benchmark
+
+    start = partial(run_benchmark, peers=peers, count=count, executor=executor, listed=listed)
+    start(names or [], output, as_json=as_json)
+
+
 @command(app, "warmup")
 def warmup(
     rig: Annotated[

@@ -17,7 +17,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "profile"),
     "Hand over": ("export", "apply"),
-    "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
+    "Look up": ("models", "characterize", "cite", "schema", "data", "paper", "benchmark"),
     "Set up": ("warmup",),
 }
 """Commands by the heading under which they are listed."""
@@ -56,6 +56,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "stickslip apply law.toml robot.usda --to physx -o new.usda",
     ),
     "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
+    "benchmark": ("stickslip benchmark emps rock -o benchmark", "stickslip benchmark --list"),
     "warmup": ("stickslip warmup --rig rig.toml",),
     "schema": ("stickslip schema > rig-schema.json",),
     "cite": ("stickslip cite lugre",),

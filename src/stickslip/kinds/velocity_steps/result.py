@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.experiments import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
@@ -193,13 +194,15 @@ class RateStateFit(Fit[RateState]):
             at=self.time,
         )
 
-    def judged(self, measurement: Measurement) -> float:
+    def judged(self, measurement: Measurement, *, since: float = -math.inf) -> float:
         """Return the root mean square error of the coefficient in another record of this machine.
 
         Parameters
         ----------
         measurement : Measurement
             One record with ``time``, ``pull`` and ``friction``.
+        since : float
+            Time [s] from which samples are compared; all are run through.
 
         Returns
         -------
@@ -214,7 +217,14 @@ class RateStateFit(Fit[RateState]):
             self.law.reference_velocity,
             regularised=self.law.regularised,
         )
-        return other.linearise(self.best.values, slopes=False).rms
+        seen, late = (
+            other.linearise(self.best.values, slopes=False),
+            other.times + record.begins >= since,
+        )
+        if not late.any():
+            raise InputError(f"there are no samples from {quantity(since, 's')} on.")
+        weight = other.weight[late]
+        return float(np.sqrt(np.sum(seen.residual[late] ** 2) / np.sum(weight**2)))
 
     @override
     def law_estimates(self) -> LawEstimates:

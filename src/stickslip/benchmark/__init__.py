@@ -1,0 +1,37 @@
+"""The friction benchmark: laws and peers fitted to public records, judged on what was not seen.
+
+A `Task` says which part of a record is fitted, which part judges, and by what. `run` gives a task
+to stickslip and to its peers.
+"""
+
+from stickslip.benchmark.metrics import (
+    ClosedLoop,
+    CoefficientError,
+    Error,
+    FeatureError,
+    ForceError,
+    PositionError,
+)
+from stickslip.benchmark.peers import PEERS, Peer
+from stickslip.benchmark.runs import OURS, Results, Row, run
+from stickslip.benchmark.task import Published, Task
+from stickslip.benchmark.tasks import task, tasks
+
+__all__ = [
+    "OURS",
+    "PEERS",
+    "ClosedLoop",
+    "CoefficientError",
+    "Error",
+    "FeatureError",
+    "ForceError",
+    "Peer",
+    "PositionError",
+    "Published",
+    "Results",
+    "Row",
+    "Task",
+    "run",
+    "task",
+    "tasks",
+]

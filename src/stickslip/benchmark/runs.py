@@ -1,0 +1,419 @@
+"""Runs of the benchmark: a task given to a tool, and a folder of results that goes on."""
+
+import hashlib
+import inspect
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass, field, replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, final
+
+from typing_extensions import override
+
+from stickslip.benchmark.metrics import CoefficientError
+from stickslip.benchmark.peers import PEERS, Found, by_speed
+from stickslip.benchmark.task import Task
+from stickslip.benchmark.tasks import task
+from stickslip.described import Described
+from stickslip.documents import document, json_text, unwritable, write_file
+from stickslip.errors import InputError, StickslipError, UnknownNameError
+from stickslip.executors import Inline, check_executor, spread
+from stickslip.friction import law_type
+from stickslip.identification import RecordFit
+from stickslip.kinds import fit, select
+from stickslip.quantities import vary
+from stickslip.tables import Tabular
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+OURS: Final = "stickslip"
+JOURNAL: Final = "results.jsonl"
+TABLE: Final = "results.csv"
+DOCUMENT: Final = "results.json"
+PLAIN: Final = "coulomb-viscous"
+"""The law whose fit alone is timed, beside that of the peers."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Row(metaclass=Described):
+    """A law that a tool fitted, and how it was judged.
+
+    Examples
+    --------
+    >>> Row(task="emps", tool="stickslip", law="coulomb", title="Coulomb", error=2e-3).failed
+    ''
+    """
+
+    task: str
+    """Name of the task."""
+    tool: str
+    """``"stickslip"`` or the name of a peer."""
+    law: str = ""
+    """Name of the law; of several joints, of each alike."""
+    title: str = ""
+    """Name of the law in running text."""
+    error: float = math.nan
+    """Error on the part that judges, in the unit of the task's metric."""
+    doubt: float = math.nan
+    """Standard error of the error; NaN where the record has no parts."""
+    estimates: tuple[Mapping[str, Any], ...] = ()
+    """Path, symbol, unit, value and 95 % interval of each parameter."""
+    seconds: float = math.nan
+    """Processor time of the fit [s]; of a selection, of all its laws."""
+    named: bool = False
+    """Whether the selection recommends it."""
+    outcome: str = ""
+    """What became of it in the selection, or what a peer was given."""
+    failed: str = ""
+    """Why there is no result; empty if there is one."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Results(Tabular):
+    """The rows of a folder."""
+
+    rows: tuple[Row, ...]
+    """By task, tool and law."""
+    made: int = 0
+    """Pairs of task and tool that were run now; the others were there."""
+    complete: bool = True
+    """Whether all pairs that were asked for are there."""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    """Of all that the results depend on."""
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each law, its parameters as text."""
+        import pandas as pd
+
+        rows = []
+        for one in self.rows:
+            own = asdict(one)
+            own["unit"] = task(one.task).metric.unit
+            own["estimates"] = "; ".join(map(_text, one.estimates))
+            rows.append(own)
+        return pd.DataFrame(rows)
+
+    def of(self, name: str) -> tuple[Row, ...]:
+        """Return the rows of a task."""
+        return tuple(one for one in self.rows if one.task == name)
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"seconds": "s"}
+
+
+def _text(one: Mapping[str, Any]) -> str:
+    ends = "" if one["low"] is None else f" ({one['low']:.4g} to {one['high']:.4g})"
+    return f"{one['path']} = {one['value']:.5g}{ends} {one['unit']}"
+
+
+def run(
+    names: Sequence[str],
+    folder: str | Path,
+    *,
+    peers: Sequence[str] | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Results:
+    """Give tasks to stickslip and its peers, and keep each result in a folder.
+
+    A pair of task and tool that is there, made by the same versions of the same code from the same
+    data, is not run again: what was ended at any time goes on where it was.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Tasks, as in `tasks`.
+    folder : str or Path
+        Where ``results.jsonl`` is kept, and ``results.csv`` and ``results.json`` are written.
+    peers : sequence of str, optional
+        Names of `PEERS`; those that are installed if not given.
+    executor : concurrent.futures.Executor, optional
+        Runs pairs at the same time; one after the other if not given, as processor times ask for.
+    progress : callable, optional
+        Called with the number of pairs that are there and of all; False ends after those in work.
+
+    Returns
+    -------
+    Results
+        The rows of the tasks that were asked for.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, or the folder cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     run([], folder).rows
+    ()
+    """
+    check_executor(executor)
+    chosen = [task(name) for name in names]
+    asked = (
+        [name for name, one in PEERS.items() if _version(one.package)] if peers is None else peers
+    )
+    for name in asked:
+        if name not in PEERS:
+            raise UnknownNameError("peer of the benchmark", name, PEERS)
+    pairs = [(one.name, tool) for one in chosen for tool in (OURS, *asked)]
+    folder = Path(folder)
+    known = _read(folder / JOURNAL)
+    digests = {pair: _digest(*pair) for pair in pairs}
+    there = {pair: known[digest] for pair, digest in digests.items() if digest in known}
+    missing = [pair for pair in pairs if pair not in there]
+    made = 0
+
+    def keep(found: tuple[tuple[str, str], list[Row]]) -> bool:
+        nonlocal made
+        pair, rows = found
+        _append(folder / JOURNAL, digests[pair], rows)
+        there[pair] = rows
+        made += 1
+        answer = None if progress is None else progress(len(there), len(pairs))
+        return answer is None or bool(answer)
+
+    if progress is not None:
+        progress(len(there), len(pairs))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    complete = spread(made_by, missing, keep, executor or Inline())
+    results = Results(
+        rows=tuple(row for pair in pairs for row in there.get(pair, ())),
+        made=made,
+        complete=complete,
+        versions=_versions(asked),
+    )
+    if results.rows:
+        write_file(folder / TABLE, results.to_dataframe().to_csv(index=False))
+        rows = [_plain(one) for one in results.rows]
+        content = {"versions": results.versions, "complete": complete, "rows": rows}
+        write_file(folder / DOCUMENT, json_text(document("benchmark", content)))
+    return results
+
+
+def made_by(name: str, tool: str) -> tuple[tuple[str, str], list[Row]]:
+    """Return the rows of a tool on a task; what it cannot do is said in a row."""
+    asked = task(name)
+    empty = Row(task=name, tool=tool)
+    if tool in asked.left_out:
+        return (name, tool), [replace(empty, failed=f"left out: {asked.left_out[tool]}")]
+    try:
+        rows = list(_ours(asked) if tool == OURS else _of_peer(asked, tool))
+    except (StickslipError, ValueError, RuntimeError, ArithmeticError) as error:
+        rows = [replace(empty, failed=f"{type(error).__name__}: {error}")]
+    return (name, tool), rows
+
+
+def _fit(asked: Task, law: Any, record: Any) -> Any:
+    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
+    if asked.route is not None:
+        options["route"] = asked.route
+    return fit(asked.mechanism, law, record, **options)
+
+
+def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    begun = time.process_time()
+    found = work()
+    return time.process_time() - begun, found
+
+
+def _ours(asked: Task) -> Iterator[Row]:
+    """Yield the laws of a selection, or each law fitted."""
+    fitted, judging = asked.split()
+    row = Row(task=asked.name, tool=OURS)
+    if not asked.selects:
+        for law in asked.laws or ():
+            seconds, found = _timed(lambda law=law: _fit(asked, law, fitted))  # type: ignore[misc]
+            yield _judged(
+                replace(row, law=law, title=law_type(law).title, seconds=seconds),
+                asked,
+                found,
+                judging,
+            )
+        return
+    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
+    if asked.route is not None:
+        options["route"] = asked.route
+    seconds, verdict = _timed(lambda: select(asked.mechanism, asked.laws, fitted, **options))
+    for one in verdict.candidates:
+        own = replace(
+            row, law=one.name, title=one.title, seconds=seconds, named=one is verdict.best,
+            outcome=one.outcome,
+        )  # fmt: skip
+        if one.fit is None:
+            yield replace(own, failed=one.dropped or "not fitted")
+        else:
+            yield _judged(own, asked, one.fit, judging)
+
+
+def _judged(row: Row, asked: Task, found: Any, judging: Any) -> Row:
+    error, doubt = asked.metric.of(found, judging)
+    estimates = tuple(
+        {
+            "path": one.path,
+            "symbol": one.quantity.symbol,
+            "unit": one.quantity.unit,
+            "value": one.value,
+            "low": one.low if math.isfinite(one.high - one.low) and not one.reason else None,
+            "high": one.high if math.isfinite(one.high - one.low) and not one.reason else None,
+        }
+        for one in found.estimates
+    )
+    return replace(row, error=error, doubt=doubt, estimates=estimates)
+
+
+def _of_peer(asked: Task, tool: str) -> Iterator[Row]:
+    """Yield what a peer finds, judged as the fit of stickslip with its values."""
+    peer = PEERS[tool]
+    fitted, judging = asked.split()
+    if isinstance(asked.metric, CoefficientError):
+        since = asked.metric.since
+        seconds, (told, error) = _timed(lambda: by_speed(tool, fitted, judging, since))
+        numbers = tuple(
+            {
+                "path": path, "symbol": path, "unit": "s/m" if path == "b" else "1", "value": value,
+                "low": _end(told, path, -1.0), "high": _end(told, path, 1.0),
+            }
+            for path, value in told.values.items()
+        )  # fmt: skip
+        law = {"scipy": "c + b V", "lmfit": "c + a ln V"}[tool]
+        yield Row(
+            task=asked.name, tool=tool, law=law, title=f"{peer.title.partition(',')[0]}, {law}",
+            error=error, estimates=numbers, seconds=seconds, outcome=told.note,
+        )  # fmt: skip
+        return
+    own = _fit(asked, peer.law, fitted)
+    seconds, found = _timed(lambda: peer.fit(asked, fitted, own))
+    at = _at(own, found)
+    row = Row(task=asked.name, tool=tool, law=peer.law, title=peer.title, seconds=seconds)
+    error, doubt = asked.metric.of(at, judging)
+    estimates = tuple(
+        {
+            "path": item.path,
+            "symbol": item.quantity.symbol,
+            "unit": item.quantity.unit,
+            "value": found.values[item.path],
+            "low": _end(found, item.path, -1.0),
+            "high": _end(found, item.path, 1.0),
+        }
+        for item in own.free_parameters.items
+    )
+    yield replace(row, error=error, doubt=doubt, estimates=estimates, outcome=found.note)
+
+
+def _end(found: Found, path: str, side: float) -> float | None:
+    half = found.halves.get(path, math.nan)
+    return found.values[path] + side * half if math.isfinite(half) else None
+
+
+def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
+    """Return a fit with other values of its unknowns, as what is judged."""
+    values = own.free_parameters.start
+    values[:] = [found.values[path] for path in own.free_parameters.paths]
+    best = own.problem.linearise(values, slopes=False)
+    law = {
+        path: x
+        for path, x in found.values.items()
+        if path.startswith("friction.") and "offset" not in path
+    }
+    rig = {
+        path: x
+        for path, x in found.values.items()
+        if path.startswith("mechanism.") and "joints" not in path
+    }
+    return replace(
+        own,
+        law=vary(own.law, "friction", law),
+        mechanism=vary(own.mechanism, "mechanism", rig),
+        optimum=replace(own.optimum, best=best),
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def _versions(peers: Iterable[str]) -> dict[str, str]:
+    packages = dict.fromkeys((OURS, "numpy", "scipy", *(PEERS[name].package for name in peers)))
+    return {"python": sys.version.partition(" ")[0], **{name: _version(name) for name in packages}}
+
+
+def _digest(name: str, tool: str) -> str:
+    """Return the hash of all that a result depends on: task, data, versions, code of both."""
+    asked = task(name)
+    files = [asked.dataset.file(one) for one in asked.files]
+    data = [(one.name, one.sha256 or one.source_sha256) for one in files]
+    code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
+    packages = _versions([] if tool == OURS else [tool])
+    text = repr((name, tool, data, code, packages))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _code() -> str:
+    """Return the code that judges and that peers are run by."""
+    return "".join(inspect.getsource(sys.modules[one.__module__]) for one in (made_by, Found, Task))
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    """Return a row as JSON has it: None for what is not a number."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in asdict(row).items()
+    }
+
+
+def _row(plain: Mapping[str, Any]) -> Row:
+    """Return a row that JSON had."""
+    values: dict[str, Any] = {
+        key: math.nan if one is None else tuple(one) if isinstance(one, list) else one
+        for key, one in plain.items()
+    }
+    return Row(**values)
+
+
+def _read(path: Path) -> dict[str, list[Row]]:
+    """Return results by their hash; a last line that was cut off counts as not there."""
+    found: dict[str, list[Row]] = {}
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        return found
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read: {error}.") from None
+    for line in lines:
+        try:
+            one = json.loads(line)
+            found[one["digest"]] = [_row(row) for row in one["rows"]]
+        except (ValueError, KeyError, TypeError):
+            continue
+    return found
+
+
+def _append(path: Path, digest: str, rows: Sequence[Row]) -> None:
+    line = json.dumps({"digest": digest, "rows": [_plain(one) for one in rows]})
+    try:
+        with path.open("ab+") as journal:
+            if journal.tell():
+                journal.seek(-1, os.SEEK_END)
+                line = line if journal.read() == b"\n" else f"\n{line}"  # the last one was cut off
+            journal.write(f"{line}\n".encode())
+    except OSError as error:
+        raise unwritable(path, error) from error
