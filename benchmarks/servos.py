@@ -26,9 +26,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rigs import Array, Random, between
+from benchmarks.rigs import Random, between
 from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
+from stickslip.benchmark.sets.axes import SWINGING, SWINGS, swing
+from stickslip.benchmark.sets.servo import DROOP, DUTIES, SUPPLY, UNKNOWN, Log, joined, logs
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import StickslipError
@@ -38,8 +40,6 @@ from stickslip.mechanisms import DCMotor, PositionLoop
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
 COUNT = 2.0 * math.pi / 4096
 """Step of the encoder [rad]."""
-SUPPLY, DUTIES = 7.4, 885
-"""Voltage of the supply [V], and counts of the full duty."""
 PERIOD, DURATION = 4e-3, 16.0
 """Of the loop, and of a record [s]."""
 TOGETHER = 0.95
@@ -208,89 +208,10 @@ MEASURED_LAWS = (
     "bam-m2",
     "bam-m6",
 )
-DROOP = 0.14
-"""Resistance of the measured servo's supply [ohm]: regression of the recorded bus voltage on duty
-times current, with R and k_t of the law of M3."""
-GRID = 5e-3
-"""Steps [s] on which records and runs are compared, as in BAM."""
 SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
 """Records are simulated under the recorded voltage, in segments of 1 s ..."""
 WHOLE = replace(SETTINGS, hold="zero", segment=6.0, resolution=240, starts=1)
 """... and through the loop as a whole, as the published errors are."""
-UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
-OPEN = {"mechanism.drive.current_limit": 0.0}
-"""A winding that is not connected."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Log:
-    """One file of the measured servo, on an even grid."""
-
-    name: str
-    gain: int
-    time: Array
-    angle: Array
-    goal: Array
-    voltage: Array
-    off: float
-    """When the winding was opened [s]; infinity if it was not."""
-
-    @property
-    def volts(self) -> float:
-        """Gain of its position loop [V/rad], by the formula of its firmware."""
-        return self.gain * 4096.0 / (2.0 * math.pi) / (256.0 * DUTIES) * SUPPLY
-
-    def records(self, *, loop: bool) -> Iterator[Measurement]:
-        """Yield the part that was driven, by voltage or goal, and that of the open winding."""
-        gain = {"mechanism.drive.loop.gain": self.volts} if loop else {}
-        for label, rows in (("", self.time < self.off), (" open", self.time >= self.off)):
-            if rows.any():
-                t = self.time[rows]
-                yield Measurement(
-                    time=t - t[0],
-                    position=self.angle[rows],
-                    voltage=None if loop else self.voltage[rows] * (not label),
-                    reference=self.goal[rows] if loop else None,
-                    turning=True,
-                    name=self.name + label,
-                    overrides={**gain, **(OPEN if label else {})},
-                )
-
-
-def logs(folder: Path) -> list[Log]:
-    """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
-    import pandas as pd
-
-    found = []
-    for file in sorted(folder.glob("*.parquet")):
-        d = pd.read_parquet(file)
-        t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
-        grid = np.arange(t[0], t[-1], GRID)
-        bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
-        angle = np.interp(grid, t, d["q_rad"].to_numpy())
-        voltage = np.interp(grid, t, d["pwm_count"].to_numpy() / DUTIES * bus)
-        last = np.searchsorted(t, grid, side="right") - 1  # goals are held
-        goal = d["q_goal_rad"].to_numpy()[last]
-        off = float(t[~on][0]) if not on.all() else math.inf
-        gain = int(file.stem.partition("_")[0].removeprefix("kp"))
-        found.append(
-            Log(
-                name=file.stem,
-                gain=gain,
-                time=grid - grid[0],
-                angle=angle,
-                goal=goal,
-                voltage=voltage,
-                off=off - grid[0],
-            )
-        )
-    return found
-
-
-def joined(chosen: Sequence[Log], *, loop: bool = False) -> Measurement:
-    """Return files as trials of one measurement."""
-    trials = tuple(record for one in chosen for record in one.records(loop=loop))
-    return Measurement(trials=trials, name="xl330")
 
 
 def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
@@ -316,7 +237,7 @@ def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
 
 def of_servo(folder: Path, name: str) -> dict[str, Any]:
     """Return what a law makes of the servo, with one gain in turn left out."""
-    every = logs(folder)
+    every = logs()
     rig = Pendulum(
         mass=0.49,
         length=0.1,
@@ -361,34 +282,12 @@ def said_of(found: Any) -> dict[str, Any]:
     }
 
 
-SWINGS = {"ddp": 6.0, "sac": 4.0, "ilqr": 2.8, "energy_shaping": 5.0}
-"""Records of the pendulum with one mass, and until when [s] it moves as torque and weight have it.
-
-People push it later. In ilqr it accelerates by 54 rad/s^2 at 3.0 s; torque and weight give 16.
-"""
-SWINGING = RecordSettings(segment=0.5, position_zeros=False)
-"""In segments of 0.5 s, as its published errors are."""
-
-
-def swing(folder: Path, name: str) -> Measurement:
-    """Return a record of the pendulum, driven by the torque that its drive reports."""
-    import pandas as pd
-
-    d = pd.read_parquet(folder / f"{name}.parquet")
-    # the first steps of one are uneven
-    d = d[(d["t_s"] >= 0.1) & (d["t_s"] <= SWINGS[name])]
-    t, angle, rate, torque = (d[key].to_numpy() for key in ("t_s", "q_rad", "dq_rad_s", "tau_Nm"))
-    return Measurement(
-        time=t - t[0], position=angle, velocity=rate, force=torque, turning=True, name=name
-    )
-
-
 def of_swing(folder: Path, name: str) -> dict[str, Any]:
     """Return what a law makes of the pendulum, with one record in turn left out.
 
     The torque is in a scale of the drive's own, and so are the mass and the inertia that are found.
     """
-    every = {one: swing(folder, one) for one in SWINGS}
+    every = {one: swing(one) for one in SWINGS}
     rig = Pendulum(mass=0.74, length=0.5, rest_angle=0.0)
     free = ["friction.*", *(f"mechanism.{one}" for one in ("mass", "inertia", "rest_angle"))]
 

@@ -40,10 +40,9 @@ def test_each_set_has_a_table_and_a_law_that_failed_says_why():
 
 
 def test_records_of_the_pendulum_end_before_anybody_pushes_it(data_dir):
-    records = [swing(data_dir / SWING, name) for name in SWINGS]
+    records = [swing(name) for name in SWINGS]
     for record in records:
-        assert record.time[0] == 0.0
-        assert record.time[-1] <= SWINGS[record.name]
+        assert record.time[-1] <= SWINGS[record.name.partition(" ")[2]]
     found = fit(
         Pendulum(mass=0.74, length=0.5, rest_angle=0.0),
         CoulombViscous,

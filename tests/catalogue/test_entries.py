@@ -26,9 +26,12 @@ def test_names_are_in_order_and_hold_measured_and_simulated_records():
     assert list(catalogue.names()) == sorted(catalogue.names())
     assert {record.kind for record in RECORDS} == {"measured", "reference simulation"}
     assert [record.name for record in MEASURED] == [
+        "bam_xl330",
         "emps",
         "reciprocating_tribometer",
         "rock_velocity_step",
+        "schunk_arm",
+        "simple_pendulum_drive",
         "spring_pulled_slider",
         "staubli_tx40",
         "two_link_arm",
@@ -45,9 +48,15 @@ def test_a_record_says_whose_it_is_and_under_which_licence(record):
     assert record.columns
 
 
-def test_all_measured_records_but_those_of_robots_can_be_fetched():
+def test_all_measured_records_but_those_of_robots_and_servos_can_be_fetched():
     held = [one.name for one in MEASURED if one not in FETCHED]
-    assert held == ["staubli_tx40", "two_link_arm"]
+    assert held == [
+        "bam_xl330",
+        "schunk_arm",
+        "simple_pendulum_drive",
+        "staubli_tx40",
+        "two_link_arm",
+    ]
 
 
 @pytest.mark.parametrize("record", FETCHED, ids=name_of)

@@ -4,6 +4,7 @@ A `Task` says which part of a record is fitted, which part judges, and by what. 
 to stickslip and to its peers.
 """
 
+from stickslip.benchmark.definition import Published, Task
 from stickslip.benchmark.metrics import (
     ClosedLoop,
     CoefficientError,
@@ -14,8 +15,7 @@ from stickslip.benchmark.metrics import (
 )
 from stickslip.benchmark.peers import PEERS, Peer
 from stickslip.benchmark.runs import OURS, Results, Row, run
-from stickslip.benchmark.task import Published, Task
-from stickslip.benchmark.tasks import task, tasks
+from stickslip.benchmark.sets import task, tasks
 
 __all__ = [
     "OURS",

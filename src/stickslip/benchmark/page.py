@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stickslip.benchmark.definition import Task
 from stickslip.benchmark.peers import PEERS
 from stickslip.benchmark.runs import OURS, Results, Row
-from stickslip.benchmark.task import Task
-from stickslip.benchmark.tasks import task
+from stickslip.benchmark.sets import task
 from stickslip.formatting import Scale, joined, number, quantity, scale_of
 from stickslip.plots import INTERVAL_SIZE, Interval, draw_intervals, inline_svg
 from stickslip.report import (
@@ -218,8 +218,8 @@ def _end(results: Results, commands: Sequence[str]) -> Section:
     blocks: list[Block] = [
         Paragraph(
             text="Peers of regression (SciPy, lmfit, PySINDy) are given position and force through"
-            " a Butterworth filter of order 4 forward and backward, differences, the rows that slip,"
-            " and the rigid-body terms of the mechanism; mujoco.sysid rolls out segments from"
+            " a Butterworth filter of order 4 forward and backward, differences, the rows that"
+            " slip, and the rigid-body terms of the mechanism; mujoco.sysid rolls out segments from"
             " smoothed states. The values that a peer finds are judged as the same law with these"
             " values: each segment of the part that judges begins at its own fitted state, for all"
             " tools alike. Processor times are of one fit each, and of a whole selection where laws"

@@ -19,7 +19,7 @@ from typing import Any, Final, NamedTuple, cast, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.benchmark.task import Task
+from stickslip.benchmark.definition import Task
 from stickslip.display import require_library
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
@@ -167,7 +167,8 @@ def _even(
     joints = [record.joints[name] for name in names] if record.joints else [record]
 
     def on(column: Any) -> Array:
-        return np.interp(even, time, np.broadcast_to(np.asarray(column, dtype=float), time.shape))
+        values = np.broadcast_to(np.asarray(column, dtype=float), time.shape)
+        return np.asarray(np.interp(even, time, values))
 
     def columns(name: str) -> Array:
         return np.column_stack([on(getattr(one, name)) for one in joints])
@@ -196,7 +197,10 @@ class Regression:
         if self.motor:
             linear = [one for one in linear if not one.startswith("mechanism.drive.")]
             linear += ["mechanism.inertia"]
-        self.rows = samples(task, fit.mechanism, record, linear)
+        stated = {path for path, _, _ in parameters(task.mechanism, "mechanism")}
+        # links that nobody described are parameters of the fitted robot only
+        mechanism = task.mechanism if stated.issuperset(linear) else fit.mechanism
+        self.rows = samples(task, mechanism, record, linear)
         contacts = [one.name for one in task.mechanism.contacts()]
         several = isinstance(fit.law, Laws)
         self.prefixes = [f"friction.{name}." if several else "friction." for name in contacts]

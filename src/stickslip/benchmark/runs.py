@@ -10,16 +10,17 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
 from typing_extensions import override
 
+from stickslip.benchmark.definition import Task
 from stickslip.benchmark.metrics import CoefficientError
 from stickslip.benchmark.peers import PEERS, Found, by_speed
-from stickslip.benchmark.task import Task
-from stickslip.benchmark.tasks import task
+from stickslip.benchmark.sets import task
 from stickslip.described import Described
 from stickslip.documents import document, json_text, unwritable, write_file
 from stickslip.errors import InputError, StickslipError, UnknownNameError
@@ -238,23 +239,23 @@ def _ours(asked: Task) -> Iterator[Row]:
     row = Row(task=asked.name, tool=OURS)
     if not asked.selects:
         for law in asked.laws or ():
-            seconds, found = _timed(lambda law=law: _fit(asked, law, fitted))  # type: ignore[misc]
-            yield _judged(
-                replace(row, law=law, title=law_type(law).title, seconds=seconds),
-                asked,
-                found,
-                judging,
-            )
+            own = replace(row, law=law, title=law)
+            try:
+                own = replace(own, title=law_type(law).title)
+                seconds, found = _timed(partial(_fit, asked, law, fitted))
+                yield _judged(replace(own, seconds=seconds), asked, found, judging)
+            except StickslipError as error:
+                yield replace(own, failed=str(error))
         return
     options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
     if asked.route is not None:
         options["route"] = asked.route
     seconds, verdict = _timed(lambda: select(asked.mechanism, asked.laws, fitted, **options))
     for one in verdict.candidates:
+        named = one is verdict.best and not one.dropped
         own = replace(
-            row, law=one.name, title=one.title, seconds=seconds, named=one is verdict.best,
-            outcome=one.outcome,
-        )  # fmt: skip
+            row, law=one.name, title=one.title, seconds=seconds, named=named, outcome=one.outcome
+        )
         if one.fit is None:
             yield replace(own, failed=one.dropped or "not fitted")
         else:

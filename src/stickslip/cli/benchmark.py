@@ -7,8 +7,8 @@ from typing import Final
 import typer
 
 from stickslip.benchmark import PEERS, run, tasks
+from stickslip.benchmark.definition import Task
 from stickslip.benchmark.page import benchmark_page, summary_rows
-from stickslip.benchmark.task import Task
 from stickslip.cli.console import command_line, note, print_json, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.process_pool import workers

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from types import MappingProxyType
 
-from stickslip.benchmark.task import Task
+from stickslip.benchmark.definition import Task
 from stickslip.errors import InputError, UnknownNameError
 
 GROUP = "stickslip.benchmark"
@@ -21,7 +21,7 @@ def tasks() -> Mapping[str, Task]:
     >>> list(tasks())[:2]
     ['emps', 'tribometer']
     """
-    from stickslip.benchmark.tasks import axes, contacts, references, robots, servo
+    from stickslip.benchmark.sets import axes, contacts, references, robots, servo
 
     found = [one for module in (axes, contacts, robots, servo, references) for one in module.TASKS]
     for entry in entry_points(group=GROUP):

@@ -8,8 +8,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.benchmark.definition import Published, Task
 from stickslip.benchmark.metrics import ClosedLoop
-from stickslip.benchmark.task import Published, Task
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordSettings

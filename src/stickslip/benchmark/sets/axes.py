@@ -2,9 +2,9 @@
 
 import math
 
+from stickslip.benchmark.definition import Published, Task
 from stickslip.benchmark.metrics import PositionError
-from stickslip.benchmark.task import Published, Task
-from stickslip.benchmark.tasks.parts import between
+from stickslip.benchmark.sets.parts import between
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordSettings

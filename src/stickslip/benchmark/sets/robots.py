@@ -1,24 +1,27 @@
 """Tasks of several joints at once: an arm of two links, an industrial robot."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
+from stickslip.benchmark.definition import Published, Task
 from stickslip.benchmark.metrics import ForceError
-from stickslip.benchmark.task import Published, Task
-from stickslip.benchmark.tasks.parts import together
+from stickslip.benchmark.sets.parts import together
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.experiments.slicing import rows_of
 from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Robot, RobotJoint, TwoLinkArm
 
+Frame: TypeAlias = tuple[tuple[float, float, float], tuple[float, float, float]]
 NO_LIBRARY = "its library of functions has no rigid-body terms of an arm"
 NO_MODEL = "it rolls a model file out, and masses of the links are not published"
 LAWS = ("coulomb-viscous", "stribeck", "power-viscous", "direction-dependent")
 """Laws that all joints are given alike."""
-FRAMES = (
+TX40 = (
     ((0.0, 0.0, 0.320), (0.0, 0.0, 0.0)),
     ((0.0, 0.0, 0.0), (-0.5, 0.0, 0.0)),
     ((0.225, 0.0, 0.035), (0.0, 0.0, 0.0)),
@@ -27,29 +30,46 @@ FRAMES = (
     ((0.0, 0.0, 0.0), (0.5, 1.0, 0.0)),
 )
 """TX40: place [m], and roll, pitch and yaw [half turns] of each joint, which turns about z."""
+SCHUNK = (
+    ((0.0, 0.0, 0.205), (0.0, 0.0, 0.0)),
+    ((0.0, 0.0, 0.0), (-0.5, 0.0, 0.0)),
+    ((0.0, -0.350, 0.0), (1.0, 0.0, 0.0)),
+    ((0.0, 0.0, 0.0), (-0.5, 0.0, 0.0)),
+    ((0.0, 0.0, 0.305), (-0.5, 0.0, 0.0)),
+    ((0.0, 0.0, 0.0), (0.5, 0.0, 0.0)),
+)
+"""The same of the Schunk arm, whose third joint is counted against the second."""
 INERTIA = 0.01
 """Moment of inertia that each link is described with [kg m^2], which is not what it has."""
 FITTED = ("143339", "143704", "143747", "144003", "154548")
 JUDGED = ("143524", "144115")
+EVEN = ("run080", "run084", "run088")
+ODD = ("run082", "run086")
+"""Runs in turn: their friction falls from one to the next."""
 
 
-def tx40_robot() -> Robot:
-    """Return the robot with links of which only the frames are right."""
+def robot_of(frames: Sequence[Frame], coupling: Mapping[str, Mapping[str, float]]) -> Robot:
+    """Return a robot with links of which only the frames are right."""
     joints = [
         RobotJoint(
             joint=f"q{i}",
             parent=f"q{i - 1}" if i > 1 else "",
             place=place,
             orientation=_rotation(*turns),
-            coupling={"q5": 1.0} if i == len(FRAMES) else {},
+            coupling=coupling.get(f"q{i}", {}),
             mass=1.0,
             inertia_xx=INERTIA,
             inertia_yy=INERTIA,
             inertia_zz=INERTIA,
         )
-        for i, (place, turns) in enumerate(FRAMES, 1)
+        for i, (place, turns) in enumerate(frames, 1)
     ]
     return Robot(joints=tuple(joints))
+
+
+def tx40_robot() -> Robot:
+    """Return the TX40, whose sixth motor turns with the fifth joint too."""
+    return robot_of(TX40, {"q6": {"q5": 1.0}})
 
 
 def _rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
@@ -77,6 +97,10 @@ def _tx40() -> tuple[Measurement, Measurement]:
     record = by_motors(dataset("staubli_tx40").measurement())
     rows = len(np.asarray(record.time))
     return rows_of(record, 0, rows // 2), rows_of(record, rows // 2, rows)
+
+
+def _schunk() -> tuple[Measurement, Measurement]:
+    return together("schunk_arm", EVEN), together("schunk_arm", ODD)
 
 
 def _arm() -> tuple[Measurement, Measurement]:
@@ -147,6 +171,22 @@ TASKS = (
                 source="TX40_config.yaml of figaroh-examples",
             ),
         ),
+        left_out={"pysindy": NO_LIBRARY, "mujoco": NO_MODEL},
+    ),
+    Task(
+        name="schunk-arm",
+        title="Schunk arm, six joints under replayed torques, links unknown",
+        record="schunk_arm",
+        files=(*EVEN, *ODD),
+        fitted=f"runs {', '.join(one[3:] for one in EVEN)}",
+        judged=f"runs {', '.join(one[3:] for one in ODD)}, between them",
+        mechanism=robot_of(SCHUNK, {}),
+        split=_schunk,
+        metric=ForceError(),
+        vary=("friction.*", "links"),
+        laws=LAWS,
+        selects=False,
+        cutoff=12.0,
         left_out={"pysindy": NO_LIBRARY, "mujoco": NO_MODEL},
     ),
 )

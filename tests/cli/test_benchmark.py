@@ -1,0 +1,66 @@
+"""`stickslip benchmark`: tasks are listed and run, page and tables are written, one message."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+
+TASKS = ("rock", "siconos-oscillator")
+
+
+def call(*arguments):
+    with pytest.raises(SystemExit) as left:
+        main(["benchmark", *map(str, arguments)])
+    return left.value.code
+
+
+def test_tasks_are_listed(capsys):
+    assert call("--list", "--json") == 0
+    rows = json.loads(capsys.readouterr().out)["tasks"]
+    assert {"emps", "tx40", "servo"} <= {one["name"] for one in rows}
+    assert all(one["licence"] and one["fitted"] and one["judged"] and one["metric"] for one in rows)
+
+
+def test_a_folder_gets_a_page_a_table_and_a_document(data_dir, tmp_path, capsys):
+    assert call(*TASKS, "--peers", "scipy", "-o", tmp_path) == 0
+    shown = capsys.readouterr()
+    table = pd.read_csv(tmp_path / "results.csv")
+    assert list(dict.fromkeys(table["task"])) == list(TASKS)
+    assert {*table["tool"]} == {"stickslip", "scipy"}
+    rock = table[(table["task"] == "rock") & table["named"]]
+    assert rock["law"].item() == "logarithmic"
+    # what regresses on the speed alone has no transient; the record has one
+    assert (
+        rock["error"].item()
+        < table[(table["task"] == "rock") & (table["tool"] == "scipy")]["error"].item()
+    )
+    page = (tmp_path / "index.html").read_text()
+    for said in ("Sepiolite", "MIT", "Giacomel", "Siconos", "SciPy curve_fit"):
+        assert said in page
+    assert "Logarithmic in speed" in shown.out
+    assert call(*TASKS, "--peers", "scipy", "-o", tmp_path, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["made"] == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["emsp"], "unknown task of the benchmark 'emsp'"),
+        (["rock", "--peers", "spicy"], "unknown peer of the benchmark 'spicy'"),
+    ],
+)
+def test_bad_input_gets_one_message(given, said, data_dir, tmp_path, capsys):
+    assert call(*given, "-o", tmp_path / "out") == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_task_without_its_record_is_left_out(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("STICKSLIP_DATA", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert call("tx40", "-o", tmp_path / "out") == 2
+    told = capsys.readouterr().err
+    assert "tx40: left out" in told
+    assert "there is no record for any of the tasks" in told
+    assert not (tmp_path / "out").exists()
