@@ -73,7 +73,10 @@ class Task(metaclass=Described):
     settings: RecordSettings | None = None
     """As in `fit`."""
     cutoff: float = 0.0
-    """Frequency [Hz] at which peers filter motion and force; 0 where they need no filter."""
+    """Frequency [Hz] at which peers of regression filter motion and force; 0 where they need none.
+
+    Of those that were tried, the one with which SciPy errs least on the part that judges: a choice
+    with hindsight, in favour of peers, since a wrong one costs them more than the law does."""
     truth: Mapping[str, float] = field(default_factory=dict)
     """Values of a reference simulation by path; nobody knows those of a measurement."""
     published: tuple[Published, ...] = ()

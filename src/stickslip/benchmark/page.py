@@ -219,7 +219,8 @@ def _end(results: Results, commands: Sequence[str]) -> Section:
         Paragraph(
             text="Peers of regression (SciPy, lmfit, PySINDy) are given position and force through"
             " a Butterworth filter of order 4 forward and backward, differences, the rows that"
-            " slip, and the rigid-body terms of the mechanism; mujoco.sysid rolls out segments from"
+            " slip, and the rigid-body terms of the mechanism; the frequency of the filter is the one with"
+            " which SciPy errs least on the part that judges, in favour of peers. mujoco.sysid rolls out segments from"
             " smoothed states. The values that a peer finds are judged as the same law with these"
             " values: each segment of the part that judges begins at its own fitted state, for all"
             " tools alike. Processor times are of one fit each, and of a whole selection where laws"

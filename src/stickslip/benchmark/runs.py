@@ -1,5 +1,6 @@
 """Runs of the benchmark: a task given to a tool, and a folder of results that goes on."""
 
+import functools
 import hashlib
 import inspect
 import json
@@ -12,6 +13,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
@@ -360,17 +362,21 @@ def _versions(peers: Iterable[str]) -> dict[str, str]:
 def _digest(name: str, tool: str) -> str:
     """Return the hash of all that a result depends on: task, data, versions, code of both."""
     asked = task(name)
-    files = [asked.dataset.file(one) for one in asked.files]
-    data = [(one.name, one.sha256 or one.source_sha256) for one in files]
+    own = [asked.dataset.file(one) for one in asked.files]
+    data = [(one.name, one.sha256 or one.source_sha256) for one in own]
     code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
     packages = _versions([] if tool == OURS else [tool])
     text = repr((name, tool, data, code, packages))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+@functools.cache
 def _code() -> str:
-    """Return the code that judges and that peers are run by."""
-    return "".join(inspect.getsource(sys.modules[one.__module__]) for one in (made_by, Found, Task))
+    """Return the hash of all code of this package."""
+    found = hashlib.sha256()
+    for path in sorted(Path(str(files(OURS))).rglob("*.py")):
+        found.update(path.read_bytes())
+    return found.hexdigest()
 
 
 def _plain(row: Row) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """``stickslip benchmark``."""
 
+import csv
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -13,11 +15,12 @@ from stickslip.cli.console import command_line, note, print_json, show_table, st
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
-from stickslip.documents import document, write_file
+from stickslip.documents import document, write_files
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.report import render
 
 PAGE: Final = "index.html"
+SUMMARY: Final = "summary.csv"
 CANCELLED: Final = 130
 
 
@@ -59,13 +62,16 @@ def run_benchmark(
     if not found.rows:
         note("No fit is there yet: the same command begins again.")
         raise typer.Exit(CANCELLED)
-    write_file(folder / PAGE, render(benchmark_page(found, reproduce=[command_line()])))
+    heads, cells = ["task", "unit", "law of stickslip", "error", *PEERS], summary_rows(found)
+    lines = io.StringIO()
+    csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
+    page = render(benchmark_page(found, reproduce=[command_line()]))
+    write_files({folder / PAGE: page, folder / SUMMARY: lines.getvalue()})
     if as_json:
         content = {"folder": str(folder), "made": found.made, "complete": found.complete}
         print_json(document("benchmark-run", content))
     else:
-        heads = ["task", "unit", "law of stickslip", "error", *PEERS]
-        show_table("", heads, summary_rows(found), whole=["task"])
+        show_table("", heads, cells, whole=["task"])
         stdout().print(f"\nReport: {folder / PAGE}", markup=False)
     if not found.complete:
         note("Not all fits are there: the same command goes on.")

@@ -48,7 +48,7 @@ EMPS = Task(
     split=_emps,
     metric=PositionError(horizon=1.0),
     vary=("friction.*", "mechanism.inertia"),
-    cutoff=100.0,
+    cutoff=50.0,
     published=(
         Published(
             what="IDIM-LS, Coulomb + viscous",
@@ -75,7 +75,7 @@ PENDULUM = Task(
     vary=("friction.*", "mechanism.mass", "mechanism.inertia", "mechanism.rest_angle"),
     route="shooting",
     settings=SWINGING,
-    cutoff=20.0,
+    cutoff=3.0,
     published=(
         Published(
             what="parameters printed with the record (J, m c, F_v, F_c)",

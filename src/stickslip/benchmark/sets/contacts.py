@@ -55,7 +55,7 @@ TASKS = (
         mechanism=Axis(inertia=1.0),
         split=_tribometer,
         metric=ForceError(),
-        cutoff=20.0,
+        cutoff=5.0,
         published=(
             Published(
                 what="sign(v), Dahl, LuGre",

@@ -48,7 +48,7 @@ TASKS = (
         metric=PositionError(horizon=1.0),
         route="shooting",
         settings=RecordSettings(hold="first"),
-        cutoff=30.0,
+        cutoff=60.0,
         truth={"level": 5.0, "excess at rest": 10.0, "viscous": 1.0, "inertia": 1.0},
     ),
     Task(

@@ -139,7 +139,7 @@ TASKS = (
         laws=LAWS,
         selects=False,
         settings=RecordSettings(hold="first", starts=1),
-        cutoff=10.0,
+        cutoff=6.0,
         published=(
             Published(
                 what="levels of Coulomb friction",
@@ -162,7 +162,7 @@ TASKS = (
         vary=("friction.*", "links"),
         laws=LAWS,
         selects=False,
-        cutoff=40.0,
+        cutoff=80.0,
         published=(
             Published(
                 what="Coulomb + viscous, joints 1 to 6",
@@ -186,7 +186,7 @@ TASKS = (
         vary=("friction.*", "links"),
         laws=LAWS,
         selects=False,
-        cutoff=12.0,
+        cutoff=6.0,
         left_out={"pysindy": NO_LIBRARY, "mujoco": NO_MODEL},
     ),
 )

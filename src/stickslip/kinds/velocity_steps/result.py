@@ -208,6 +208,11 @@ class RateStateFit(Fit[RateState]):
         -------
         float
             Error of the coefficient, drift included; infinite if the slider runs away.
+
+        Raises
+        ------
+        InputError
+            If there are no samples from that time on.
         """
         record = record_of(measurement, self.problem.record.load)
         other = Slider.of(
