@@ -13,6 +13,7 @@ from stickslip.benchmark.metrics import (
     ForceError,
     PositionError,
 )
+from stickslip.benchmark.page import benchmark_page, summary_rows
 from stickslip.benchmark.peers import PEERS, Peer
 from stickslip.benchmark.runs import OURS, Results, Row, run
 from stickslip.benchmark.sets import task, tasks
@@ -31,7 +32,9 @@ __all__ = [
     "Results",
     "Row",
     "Task",
+    "benchmark_page",
     "run",
+    "summary_rows",
     "task",
     "tasks",
 ]

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol, final
 
 import numpy as np
 
+from stickslip.described import Described
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -57,7 +58,7 @@ class Metric(Protocol):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PositionError:
+class PositionError(metaclass=Described):
     """Root mean square of the position in simulated segments, each from its own fitted state.
 
     Examples
@@ -77,7 +78,25 @@ class PositionError:
         return f"rms error of the position, simulated for {self.horizon:g} s"
 
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : RecordFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+
+        Raises
+        ------
+        InputError
+            If the fit does not predict positions.
+        """
         score = fit.score(record, horizon=self.horizon)
         if score.quantity != "position":
             raise InputError(
@@ -89,7 +108,7 @@ class PositionError:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ForceError:
+class ForceError(metaclass=Described):
     """Relative error of the force along the measured motion; of several joints the mean of squares.
 
     Residual over spread of the measured force: 1 is what the mean alone leaves.
@@ -106,7 +125,20 @@ class ForceError:
     """What it is, in words."""
 
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : RecordFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+        """
         seen = fit.predict(record)
         joints = [seen] if seen.joint is None else [seen.of(x) for x in dict.fromkeys(seen.joint)]
         squares: dict[tuple[int, int], list[float]] = {}
@@ -121,7 +153,7 @@ class ForceError:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CoefficientError:
+class CoefficientError(metaclass=Described):
     """Root mean square error of the coefficient of friction from a time on, run from the start.
 
     Examples
@@ -134,17 +166,30 @@ class CoefficientError:
     """Time from which samples are judged [s]."""
     unit: str = "1"
     """A pure number."""
-    text: str = "rms error of the coefficient of friction"
+    text: str = "rms error of the coefficient of friction (0.1 % is 0.001)"
     """What it is, in words."""
 
     def of(self, fit: RateStateFit, record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : RateStateFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+        """
         return Error(fit.judged(record, since=self.since))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FeatureError:
+class FeatureError(metaclass=Described):
     """Root mean square of the relative errors of frequency, mean and standard deviation.
 
     Examples
@@ -159,14 +204,27 @@ class FeatureError:
     """What it is, in words."""
 
     def of(self, fit: FeatureFit, record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : FeatureFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+        """
         found = list(fit.judged(record).values())
         return Error(float(np.sqrt(np.mean(np.square(found)))))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ClosedLoop:
+class ClosedLoop(metaclass=Described):
     """Mean absolute error of the angle of a servo, simulated in closed loop over whole records.
 
     The voltage is that of the position loop, from the goal; a trial with ``current_limit`` 0 is one
@@ -188,7 +246,20 @@ class ClosedLoop:
     """What it is, in words."""
 
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : RecordFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+        """
         errors: list[float] = []
         parts: list[np.ndarray[Any, Any]] = []
         start: dict[str, float] = {}

@@ -8,7 +8,7 @@ from stickslip.benchmark.definition import Task
 from stickslip.benchmark.peers import PEERS
 from stickslip.benchmark.runs import OURS, Results, Row
 from stickslip.benchmark.sets import task
-from stickslip.formatting import Scale, joined, number, quantity, scale_of
+from stickslip.formatting import Scale, count, joined, number, quantity, scale_of
 from stickslip.plots import INTERVAL_SIZE, Interval, draw_intervals, inline_svg
 from stickslip.report import (
     Block,
@@ -40,7 +40,7 @@ def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
     sections = [_section(task(name), results.of(name)) for name in names]
     return Page(
         title="Friction benchmark",
-        subject=f"{len(names)} tasks",
+        subject=count(len(names), "task"),
         kicker="fitted on one part, judged on another",
         sections=(_overview(results, names), *sections, _end(results, reproduce)),
         footer=colophon(results.versions),
@@ -92,37 +92,44 @@ def summary_rows(results: Results) -> list[list[str]]:
 
 
 def _overview(results: Results, names: Sequence[str]) -> Section:
-    heads = (
-        "task",
-        "unit",
-        "law of stickslip",
-        "its error",
-        *(one.title for one in PEERS.values()),
+    columns = (
+        Column(head="task"),
+        Column(head="law of stickslip"),
+        Column(head="its error", numeric=True, phone="label"),
+        *(Column(head=tool, numeric=True, phone="label") for tool in PEERS),
     )
     rows = []
-    for name, cells in zip(names, summary_rows(results), strict=True):
-        asked = task(name)
+    for name in names:
+        asked, own = task(name), results.of(name)
+        scale, ours = scale_for(asked, own), of_ours(own)
+        law = Name(text=NONE) if ours is None else Name(text=ours.title, aside=_whether(ours))
+        cells: list[Cell] = [Name(text=name, aside=asked.title), law, _number(scale, ours)]
+        by_tool = {one.tool: one for one in own}
         rows.append(
-            TableRow(cells=(Name(text=cells[0], aside=asked.title), *cells[1:3], *cells[3:]))
+            TableRow(cells=(*cells, *(_number(scale, by_tool.get(tool)) for tool in PEERS)))
         )
-    columns = tuple(
-        Column(head=head, numeric=place > 2, phone="show" if place < 4 else "label")
-        for place, head in enumerate(heads)
-    )
     blocks: tuple[Block, ...] = (
         Paragraph(
             text="Each task fits one part of a public record and predicts another. The error is the"
             " task's own metric on the part that was not seen; ± is its standard error by parts of"
             " the record. The law of stickslip is the one that its selection names on the fitted"
-            " part alone; where it names none, the table has the fitted law with the least error,"
-            " which is a choice made with hindsight and is marked *not named*."
+            " part alone. Where it names none, the table has the fitted law with the least error,"
+            " which is a choice with hindsight."
         ),
         Table(columns=columns, rows=tuple(rows)),
         Caption(text=f"{NONE}: the tool was not run on the task; its section says why."),
     )
-    return Section(
-        id="overview", nav="Overview", heading="Errors on what was not seen", blocks=blocks
-    )
+    heading = "Errors on what was not seen"
+    return Section(id="overview", nav="Overview", heading=heading, blocks=blocks)
+
+
+def _whether(row: Row) -> str:
+    return "named" if row.named else "not named"
+
+
+def _number(scale: Scale, row: Row | None) -> Cell:
+    value, doubt = error_text(scale, row)
+    return NONE if value == NONE else Number(value=value, doubt=doubt, unit=scale.unit)
 
 
 def _section(asked: Task, rows: Sequence[Row]) -> Section:
@@ -219,9 +226,10 @@ def _end(results: Results, commands: Sequence[str]) -> Section:
         Paragraph(
             text="Peers of regression (SciPy, lmfit, PySINDy) are given position and force through"
             " a Butterworth filter of order 4 forward and backward, differences, the rows that"
-            " slip, and the rigid-body terms of the mechanism; the frequency of the filter is the one with"
-            " which SciPy errs least on the part that judges, in favour of peers. mujoco.sysid rolls out segments from"
-            " smoothed states. The values that a peer finds are judged as the same law with these"
+            " slip, and the rigid-body terms of the mechanism; the frequency of the filter is the"
+            " one with which SciPy errs least on the part that judges, in favour of peers."
+            " mujoco.sysid rolls out segments from smoothed states. The values that a peer finds"
+            " are judged as the same law with these"
             " values: each segment of the part that judges begins at its own fitted state, for all"
             " tools alike. Processor times are of one fit each, and of a whole selection where laws"
             " are selected; work that is compiled once for a machine is in them where it was new."

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.benchmark.definition import Task
+from stickslip.described import Described
 from stickslip.display import require_library
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.experiments import Measurement
-from stickslip.experiments.slicing import between_gaps
+from stickslip.experiments import Measurement, between_gaps
 from stickslip.formulation import JointTorques
 from stickslip.friction import Laws
-from stickslip.identification import RecordFit
+from stickslip.identification import RecordFit, segments_of
 from stickslip.mechanisms import Axis, Mechanism, Pendulum
 from stickslip.quantities import parameters, vary
 
@@ -42,6 +42,7 @@ SPARSE: Final = 0.01
 """Threshold of STLSQ, for terms and accelerations of unit standard deviation."""
 NORMAL: Final = 1.96
 """Half width of a 95 % interval over the standard error."""
+WHITE: Final = "intervals of white noise"
 STEP: Final = 1e-6
 """Relative step of differences."""
 MOST: Final = 20_000
@@ -61,7 +62,7 @@ class Found(NamedTuple):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Peer:
+class Peer(metaclass=Described):
     """Another library.
 
     Examples
@@ -265,9 +266,15 @@ def _by_scipy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         best, covariance = curve_fit(
             predicted, np.arange(len(model.rows.force)), model.rows.force, p0=start, bounds=limits
         )
-    return model.found(
-        best, covariance, f"{len(model.rows.force):,} rows that slip; intervals of white noise"
-    )
+    return model.found(best, covariance, _of_rows(model))
+
+
+def _library(name: str) -> Any:
+    return require_library(name, "benchmark", f"leave the peer {name} out")
+
+
+def _of_rows(model: Regression) -> str:
+    return f"{len(model.rows.force):,} rows that slip; {WHITE}"
 
 
 def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
@@ -280,7 +287,7 @@ def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
 
 
 def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
-    lmfit: Any = require_library("lmfit", "benchmark", "leave the peer lmfit out")
+    lmfit = _library("lmfit")
     model = Regression(task, record, fit)
     start, (low, high) = _begun(model)
     unknown = lmfit.Parameters()
@@ -300,14 +307,12 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         own = [int(name[1:]) for name in found.var_names]
         full[np.ix_(own, own)] = covariance
     best = np.array([one.value for one in found.params.values()])
-    return model.found(
-        best, full, f"{len(model.rows.force):,} rows that slip; intervals of white noise"
-    )
+    return model.found(best, full, _of_rows(model))
 
 
 def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     """Select terms of the acceleration, as its optimiser does, and read them as friction."""
-    sindy: Any = require_library("pysindy", "benchmark", "leave the peer pysindy out")
+    sindy = _library("pysindy")
     inertias = [one for one in INERTIAS if hasattr(task.mechanism, one[10:])]
     rows = samples(task, task.mechanism, record, inertias)
     a, weights, inertia = _parts_of(task.mechanism, rows)
@@ -406,7 +411,7 @@ MODELS: Final[Mapping[type, str]] = {
 
 def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     """Segments as in a fit of stickslip, from states guessed and not fitted."""
-    mujoco: Any = require_library("mujoco", "benchmark", "leave the peer mujoco out")
+    mujoco = _library("mujoco")
     try:
         sysid = importlib.import_module("mujoco.sysid")
         optimize = sysid.optimize
@@ -415,8 +420,6 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
             "mujoco.sysid lacks what it imports: pip install 'stickslip[benchmark]', or leave the"
             " peer mujoco out."
         ) from None
-    from stickslip.identification.shooting.segments import segments_of
-
     mechanism: Any = task.mechanism
     own = {path: one for path, one in SETTERS.items() if path in fit.free_parameters.paths}
     start = dict(zip(fit.free_parameters.paths, fit.free_parameters.start.tolist(), strict=True))
@@ -463,7 +466,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     return Found(
         held | values,
         dict(zip(own, map(float, half), strict=True)),
-        f"{len(chunks)} segments from guessed states; intervals of white noise",
+        f"{len(chunks)} segments from guessed states; {WHITE}",
     )
 
 
@@ -533,7 +536,7 @@ def by_speed(
         halves = NORMAL * np.sqrt(np.diag(covariance))
         predicted, paths = linear(judged[0], *best), ("c", "b")
     else:
-        lmfit: Any = require_library("lmfit", "benchmark", "leave the peer lmfit out")
+        lmfit = _library("lmfit")
 
         def logarithmic(v: Array, c: float, a: float) -> Array:
             return c + a * np.log(v)
@@ -543,7 +546,7 @@ def by_speed(
         halves = np.array([NORMAL * found.params[one].stderr for one in ("c", "a")])
         predicted, paths = found.eval(v=judged[0]), ("c", "a")
     error = float(np.sqrt(np.mean((judged[1] - predicted)[late] ** 2)))
-    note = f"{len(fitted[0]):,} rows, the speed of the load point; intervals of white noise"
+    note = f"{len(fitted[0]):,} rows, the speed of the load point; {WHITE}"
     values = dict(zip(paths, map(float, best), strict=True))
     return Found(values, dict(zip(paths, map(float, halves), strict=True)), note), error
 

@@ -153,8 +153,10 @@ def run(
 
     Raises
     ------
+    UnknownNameError
+        If there is no such task or peer.
     InputError
-        If a name is not known, or the folder cannot be written.
+        If the folder cannot be written.
 
     Examples
     --------

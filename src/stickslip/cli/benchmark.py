@@ -8,9 +8,7 @@ from typing import Final
 
 import typer
 
-from stickslip.benchmark import PEERS, run, tasks
-from stickslip.benchmark.definition import Task
-from stickslip.benchmark.page import benchmark_page, summary_rows
+from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 from stickslip.cli.console import command_line, note, print_json, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.process_pool import workers

@@ -110,6 +110,7 @@ INSIDE = {
     "refuse_of_laws": "validation",
     "required_of": "estimation.ranges",
     "search": "estimation.levenberg_marquardt",
+    "segments_of": "shooting.segments",
     "settled": "records.fit",
     "span_of": "rig_uncertainties",
     "spanning": "results",

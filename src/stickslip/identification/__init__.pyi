@@ -84,6 +84,7 @@ from stickslip.identification.series.inverse_dynamics import inverse_dynamics as
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings
+from stickslip.identification.shooting.segments import segments_of as segments_of
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale

@@ -19,7 +19,7 @@ def tasks() -> Mapping[str, Task]:
     Examples
     --------
     >>> list(tasks())[:2]
-    ['emps', 'tribometer']
+    ['emps', 'pendulum']
     """
     from stickslip.benchmark.sets import axes, contacts, references, robots, servo
 

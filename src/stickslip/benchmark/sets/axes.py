@@ -10,6 +10,7 @@ from stickslip.experiments import Measurement
 from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Axis, Pendulum
 
+JANOT = "Janot, Gautier, Brunot 2019"
 SWINGS = {"ddp": 6.0, "sac": 4.0, "ilqr": 2.8, "energy_shaping": 5.0}
 """Records of the pendulum with one mass, and until when [s] it moves as torque and weight have it.
 
@@ -53,12 +54,12 @@ EMPS = Task(
         Published(
             what="IDIM-LS, Coulomb + viscous",
             result="relative error of the force 4.08 %, whole record, in sample",
-            source="Janot, Gautier, Brunot 2019",
+            source=JANOT,
         ),
         Published(
             what="IDIM-LS, by direction",
             result="relative error of the force 3.11 %, whole record, in sample",
-            source="Janot, Gautier, Brunot 2019",
+            source=JANOT,
         ),
     ),
 )

@@ -67,7 +67,7 @@ TASKS = (
     ),
     Task(
         name="rock",
-        title="Sepiolite gouge at 30 MPa, a step from 0.2 to 2 um/s",
+        title="Sepiolite gouge at 30 MPa, a step from 0.2 to 2 µm/s",
         record="rock_velocity_step",
         files=("sepiolite",),
         fitted="the record up to the middle of what follows the step",
@@ -91,7 +91,7 @@ TASKS = (
     *(
         Task(
             name=f"slider-{name}",
-            title=f"Slider pulled over paper by a spring at {speed:g} um/s",
+            title=f"Slider pulled over paper by a spring at {speed:g} µm/s",
             record="spring_pulled_slider",
             files=(file,),
             fitted="the first half",

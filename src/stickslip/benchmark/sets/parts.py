@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip.catalogue import dataset
-from stickslip.experiments import Measurement
-from stickslip.experiments.slicing import rows_of
+from stickslip.experiments import Measurement, rows_of
 
 
 def between(record: Measurement, first: float, end: float) -> Measurement:

@@ -11,8 +11,7 @@ from stickslip.benchmark.definition import Published, Task
 from stickslip.benchmark.metrics import ForceError
 from stickslip.benchmark.sets.parts import together
 from stickslip.catalogue import dataset
-from stickslip.experiments import Measurement
-from stickslip.experiments.slicing import rows_of
+from stickslip.experiments import Measurement, rows_of
 from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Robot, RobotJoint, TwoLinkArm
 
