@@ -300,9 +300,9 @@ def _sampled(kind: str, many: int, blocks: int, seed: int) -> Array:
     return np.asarray(found, dtype=np.float64)
 
 
-def salib(module: str) -> Any:
+def salib(module: str, instead: str = 'use the design "sobol"') -> Any:
     """Return a module of SALib."""
-    return require_library(f"SALib.{module}", "sensitivity", 'use the design "sobol"')
+    return require_library(f"SALib.{module}", "sensitivity", instead)
 
 
 def unit_cube(many: int) -> dict[str, Any]:

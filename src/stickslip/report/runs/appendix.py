@@ -1,5 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
+from stickslip.errors import InputError
 from stickslip.experiments import HARD, LawEstimates, equated, unit_on
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
@@ -78,7 +79,7 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     begin = f"The band: {band.count} draws (seed {band.seed}) of"
     rig = f"{of_rig}, normal with their standard uncertainties and independent"
     if known is None or not of_law:
-        return [Caption(text=f"{begin} {rig}. It has no measurement noise.")]
+        return [Caption(text=f"{begin} {rig}. It has no measurement noise."), *explained(band)]
     names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
     how = (
         "with their covariance"
@@ -96,7 +97,36 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     if kept:
         words = ", ".join(map(_in_words, kept))
         text += f" Fixed: {words}."
-    return [Caption(text=text)]
+    return [Caption(text=text), *explained(band)]
+
+
+def explained(band: Band) -> list[Block]:
+    """Return which uncertain parameter spreads each travel, or why that is not said."""
+    if len(band.draws) < 2:
+        return []
+    try:
+        shares = {name: band.shares(name) for name in band.travels}
+    except InputError as error:
+        return [Caption(text=f"Which parameter the spread comes from is not said: {error}")]
+    rows = tuple(
+        Row(
+            cells=(
+                _in_words(path.removeprefix("friction.").removeprefix("mechanism.")),
+                *(one.text_of("first", place) for one in shares.values()),
+            )
+        )
+        for place, path in enumerate(band.draws)
+    )
+    heads = (
+        Column(head=f"share of the variance\nof the travel of {name}", numeric=True)
+        for name in shares
+    )
+    table = Table(columns=(Column(head="uncertain parameter"), *heads), rows=rows)
+    text = (
+        "Sobol indices of first order with 95 % intervals, from the draws of the band: what each"
+        " parameter explains alone. The one with the largest is the one to measure better."
+    )
+    return [table, Caption(text=text)]
 
 
 def _in_words(name: str) -> str:

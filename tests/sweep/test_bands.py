@@ -1,0 +1,74 @@
+"""Shares of the spread of a band: closed form, and no share where there is none."""
+
+import pytest
+
+from stickslip import Coulomb, SpringBlock
+from stickslip.errors import InputError
+from stickslip.experiments import LawEstimates
+from stickslip.report.runs.appendix import explained
+from stickslip.sweep import band_of
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+LAW = Coulomb(kinetic_coefficient=0.25)
+
+
+def band(count=1000, known=None, seed=0, **uncertain):
+    return band_of(
+        RIG, LAW, known, t_end=2.0, parameter_uncertainties=uncertain, count=count, seed=seed
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_shares_are_those_of_the_closed_form(seed):
+    # k x0^2 / (2 mu m g): relative deviations of 1, 2 and 4 %, squared, over their sum
+    pytest.importorskip("SALib")
+    own = band(stiffness=1.0, mass=0.02, compression=0.002, seed=seed).shares()
+    assert own.method == "rbd-fast"
+    first, half = own.indices["first"], own.half_widths["first"]
+    for found, wide, true in zip(first, half, (1 / 21, 4 / 21, 16 / 21), strict=True):
+        # a tenth more than the interval, since one of nine may well leave a 95 % interval
+        assert abs(found - true) < 1.5 * wide + 0.01
+    assert max(half) < 0.12
+
+
+def test_a_parameter_without_effect_has_no_share():
+    pytest.importorskip("SALib")
+    known = LawEstimates(law="coulomb", intervals={"static_coefficient": (0.28, 0.32)})
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    own = band_of(
+        RIG, law, known, t_end=2.0, parameter_uncertainties={"mass": 0.02}, count=1000
+    ).shares()
+    # the block is already moving, and never sticks before it rests
+    share = dict(zip(own.factors, own.indices["first"], strict=True))
+    assert abs(share["friction.static_coefficient"]) < 0.03
+    assert share["mechanism.mass"] > 0.95
+
+
+def test_parameters_that_were_drawn_with_a_correlation_have_none():
+    pytest.importorskip("SALib")
+    known = LawEstimates(
+        law="coulomb",
+        intervals={"kinetic_coefficient": (0.24, 0.26), "static_coefficient": (0.28, 0.32)},
+        covariance_of=("kinetic_coefficient", "static_coefficient"),
+        covariance=((2.5e-5, 4.5e-5), (4.5e-5, 1e-4)),
+    )
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    own = band_of(RIG, law, known, t_end=2.0, count=400)
+    with pytest.raises(InputError, match="the spread has no share of each alone"):
+        own.shares()
+    (said,) = explained(own)
+    assert "is not said" in said.text
+
+
+def test_few_runs_have_no_shares():
+    with pytest.raises(InputError, match="need 100 runs, got 50"):
+        band(count=50, mass=0.02, compression=0.002).shares()
+
+
+def test_the_page_says_which_parameter_to_measure_better():
+    pytest.importorskip("SALib")
+    table, caption = explained(band(mass=0.02, compression=0.002))
+    assert [row.cells[0] for row in table.rows] == ["mass", "compression"]
+    assert float(table.rows[1].cells[1].split(" ")[0]) > 0.7
+    assert "measure better" in caption.text
+    assert explained(band(mass=0.02)) == []
