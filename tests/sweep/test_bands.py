@@ -70,5 +70,7 @@ def test_the_page_says_which_parameter_to_measure_better():
     table, caption = explained(band(mass=0.02, compression=0.002))
     assert [row.cells[0] for row in table.rows] == ["mass", "compression"]
     assert float(table.rows[1].cells[1].split(" ")[0]) > 0.7
-    assert "measure better" in caption.text
+    assert "measure the compression first" in caption.text
+    _, open_ = explained(band(mass=0.02, stiffness=2.0, count=100))
+    assert "100 runs do not settle" in open_.text
     assert explained(band(mass=0.02)) == []

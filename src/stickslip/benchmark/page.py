@@ -77,18 +77,21 @@ def error_text(scale: Scale, row: Row | None) -> tuple[str, str]:
 
 
 def summary_rows(results: Results) -> list[list[str]]:
-    """Return the cells of the overview: task, unit, our law and error, that of each peer."""
+    """Return the cells of the overview: task, our law, its error, that of each peer."""
     found = []
     for name in dict.fromkeys(one.task for one in results.rows):
         rows, asked = results.of(name), task(name)
         scale, ours = scale_for(asked, rows), of_ours(rows)
         law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
-        cells = [name, scale.unit, law, " ".join(error_text(scale, ours)).strip()]
-        for tool in PEERS:
-            own = next((one for one in rows if one.tool == tool), None)
-            cells.append(" ".join(error_text(scale, own)).strip())
-        found.append(cells)
+        by_tool = {one.tool: one for one in rows}
+        judged = (ours, *(by_tool.get(tool) for tool in PEERS))
+        found.append([name, law, *(_in_words(scale, one) for one in judged)])
     return found
+
+
+def _in_words(scale: Scale, row: Row | None) -> str:
+    value, doubt = error_text(scale, row)
+    return NONE if value == NONE else " ".join(filter(None, (value, doubt, scale.unit)))
 
 
 def _overview(results: Results, names: Sequence[str]) -> Section:

@@ -60,7 +60,7 @@ def run_benchmark(
     if not found.rows:
         note("No fit is there yet: the same command begins again.")
         raise typer.Exit(CANCELLED)
-    heads, cells = ["task", "unit", "law of stickslip", "error", *PEERS], summary_rows(found)
+    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
     lines = io.StringIO()
     csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
     page = render(benchmark_page(found, reproduce=[command_line()]))

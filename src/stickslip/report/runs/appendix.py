@@ -1,5 +1,9 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
+import math
+
+import numpy as np
+
 from stickslip.errors import InputError
 from stickslip.experiments import HARD, LawEstimates, equated, unit_on
 from stickslip.formatting import interval, number
@@ -124,8 +128,20 @@ def explained(band: Band) -> list[Block]:
     table = Table(columns=(Column(head="uncertain parameter"), *heads), rows=rows)
     text = (
         "Sobol indices of first order with 95 % intervals, from the draws of the band: what each"
-        " parameter explains alone. The one with the largest is the one to measure better."
+        " parameter explains alone."
     )
+    for name, one in shares.items():
+        share, half = one.indices["first"], one.half_widths["first"]
+        *_, second, first = np.argsort(share).tolist()
+        if share[first] - share[second] > math.hypot(half[first], half[second]):
+            text += (
+                f" To know the travel of {name} better, measure the {rows[first].cells[0]} first."
+            )
+        else:
+            text += (
+                f" Which of {rows[first].cells[0]} and {rows[second].cells[0]} spreads the travel of"
+                f" {name} more, {one.used} runs do not settle."
+            )
     return [table, Caption(text=text)]
 
 
