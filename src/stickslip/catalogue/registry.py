@@ -23,7 +23,7 @@ def names() -> tuple[str, ...]:
     Examples
     --------
     >>> names()[:2]
-    ('emps', 'modelica_brake')
+    ('bam_xl330', 'emps')
     """
     return tuple(_texts())
 

@@ -138,9 +138,9 @@ def explained(band: Band) -> list[Block]:
                 f" To know the travel of {name} better, measure the {rows[first].cells[0]} first."
             )
         else:
+            both = f"{rows[first].cells[0]} and {rows[second].cells[0]}"
             text += (
-                f" Which of {rows[first].cells[0]} and {rows[second].cells[0]} spreads the travel of"
-                f" {name} more, {one.used} runs do not settle."
+                f" {one.used} runs do not settle which of {both} spreads the travel of {name} more."
             )
     return [table, Caption(text=text)]
 
