@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -52,6 +53,16 @@ def test_a_record_of_the_same_friction_agrees_and_its_residual_is_the_noise():
     assert one.rms == pytest.approx(NOISE, rel=0.15)
     assert one.noise == pytest.approx(NOISE, rel=0.25)
     assert not one.late
+
+
+@pytest.mark.parametrize("measured", [record(), Measurement(travel=0.2, uncertainty=0.01)])
+def test_no_executor_changes_what_is_said(measured):
+    mechanism = CART if measured.time is not None else BLOCK
+    with ThreadPoolExecutor(2) as pool:
+        own, other = (
+            validated(measured, mechanism=mechanism, executor=one) for one in (None, pool)
+        )
+    assert own.to_dict() == other.to_dict()
 
 
 def test_a_tenth_more_friction_is_seen_and_the_refit_names_it():

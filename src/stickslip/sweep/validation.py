@@ -5,6 +5,7 @@ The law is not fitted to the measurement: it comes from elsewhere, with its unce
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, TypeAlias, final
 
@@ -406,6 +407,7 @@ def validate(
     t_end: float = 10.0,
     count: int = 200,
     seed: int = 0,
+    executor: Executor | None = None,
 ) -> Validation:
     """Compare what was measured on a mechanism with what a law from elsewhere predicts of it.
 
@@ -433,6 +435,8 @@ def validate(
         Number of draws.
     seed : int
         Of the draws.
+    executor : concurrent.futures.Executor, optional
+        Where runs with draws are made, with the same result; threads for all cores if not given.
 
     Returns
     -------
@@ -462,7 +466,7 @@ def validate(
     law = _one_law(mechanism, law)
     if count < 2:
         raise InputError(f"validate: count must be at least 2, got {count}.")
-    uncertain = _Uncertain(law, estimates, count, seed)
+    uncertain = _Uncertain(law, estimates, count, seed, executor)
     if any(isinstance(drive, SampledSwing) for drive in mechanism.drives().values()):
         uncertain.kept += (RECORDED,)
     records = measurement.records()
@@ -494,8 +498,15 @@ def _one_law(mechanism: Mechanism, law: FrictionLaw) -> FrictionLaw:
 class _Uncertain:
     """What is drawn, the same in all records and trials where these share it."""
 
-    def __init__(self, law: FrictionLaw, known: LawEstimates | None, count: int, seed: int) -> None:
-        self.law, self.count, self.seed = law, count, seed
+    def __init__(
+        self,
+        law: FrictionLaw,
+        known: LawEstimates | None,
+        count: int,
+        seed: int,
+        executor: Executor | None,
+    ) -> None:
+        self.law, self.count, self.seed, self.executor = law, count, seed, executor
         self.known = known if known is not None and known.intervals else None
         self.kept: tuple[str, ...] = ()
         if known is not None:
@@ -584,6 +595,7 @@ def _record(
             t_end=float(t[-1]),
             outputs={"seen": Samples(column, t.tolist())},
             y0=start,
+            executor=uncertain.executor,
         )
         lasted = np.array([status.complete for status in seen.status])
         others = seen["seen"][lasted] - predicted
@@ -759,6 +771,7 @@ def _drawn_travels(
         t_end=end,
         outputs={"x": Samples(slip, [0.0, end])},
         y0=trial.start(law),
+        executor=uncertain.executor,
     )
     lasted = np.array([status.complete for status in runs.status])
     travel = runs["x"][:, 1] - runs["x"][:, 0]
