@@ -1,5 +1,7 @@
 """Shares of the spread of a band: closed form, and no share where there is none."""
 
+import dataclasses
+
 import pytest
 
 from stickslip import Coulomb, SpringBlock
@@ -58,6 +60,26 @@ def test_parameters_that_were_drawn_with_a_correlation_have_none():
         own.shares()
     (said,) = explained(own)
     assert "is not said" in said.text
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_known_correlation_is_heeded_however_few_runs_show_it(seed):
+    known = LawEstimates(
+        law="coulomb",
+        intervals={"kinetic_coefficient": (0.24, 0.26), "static_coefficient": (0.38, 0.42)},
+        covariance_of=("kinetic_coefficient", "static_coefficient"),
+        covariance=((2.5e-5, -1e-5), (-1e-5, 1e-4)),
+    )
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.4)
+    own = band_of(RIG, law, known, t_end=2.0, count=100, seed=seed)
+    with pytest.raises(InputError, match=r"correlated \(by −0.2\)"):
+        own.shares()
+
+
+def test_runs_that_lasted_do_not_stand_for_those_that_did_not():
+    own = dataclasses.replace(band(mass=0.02, compression=0.002), ended_early=3)
+    with pytest.raises(InputError, match="3 of 1000 runs ended early"):
+        own.shares()
 
 
 def test_few_runs_have_no_shares():

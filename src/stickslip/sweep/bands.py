@@ -25,7 +25,12 @@ from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, 
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
-from stickslip.sweep.sensitivity_indices import SensitivityIndices, first_order_of
+from stickslip.sweep.sensitivity_indices import (
+    NEARLY_INDEPENDENT,
+    SensitivityIndices,
+    first_order_of,
+    refuse_correlated,
+)
 from stickslip.tables import Tabular
 from stickslip.trajectory import completed
 
@@ -81,6 +86,8 @@ class Band(OnAxes, Tabular):
     """By coordinate, over all whole cycles, or without any over the run [m/s] or [rad/s]."""
     travels_by_cycle: Mapping[str, tuple[Spread, ...]]
     """By coordinate, the travel of each whole cycle [m] or [rad]."""
+    correlated: tuple[str, str, float] | None
+    """Paths of the two estimates with the largest correlation, and this; None without any."""
     travels_by_run: Mapping[str, Array]
     """By coordinate, the travel of each run that lasted (n,) [m] or [rad]."""
 
@@ -128,6 +135,13 @@ class Band(OnAxes, Tabular):
         )
         if name not in self.travels:
             raise UnknownNameError("coordinate of the band", name, self.travels)
+        if self.ended_early:
+            raise InputError(
+                f"{self.ended_early} of {self.count} runs ended early, and those that lasted do not"
+                " tell what spreads all of them."
+            )
+        if self.correlated is not None:
+            refuse_correlated(*self.correlated, NEARLY_INDEPENDENT)
         values = self.travels_by_run[name]
         return first_order_of(self.draws, f"travel of {name}", self.units[name], values, self.seed)
 
@@ -294,6 +308,7 @@ def band_of(
         travels=travels,
         mean_velocities=means,
         travels_by_cycle=cycles,
+        correlated=None if estimates is None else _most_correlated(estimates),
         travels_by_run={name: runs[name][kept][:, -1] - runs[name][kept][:, 0] for name in pairs},
     )
 
@@ -331,6 +346,18 @@ def draws_of(
                 f" {type(mechanism).__name__}: state smaller uncertainties."
             )
     return draws | {path: np.array([one[path] for one in kept]) for path in spreads}
+
+
+def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
+    """Return the two estimates with the largest correlation, and this; None without any."""
+    names, table = estimates.covariance_of, np.array(estimates.covariance)
+    if len(names) < 2:
+        return None
+    spread = np.sqrt(np.diag(table))
+    scale = np.where(spread > 0.0, spread, 1.0)
+    matrix = table / np.outer(scale, scale) - np.diag((spread > 0.0).astype(float))
+    one, other = np.unravel_index(int(np.argmax(np.abs(matrix))), matrix.shape)
+    return f"friction.{names[one]}", f"friction.{names[other]}", float(matrix[one, other])
 
 
 def _only(what: str, table: Mapping[str, T]) -> T:

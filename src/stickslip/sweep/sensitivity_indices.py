@@ -1,8 +1,10 @@
 """Sensitivity indices of a campaign: how much of an output each factor explains."""
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -24,9 +26,11 @@ RESAMPLES = 1000
 LEVEL = 0.95
 FEWEST_DRAWS = 100
 """Draws without which harmonics of RBD-FAST are noise."""
-CORRELATED = 3.0
-"""Correlation of draws, over its standard deviation where they are independent, from which a single
-parameter has no share."""
+FALSE_ALARMS = 1e-3
+"""Share of independent draws that are taken for correlated ones."""
+NEARLY_INDEPENDENT = 0.05
+"""Correlation of estimates up to which each has a share of its own: its square goes from one to the
+other."""
 FEWEST = 8
 """Base points or trajectories without which an interval says nothing."""
 
@@ -168,14 +172,14 @@ def first_order_of(
     if count < FEWEST_DRAWS:
         raise InputError(f"shares of the spread need {FEWEST_DRAWS} runs, got {count}.")
     _refuse_constant(output, values)
-    together = np.abs(np.corrcoef(table.T) - np.eye(many)) if many > 1 else np.zeros((1, 1))
-    if np.max(together) > CORRELATED / math.sqrt(count):
-        one, other = np.unravel_index(int(np.argmax(together)), together.shape)
-        names = list(draws)
-        raise InputError(
-            f"{names[one]} and {names[other]} are correlated (by"
-            f" {number(float(together[one, other]), 2)}): the spread has no share of each alone."
-        )
+    names = list(draws)
+    for one, other in itertools.combinations(range(many), 2):
+        # ranges of the law may tie draws whose estimates are independent
+        pairs = many * (many - 1) / 2
+        limit = NormalDist().inv_cdf(1.0 - 0.5 * FALSE_ALARMS / pairs) / math.sqrt(count)
+        with np.errstate(all="ignore"):
+            correlation = float(np.corrcoef(table[:, one], table[:, other])[0, 1])
+        refuse_correlated(names[one], names[other], correlation, limit)
     found = salib("analyze.rbd_fast", "leave shares of the spread out").analyze(
         unit_cube(many), table, values, num_resamples=RESAMPLES, conf_level=LEVEL, seed=seed
     )
@@ -189,6 +193,15 @@ def first_order_of(
         used=count,
         left_out=0,
     )
+
+
+def refuse_correlated(one: str, other: str, correlation: float, limit: float) -> None:
+    """Refuse shares of single parameters where two of them vary together."""
+    if abs(correlation) > limit:
+        raise InputError(
+            f"{one} and {other} are correlated (by {number(correlation, 2)}): the spread has no"
+            " share of each alone."
+        )
 
 
 def _refuse_constant(output: str, values: Array) -> None:

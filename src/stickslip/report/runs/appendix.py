@@ -137,6 +137,8 @@ def explained(band: Band) -> list[Block]:
             text += (
                 f" To know the travel of {name} better, measure the {rows[first].cells[0]} first."
             )
+        elif share[first] <= half[first]:
+            text += f" No parameter alone is shown to spread the travel of {name}."
         else:
             both = f"{rows[first].cells[0]} and {rows[second].cells[0]}"
             text += (
