@@ -37,19 +37,10 @@ import numpy as np
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
 from benchmarks.whole_verdicts import NEUTRAL, Known, in_line, parts_of, selected, totals, values_of
-from stickslip import (
-    Axis,
-    DirectionDependent,
-    FrictionLaw,
-    Measurement,
-    Stribeck,
-    check,
-    fit,
-)
+from stickslip import Axis, DirectionDependent, FrictionLaw, Measurement, Stribeck, check, fit
 from stickslip.errors import StickslipError
 from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
-from stickslip.identification.sensor_response import PROMPT
-from stickslip.identification.settings import RecordSettings
+from stickslip.identification.settings import PROMPT, RecordSettings
 
 RESULTS = "faults.jsonl"
 ROUTES = ("shooting", "inverse-dynamics", "explain", "select")

@@ -26,16 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.axis_records import (
-    ALL,
-    FAULTS,
-    FURTHER,
-    RATE,
-    TRUTHS,
-    AxisRecord,
-    Truth,
-    record,
-)
+from benchmarks.axis_records import ALL, FAULTS, FURTHER, RATE, TRUTHS, AxisRecord, Truth, record
 from benchmarks.whole_verdicts import Known, in_line, selected
 from benchmarks.whole_verdicts import totals as totals_told
 from stickslip import Axis, FrictionLaw, Measurement
@@ -57,7 +48,7 @@ from stickslip.evidence.fits import design, matched
 from stickslip.evidence.intervals import refined
 from stickslip.evidence.motion import low_pass, passed
 from stickslip.identification import asked_of
-from stickslip.identification.sensor_response import PROMPT
+from stickslip.identification.settings import PROMPT
 from stickslip.identification.terms.composed_laws import composed_law
 
 RULES = {

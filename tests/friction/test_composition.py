@@ -28,7 +28,7 @@ from stickslip.friction import (
 from stickslip.friction.equations import equations_of
 from stickslip.friction.notation import read
 from stickslip.friction.parts import PARTS
-from stickslip.identification.estimation.ranges import starting_law
+from stickslip.identification.estimation.parameters import starting_law
 from stickslip.maths import Latches
 from stickslip.quantities import Quantity, fields_of
 

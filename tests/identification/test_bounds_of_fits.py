@@ -8,7 +8,7 @@ import pytest
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
 from stickslip.drives import Sampled
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
-from stickslip.identification.series import inertia, start_values
+from stickslip.identification.series import start_values
 
 TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
 NOISE = 1e-4
@@ -105,12 +105,12 @@ def test_a_mass_is_found_outside_bounds_about_a_poor_start(motion, monkeypatch):
     record = Measurement(time=t, position=x, force=force)
     wanted = {"vary": ["friction.*", "mechanism.inertia"], "route": "inverse-dynamics"}
     usual = fit(Axis(inertia=5.0), CoulombViscous, record, **wanted).mechanism.inertia
-    regressed = inertia.inverse_dynamics(Axis(inertia=5.0), record, robust=True)
+    regressed = start_values.inverse_dynamics(Axis(inertia=5.0), record, robust=True)
     off = regressed.values.copy()
     off[regressed.names.index("inertia")] = 8.0
     poor = dataclasses.replace(regressed, values=off)
-    monkeypatch.setattr(inertia, "inverse_dynamics", lambda *_, **__: poor)
-    monkeypatch.setattr(inertia, "WIDE", 1.1)
+    monkeypatch.setattr(start_values, "inverse_dynamics", lambda *_, **__: poor)
+    monkeypatch.setattr(start_values, "WIDE", 1.1)
     found = fit(Axis(inertia=5.0), CoulombViscous, record, **wanted).mechanism.inertia
     # the same least; the friction is derived with another mass first, and filtered alike
     assert found == pytest.approx(usual, rel=1e-3)

@@ -10,14 +10,10 @@ from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, fit, selec
 from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
-from stickslip.identification.sensor_response import PROMPT, SensorResponse
+from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
-from stickslip.kinds.records.explained import (
-    Explained,
-    _compared,
-    explained,
-)
+from stickslip.kinds.records.explained import Explained, _compared, explained
 from stickslip.selection.wording import friction_of
 
 FADES = (0.1, 2.0)

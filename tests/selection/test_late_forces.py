@@ -10,7 +10,7 @@ from stickslip import Axis, CoulombViscous, Dahl, Measurement, RecordSettings, f
 from stickslip.errors import InputError, ParameterError
 from stickslip.identification import asked_of, model_errors
 from stickslip.identification.estimation.bristle_integration import Path, follow
-from stickslip.identification.sensor_response import PROMPT, SensorResponse
+from stickslip.identification.settings import PROMPT, SensorResponse
 
 LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
 AXIS = Axis(inertia=1.0)

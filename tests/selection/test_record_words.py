@@ -23,28 +23,14 @@ from stickslip.documents import document, json_text
 from stickslip.experiments.checking import stationarity
 from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
-from stickslip.identification.estimation.model_error import ModelError
-from stickslip.kinds.records.admissibility import (
-    objection,
-)
-from stickslip.kinds.records.design.experiments import (
-    design,
-)
-from stickslip.kinds.records.design.predictors import (
-    Predictor,
-)
-from stickslip.kinds.records.page.summary import (
-    opening_section,
-)
-from stickslip.kinds.records.selection import (
-    _on_second,
-    verdict_on,
-)
-from stickslip.kinds.records.wording import (
-    first_of,
-    record_wording,
-)
-from stickslip.selection.applicability import checked
+from stickslip.identification.results import ModelError
+from stickslip.kinds.records.admissibility import objection
+from stickslip.kinds.records.design.experiments import design
+from stickslip.kinds.records.design.predictors import Predictor
+from stickslip.kinds.records.page.summary import opening_section
+from stickslip.kinds.records.selection import _on_second, verdict_on
+from stickslip.kinds.records.wording import first_of, record_wording
+from stickslip.selection.candidates import checked
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.verdict import score_text
 from stickslip.selection.wording import corrections

@@ -29,14 +29,8 @@ from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
-from stickslip.kinds.records.admissibility import (
-    objection,
-)
-from stickslip.kinds.records.selection import (
-    _agreed,
-    _as_simulated,
-    with_errors,
-)
+from stickslip.kinds.records.admissibility import objection
+from stickslip.kinds.records.selection import _agreed, _as_simulated, with_errors
 from stickslip.kinds.records.wording import (
     distinct,
     error_text,
@@ -49,7 +43,7 @@ from stickslip.kinds.report import verdict_page
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
 from stickslip.results import RecordVerdict
-from stickslip.selection.applicability import one_way
+from stickslip.selection.candidates import one_way
 from stickslip.selection.choice import errs_more
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded

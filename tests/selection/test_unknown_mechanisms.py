@@ -5,19 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    CoulombViscous,
-    Measurement,
-    SpringBlock,
-    select,
-    simulate,
-)
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SpringBlock, select, simulate
 from stickslip.drives import Sampled
 from stickslip.evidence.series import Series, outliers
 from stickslip.identification import asked_of, model_errors
-from stickslip.identification.sensor_response import PROMPT
+from stickslip.identification.settings import PROMPT
 
 AXIS = Axis(inertia=1.1, stiffness=420.0)
 T = np.arange(0.0, 16.0, 0.004)

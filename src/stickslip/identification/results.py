@@ -1,4 +1,4 @@
-"""What a fit gives back."""
+"""What a fit gives back, and what it finds wrong with the model."""
 
 import html
 import math
@@ -22,6 +22,7 @@ from stickslip.formatting import (
     estimate_text,
     interval,
     joined,
+    lower_first,
     number,
     parameter_words,
     printable,
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
 Array: TypeAlias = NDArray[np.float64]
+
+UNSAID = "The 95 % intervals do not account for it."
+"""What an error means where no more is known of it."""
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
 AnyLaw_co = TypeVar(
@@ -51,6 +55,64 @@ PIECES = 3
 """Pieces of an interval that are told one by one."""
 READINGS = "readings"
 """What the readings themselves are called among the sources of an estimate's uncertainty."""
+FRICTION = "friction."
+DRY = 2.0
+"""Coefficient of friction above which hardly any dry contact lies."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ModelError:
+    """One error of the model, the rig or the record that the residuals of a fit show.
+
+    Examples
+    --------
+    >>> late = ModelError(
+    ...     kind="delay",
+    ...     finding="The motion follows the force 12 ms late.",
+    ...     consequence="Intervals do not allow for it.",
+    ...     effect=0.012,
+    ...     interval=(0.011, 0.013),
+    ...     share=0.9,
+    ... )
+    >>> str(late)
+    'The motion follows the force 12 ms late. Intervals do not allow for it.'
+    """
+
+    kind: str
+    """What it is, such as ``"delay"`` or ``"position friction"``."""
+    finding: str
+    """What it is, with its size, in a sentence."""
+    consequence: str
+    """How much of the residuals it is, and what it does to the estimates, in sentences."""
+    effect: float
+    """Its size, SI: a time, a force, a stiffness or a share, as the sentence says."""
+    interval: tuple[float, float]
+    """95 % confidence interval of the size, from leaving blocks out."""
+    share: float
+    """Share of the squared residuals that it predicts in blocks left out."""
+    moved: tuple[str, ...] | None = None
+    """Paths of the estimates that it moves out of their intervals; None where that is not known."""
+
+    @override
+    def __str__(self) -> str:
+        """Return what it is and what it does."""
+        return f"{self.finding} {self.consequence}"
+
+    def at(self, joint: str) -> "ModelError":
+        """Return the same with the name of the joint that it is of."""
+        return replace(self, finding=f"At the {joint}: {lower_first(self.finding)}")
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the error as plain numbers and strings."""
+        return {
+            "kind": self.kind,
+            "sentence": str(self),
+            "effect": self.effect,
+            "interval": list(self.interval),
+            "share": self.share,
+            "moved": None if self.moved is None else list(self.moved),
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,11 +355,6 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     def to_dict(self) -> Mapping[str, Any]:
         """Return the fit as plain numbers and strings."""
         return {"law": self.law.name, "estimates": [one.to_dict() for one in self.estimates]}
-
-
-FRICTION = "friction."
-DRY = 2.0
-"""Coefficient of friction above which hardly any dry contact lies."""
 
 
 def far_above_dry(fit: Fit) -> tuple[str, ...]:

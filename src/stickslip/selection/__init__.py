@@ -32,7 +32,7 @@ INSIDE = {
     "as_good": "choice",
     "check_any": "candidates",
     "check_apart": "candidates",
-    "checked": "applicability",
+    "checked": "candidates",
     "choose": "choice",
     "contains": "candidates",
     "control": "candidates",
@@ -56,7 +56,7 @@ INSIDE = {
     "moved_by_errors": "identifiable",
     "not_distinguished": "wording",
     "on_second_record": "wording",
-    "one_way": "applicability",
+    "one_way": "candidates",
     "plain": "verdict",
     "plan_of": "cross_validation",
     "reduces_to": "choice",
@@ -70,7 +70,7 @@ INSIDE = {
     "takes_long": "parallel_fit",
     "to_predict": "wording",
     "traded": "identifiable",
-    "unsuited_by": "applicability",
+    "unsuited_by": "candidates",
     "watched": "parallel_fit",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

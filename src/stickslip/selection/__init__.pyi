@@ -1,15 +1,15 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
-from stickslip.selection.applicability import checked as checked
-from stickslip.selection.applicability import one_way as one_way
-from stickslip.selection.applicability import unsuited_by as unsuited_by
 from stickslip.selection.candidates import LEFT_OUT as LEFT_OUT
 from stickslip.selection.candidates import REFERENCE as REFERENCE
 from stickslip.selection.candidates import Watch as Watch
 from stickslip.selection.candidates import check_any as check_any
 from stickslip.selection.candidates import check_apart as check_apart
+from stickslip.selection.candidates import checked as checked
 from stickslip.selection.candidates import contains as contains
 from stickslip.selection.candidates import control as control
+from stickslip.selection.candidates import one_way as one_way
 from stickslip.selection.candidates import specifications as specifications
+from stickslip.selection.candidates import unsuited_by as unsuited_by
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
 from stickslip.selection.choice import LEAST as LEAST

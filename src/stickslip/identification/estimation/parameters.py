@@ -1,15 +1,194 @@
-"""What a fit looks for: parameters with bounds, and how the optimiser sees them."""
+"""What a fit looks for: parameters with bounds and units, and how the optimiser sees them."""
 
+import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.quantities import Quantity
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement, levels_at, tells_load
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, fields_of, turned, vary
 
 Array = NDArray[np.float64]
+
+DECADES = 1e3
+"""Factor by which a parameter without a range may leave its given value."""
+LEVELS = frozenset({"level", "level+", "level-", "force", "stiffness"})
+"""Sizes that grow with friction."""
+ORDINARY = {
+    "level": 0.25,
+    "level+": 0.25,
+    "level-": 0.25,
+    "slope": 0.5 / 9.81,
+    "slope+": 0.5 / 9.81,
+    "slope-": 0.5 / 9.81,
+    "drag": 1.0 / 9.81,
+    "speed": 0.5,
+    "displacement": 0.25e-3,
+    "stiffness": 1e3,
+    "damping": 10.0,
+}
+"""Dry metal on metal; slopes and drag are over the load. Bristles give way by 0.25 mm."""
+SURPLUS_AT_REST = 0.4
+"""What a level has over that which it does not fall below, over the latter."""
+OFFSET = "measurement.offset.force."
+"""Path of the constant force of a joint, before its name."""
+JOINTS = "mechanism.joints."
+"""Path of the parameters of a joint of a robot, before its number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Range:
+    """Start value and bounds of a parameter, in its unit; bounds of a surplus where it has one."""
+
+    start: float
+    """Start value."""
+    low: float
+    """Lower bound."""
+    high: float
+    """Upper bound."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizes:
+    """What a measurement says of the sizes of `stickslip.quantities.SCALES` [SI], by name."""
+
+    typical: Mapping[str, float]
+    """What start values are multiples of."""
+    reach: Mapping[str, float]
+    """What bounds are multiples of."""
+
+    def of(self, quantity: Quantity) -> Range:
+        """Return start value and bounds of a parameter.
+
+        Examples
+        --------
+        >>> v_s = Quantity("v_s", "m/s", above=0, scale="speed", bounds=(1e-3, 1.0), start=0.1)
+        >>> Sizes(typical={"speed": 0.5}, reach={"speed": 2.0}).of(v_s)
+        Range(start=0.05, low=0.002, high=2.0)
+        """
+        assert quantity.bounds is not None
+        assert quantity.start is not None
+        reach = quantity.scaled_by(self.reach)
+        low, high = (reach * bound for bound in quantity.bounds)
+        start = quantity.start * quantity.scaled_by(self.typical)
+        if quantity.at_least is None:
+            low, high = max(low, quantity.low), min(high, quantity.high)
+        return Range(start=start, low=low, high=high)
+
+
+def is_level(quantity: Quantity) -> bool:
+    """Whether a parameter grows with friction as a whole: a level, a force or a stiffness.
+
+    Examples
+    --------
+    >>> from stickslip import LuGre
+    >>> [name for name, quantity in fields_of(LuGre).items() if is_level(quantity)]
+    ['kinetic_coefficient', 'static_coefficient', 'bristle_stiffness']
+    """
+    return any(name in LEVELS and power == 1 for name, power in quantity.powers.items())
+
+
+def with_ranges(law: FrictionLaw | type[FrictionLaw], name: str) -> Quantity:
+    """Return a parameter of a law, with a range: its own, or one about the value that is given.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> with_ranges(Stribeck, "stribeck_velocity").bounds
+    (0.001, 1.0)
+    """
+    kind = law if isinstance(law, type) else type(law)
+    quantity = fields_of(kind)[name]
+    if quantity.scale:
+        return quantity
+    value = None if isinstance(law, type) else getattr(law, name)
+    if not value:
+        raise InputError(_without_range(kind, name, quantity))
+    size = DECADES * abs(value)
+    low = abs(value) / DECADES if quantity.above is not None else max(quantity.low, -size)
+    above = quantity.at_least is not None
+    return replace(
+        quantity,
+        scale="none",
+        bounds=(0.0 if above else low, size if above else min(size, quantity.high)),
+        start=float(value),
+    )
+
+
+def _without_range(kind: type[FrictionLaw], name: str, quantity: Quantity) -> str:
+    limits = "".join(
+        f", {side}={value:g}"
+        for side, value in (("above", quantity.above), ("low", quantity.low))
+        if value is not None and math.isfinite(value)
+    )
+    unit = "" if quantity.unit == "1" else f', "{quantity.unit}"'
+    usual = {
+        "1": 'scale="level", bounds=(0.0, 100.0), start=1.0',
+        "m/s": 'scale="speed", bounds=(1e-3, 1.0), start=0.1',
+        "N s/m": 'scale="slope", bounds=(0.0, 100.0), start=1.0',
+        "1/m": 'scale="stiffness", bounds=(1e-2, 1e3), start=1.0',
+    }
+    text = usual.get(quantity.unit, 'scale="none", bounds=(LOW, HIGH), start=VALUE')
+    return (
+        f"{kind.__name__}.{name} ({quantity.symbol}) has no search range: complete its"
+        f' Quantity, such as Quantity("{quantity.symbol}"{unit}{limits}, {text}), where bounds and'
+        ' start are multiples of the scale as measured, or values with scale="none"; or give an'
+        f" instance of {kind.__name__}, whose values other than 0 are the start."
+    )
+
+
+def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
+    """Return the names of the parameters that a law cannot do without.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> required_of(Dahl)
+    ('kinetic_coefficient', 'bristle_stiffness')
+    """
+    fields = law.__dataclass_fields__
+    return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
+
+
+def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
+    """Return a law of that type with ordinary values for each parameter it needs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> starting_law(Coulomb)
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    """
+    per_load = ("slope", "slope+", "slope-", "drag")
+    typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
+    typical |= {"load": load, "force": ORDINARY["level"] * load}
+    sizes = Sizes(typical=typical, reach=typical)
+    values: dict[str, Any] = {}
+    for name in required_of(law):
+        quantity = with_ranges(law, name)
+        values[name] = sizes.of(quantity).start
+        if quantity.at_least in values:
+            values[name] = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
+    return law(**values)
+
+
+def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
+    """Return a law with the values that are known, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> with_known(Viscous(viscous_coefficient=1.0), {"viscous_coefficient": 30.0})
+    Viscous(viscous_coefficient=30.0)
+    """
+    return vary(law, "friction", {f"friction.{name}": v for name, v in (known or {}).items()})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,3 +352,108 @@ class FreeParameters:
         if item.above in self.paths:
             return float(values[self.paths.index(item.above)])
         return (self.known or {})[item.above]
+
+
+def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> (
+    ...     reads_as_forces(Axis(inertia=1.0), table),
+    ...     reads_as_forces(Axis(inertia=1.0, load=5.0), table),
+    ... )
+    (True, False)
+    """
+    unit_load = levels_at(mechanism) != "per load"
+    return unit_load and not tells_load(measurement)
+
+
+def in_forces(
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
+    """Return the unknowns with the units that their values read in.
+
+    A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
+    the number is the force, and is said in N.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.quantities import Quantity
+    >>> path = "friction.kinetic_coefficient"
+    >>> level = FreeParameters(
+    ...     (FreeParameter(path=path, quantity=Quantity("mu_k", per_load=True), start=2.0),)
+    ... )
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
+    'N'
+    """
+    if not reads_as_forces(mechanism, measurement):
+        return free_parameters
+    return replace(free_parameters, items=tuple(_in_forces(free_parameters.items)))
+
+
+def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
+    """Return the unknowns in the units of what was measured: about an axis, forces are torques.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> offset = FreeParameters(
+    ...     (FreeParameter(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
+    ... )
+    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
+    >>> turned_as(swing, offset).items[0].quantity.unit
+    'N m'
+    """
+    pairs = [
+        (item, turned(item.quantity.unit, measurement.turning)) for item in free_parameters.items
+    ]
+    items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    return replace(free_parameters, items=tuple(items))
+
+
+def told(
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
+    """Return the unknowns of a record with the units that their values read in."""
+    if measurement.joint_names():
+        return by_joint(free_parameters, mechanism)
+    return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
+
+
+def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
+    """Return the unknowns of several joints with the units that their values read in.
+
+    Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
+    """
+    turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
+    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
+    items = []
+    for item in free_parameters.items:
+        quantity, turning = item.quantity, False
+        if item.path.startswith("friction."):
+            contact = contacts[item.path.split(".")[1]]
+            turning = turns[contact.slips[0]]
+            if contact.load == 1.0:
+                quantity = replace(quantity, unit=quantity.force_unit)
+        elif item.path.startswith(OFFSET):
+            turning = turns[item.path.removeprefix(OFFSET)]
+        elif item.path.startswith(JOINTS) and quantity.or_unit:
+            number = int(item.path.removeprefix(JOINTS).partition(".")[0])
+            if mechanism.units[number] != "rad":
+                quantity = replace(quantity, unit=quantity.or_unit)
+        unit = turned(quantity.unit, turning)
+        items.append(replace(item, quantity=replace(quantity, unit=unit)))
+    return replace(free_parameters, items=tuple(items))
+
+
+def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
+    for item in items:
+        quantity = item.quantity
+        if item.path.startswith("friction."):
+            quantity = replace(quantity, unit=quantity.force_unit)
+        yield replace(item, quantity=quantity)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.sensor_response import PROMPT, SensorResponse
+from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.trajectory import Trajectory
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
-from stickslip.identification.sensor_response import PROMPT, SensorResponse
+from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 

@@ -20,7 +20,7 @@ from stickslip.identification.estimation.problem import (
     ResidualJacobian,
 )
 from stickslip.identification.force_map.data import MotionSegment
-from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.settings import SensorResponse
 
 Array = NDArray[np.float64]
 

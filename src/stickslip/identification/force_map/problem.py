@@ -13,8 +13,11 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.screening import screened_starts
-from stickslip.identification.force_map.start_values import StartEstimate, looked_for
+from stickslip.identification.force_map.start_values import (
+    StartEstimate,
+    looked_for,
+    screened_starts,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 

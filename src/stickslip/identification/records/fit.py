@@ -30,8 +30,7 @@ from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, improve
-from stickslip.identification.estimation.model_error import ModelError
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters, told
 from stickslip.identification.estimation.problem import (
     FixedParameterProblem,
     Problem,
@@ -44,10 +43,9 @@ from stickslip.identification.force_map.joint_balance import (
     joint_record,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
-from stickslip.identification.results import Fit, estimates_for
+from stickslip.identification.results import Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.terms.composed_laws import Asked

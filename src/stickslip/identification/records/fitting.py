@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -34,7 +34,7 @@ from stickslip.identification.estimation.estimates import (
     widened_by_starts,
 )
 from stickslip.identification.estimation.halves import contradiction, widened
-from stickslip.identification.estimation.jackknife import Inference, infer
+from stickslip.identification.estimation.jackknife import Displaced, Inference, infer
 from stickslip.identification.estimation.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
@@ -42,12 +42,11 @@ from stickslip.identification.estimation.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameters, told
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
-from stickslip.identification.records.level_units import told
 from stickslip.identification.records.problems import (
     FitSetup,
     RecordRouteName,
@@ -57,14 +56,10 @@ from stickslip.identification.records.problems import (
     held_otherwise,
     prepared,
 )
-from stickslip.identification.records.propagation import displacements
 from stickslip.identification.records.refits import halves_of, interleaved
-from stickslip.identification.records.route_choice import (
-    better_route,
-    choose_route,
-    to_compare,
-)
+from stickslip.identification.records.route_choice import better_route, choose_route, to_compare
 from stickslip.identification.residuals.holds import HoldFinding, of_simulation
+from stickslip.identification.rig_uncertainties import span_of, uncertainties_of
 from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
@@ -78,6 +73,8 @@ from stickslip.quantities import fields_of, vary
 
 Array = NDArray[np.float64]
 
+LOAD = "mechanism.load"
+"""What a measured load takes the place of."""
 NARROW = 0.6
 """Band in which a fit of bristles is looked at again, over that of the fit."""
 STEPS = (0.5, 2.0)
@@ -107,9 +104,83 @@ SHIFT = 0.1
 """Way over a standard error from which an estimate is said to move: less leaves it as sure."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
-
-
 ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
+
+
+def displacements(
+    again: Callable[[Measurement], RecordProblem],
+    best: ResidualJacobian,
+    mechanism: Mechanism,
+    measurement: Measurement,
+) -> tuple[Displaced, ...]:
+    """Return how far stated uncertainties of a mechanism move the residuals of a fit.
+
+    A parameter that is looked for, as a constant force is without being asked for, is known from
+    the record; what was stated of it is not used.
+    """
+    uncertainties = uncertainties_of(mechanism, measurement)
+    stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)
+    if not stated:
+        return ()
+    _refuse_load(stated, measurement)
+    problem = again(measurement)
+    paths = [path for path in stated if path not in problem.free_parameters.paths]
+    record_of = problem.spans[:, 0].astype(int)[best.segment]
+    found = []
+    for path in paths:
+        errors = [{**shared, **own}.get(path, 0.0) for own, shared in uncertainties]
+        rows = _moved_by_rig(again, best, mechanism, measurement, path, errors, record_of)
+        common = np.array([path in shared for _, shared in uncertainties])[record_of]
+        if common.any():
+            found.append(Displaced(path=path, rows=rows * common))
+        for own in (~common & (record_of == k) for k, error in enumerate(errors) if error):
+            if own.any():
+                found.append(Displaced(path=path, rows=rows * own, shared=False))
+    return tuple(found)
+
+
+def _refuse_load(paths: Collection[str], measurement: Measurement) -> None:
+    if LOAD in paths and "load" in measurement.quantities():
+        raise InputError(
+            f"the uncertainty of {LOAD} was stated, but the measured load replaces its value:"
+            " leave the uncertainty out."
+        )
+
+
+def _moved_by_rig(
+    again: Callable[[Measurement], RecordProblem],
+    best: ResidualJacobian,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    path: str,
+    errors: Sequence[float],
+    record_of: NDArray[np.intp],
+) -> Array:
+    """Return by how much the uncertainty of a parameter in each record moves the residuals (n,)."""
+    records = measurement.records()
+    spans = np.array(
+        [
+            span_of(vary(mechanism, "mechanism", record.overrides), path, error)
+            if error
+            else (0.0, 1.0)
+            for record, error in zip(records, errors, strict=True)
+        ]
+    )
+    sides = []
+    for ends in spans.T.tolist():
+        changed = tuple(
+            replace(record, overrides={**record.overrides, path: end}) if error else record
+            for record, end, error in zip(records, ends, errors, strict=True)
+        )
+        whole = replace(measurement, trials=changed) if measurement.trials else changed[0]
+        sides.append(again(whole).carried(best))
+    if not all(np.all(np.isfinite(side)) for side in sides):
+        raise ConvergenceError(
+            f"the uncertainty of {path} cannot be propagated: the record cannot be simulated with"
+            " values close to the stated one. Leave the uncertainty out."
+        )
+    slopes = np.array(errors) / (spans[:, 1] - spans[:, 0])
+    return np.asarray((sides[1] - sides[0]) * slopes[record_of])
 
 
 def record_route_name(measurement: Measurement, route: str | None = None) -> RecordRouteName:

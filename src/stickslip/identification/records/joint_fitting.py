@@ -13,14 +13,7 @@ from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
-from stickslip.friction import (
-    CandidateSpec,
-    FrictionLaw,
-    Laws,
-    Viscous,
-    given_to,
-    specification,
-)
+from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.containment import (
     FittedLaw,
@@ -29,7 +22,7 @@ from stickslip.identification.estimation.containment import (
     starts_from,
 )
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.joint_balance import (
@@ -44,7 +37,6 @@ from stickslip.identification.force_map.model import ForceMap, moved
 from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
-from stickslip.identification.records.level_units import OFFSET
 from stickslip.identification.records.links import told_links
 from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.residuals.holds import HoldFinding, hold_of

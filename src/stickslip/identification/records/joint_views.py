@@ -17,7 +17,7 @@ from stickslip.identification.estimation.estimates import (
 )
 from stickslip.identification.estimation.halves import Halves, contradiction
 from stickslip.identification.estimation.jackknife import Inference, effective_size
-from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameters, by_joint
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.force_map.joint_balance import (
     JointBalance,
@@ -29,7 +29,6 @@ from stickslip.identification.force_map.joint_balance import (
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.joint_fitting import JOINTS
-from stickslip.identification.records.level_units import by_joint
 
 Array = NDArray[np.float64]
 

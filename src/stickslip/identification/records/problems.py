@@ -32,19 +32,18 @@ from stickslip.identification.records.scanning import (
     surplus_starts,
 )
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
-from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
-from stickslip.identification.series.inertia import inertia_of
 from stickslip.identification.series.inverse_dynamics import is_mass, mass_of, positions_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
+    inertia_of,
     joined,
     law_unknowns,
     mechanism_unknown,
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.settings import Hold, RecordSettings, SensorResponse
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of

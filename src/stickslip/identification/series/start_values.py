@@ -9,14 +9,18 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, usual_top_speed
-from stickslip.formatting import number
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.ranges import Sizes, with_ranges
+from stickslip.identification.estimation.parameters import (
+    FreeParameter,
+    FreeParameters,
+    Sizes,
+    with_ranges,
+)
 from stickslip.identification.series.applied_force import driven
-from stickslip.identification.series.inertia import REVERSED
 from stickslip.identification.series.inverse_dynamics import (
     InverseDynamics,
+    check_is_mass,
     inverse_dynamics,
     is_mass,
     mass_of,
@@ -26,6 +30,10 @@ from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
 
+REVERSED = 0.01
+"""Inertial share of a negative mass from which the force acts against the motion."""
+WIDE = 30.0
+"""How far bounds lie from what regression found."""
 NUISANCE = {"offset"}
 """Parameters of a mechanism that are looked for whatever the law: sensors and cables have them."""
 PRESLIDING = 1e-3
@@ -45,6 +53,36 @@ SEEN = 1e-3
 UNEXPLAINED = 0.8
 """Share of the force that a regression leaves above which its signs accuse no channel. A force
 recorded with the wrong sign fits as well as with the right one."""
+
+
+def inertia_of(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
+) -> FreeParameter | None:
+    """Return the mass of a mechanism where it is looked for, to start from by robust regression."""
+    check_is_mass(unknown)
+    names = [name.rpartition(".")[2] for name in unknown]
+    if not names:
+        return None
+    known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
+    path = full_path(names[0], list(known))
+    found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
+    value = found["inertia"]
+    if -REVERSED < found.inertial_share <= 0.0:
+        value = mass_of(mechanism)  # the motion was slow: it says little of the mass
+    if value <= 0.0:
+        raise InputError(
+            f"inverse dynamics gives {quantity(value, 'kg')} for {path}: check the sign of the"
+            " force (gain -1) and that the motion accelerates."
+        )
+    return FreeParameter(
+        path=path,
+        quantity=known[path],
+        start=value,
+        low=value / WIDE,
+        high=value * WIDE,
+        log=True,
+        guessed=True,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

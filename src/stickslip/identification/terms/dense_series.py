@@ -14,7 +14,6 @@ from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
 from stickslip.identification.force_map.data import load_along
 from stickslip.identification.force_map.joint_balance import joint_series
-from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
@@ -27,7 +26,7 @@ from stickslip.identification.series.inverse_dynamics import (
     mass_of,
     positions_of,
 )
-from stickslip.identification.settings import Hold
+from stickslip.identification.settings import PROMPT, Hold, SensorResponse
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 

@@ -40,10 +40,9 @@ from stickslip.formatting import (
 )
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.model_error import UNSAID, ModelError
-from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.results import UNSAID, ModelError
 from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.settings import Hold
+from stickslip.identification.settings import Hold, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import (
     dense_series,

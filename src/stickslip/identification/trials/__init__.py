@@ -1,1 +1,0 @@
-"""Whether several trials share one law."""
