@@ -10,11 +10,12 @@ import functools
 import inspect
 import operator
 import re
-import textwrap
+import sys
 import types
 import typing
 from abc import ABCMeta
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Any
 
 from typing_extensions import Doc, override
@@ -134,13 +135,32 @@ def texts_below(kind: type) -> Mapping[str, str]:
 def _written(kind: type) -> Mapping[str, str]:
     """Return the names in a class body that a text follows; none where there is no source."""
     try:
-        (body,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
-    except (OSError, TypeError, SyntaxError, ValueError):
+        return _texts_of(sys.modules[kind.__module__]).get(kind.__qualname__, {})
+    except (KeyError, OSError, TypeError, SyntaxError, ValueError):
         return {}
-    assert isinstance(body, ast.ClassDef)
+
+
+@functools.cache
+def _texts_of(module: types.ModuleType) -> Mapping[str, Mapping[str, str]]:
+    """Return the fields with a text below, by class; a module is read once for all its classes."""
+    found: dict[str, Mapping[str, str]] = {}
+
+    def enter(body: Sequence[ast.stmt], place: str) -> None:
+        for node in body:
+            if isinstance(node, ast.ClassDef):
+                found[place + node.name] = _texts_in(node)
+                enter(node.body, f"{place}{node.name}.")
+            elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                enter(node.body, f"{place}{node.name}.<locals>.")
+
+    enter(ast.parse(inspect.getsource(module)).body, "")
+    return found
+
+
+def _texts_in(node: ast.ClassDef) -> Mapping[str, str]:
     return {
         before.target.id: inspect.cleandoc(after.value.value)
-        for before, after in zip(body.body, body.body[1:], strict=False)
+        for before, after in pairwise(node.body)
         if isinstance(before, ast.AnnAssign)
         and isinstance(before.target, ast.Name)
         and isinstance(after, ast.Expr)

@@ -2,6 +2,7 @@
 
 import ast
 import doctest
+import functools
 import importlib
 import inspect
 import os
@@ -270,21 +271,26 @@ PUBLIC = {
 }
 
 
-def example_of(value: object) -> str:
-    """Return the example of a docstring as a function below the imports of its module."""
-    module = importlib.import_module(value.__module__)
-    imports = [
+@functools.cache
+def imports_of(name: str) -> list[str]:
+    """Return the imports at the top of a module, which is read once for all its examples."""
+    return [
         ast.unparse(node)
-        for node in ast.parse(inspect.getsource(module)).body
+        for node in ast.parse(inspect.getsource(importlib.import_module(name))).body
         if isinstance(node, (ast.Import, ast.ImportFrom))
     ]
+
+
+def example_of(value: object) -> str:
+    """Return the example of a docstring as a function below the imports of its module."""
+    imports = imports_of(value.__module__)
     lines = [
         f"    {line}"
         for example in doctest.DocTestParser().get_examples(inspect.getdoc(value) or "")
         for line in example.source.splitlines()
     ]
     # fields of composed laws stand in the stub of the package alone
-    home = "stickslip.friction" if getattr(value, "made_of", None) else module.__name__
+    home = "stickslip.friction" if getattr(value, "made_of", None) else value.__module__
     head = [*imports, f"from {home} import *", "def example() -> None:"]
     return "\n".join([*head, *lines, ""])
 
