@@ -1,4 +1,4 @@
-"""JSON documents, files that are read whole, and those written whole or not at all."""
+"""JSON documents, files that are read whole or hashed, and those written whole or not at all."""
 
 import contextlib
 import ctypes
@@ -41,6 +41,46 @@ def read_bytes(path: Path, name: str = "") -> bytes:
     if len(data) > LARGEST:
         raise InputError(f"{name} has more than {LARGEST} bytes, too many for a model.")
     return data
+
+
+def sha256_of(path: Path) -> str:
+    """Return the checksum of a file, as ``sha256sum`` prints it."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def with_files(digest: str, files: Sequence[Path]) -> str:
+    """Return the SHA-256 of a digest and the contents of files; the digest as it is without any.
+
+    Names do not count: a file that was moved is the same input.
+
+    Examples
+    --------
+    >>> with_files("0123", [])
+    '0123'
+    """
+    if not files:
+        return digest
+    whole = hashlib.sha256(digest.encode())
+    for path in files:
+        with path.open("rb") as file:
+            whole.update(hashlib.file_digest(file, "sha256").digest())
+    return whole.hexdigest()
+
+
+def of_files(files: Sequence[Path]) -> dict[str, str]:
+    """Return the SHA-256 of each file by its name, as ``sha256sum`` prints it.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "record.csv")
+    ...     _ = file.write_text("")
+    ...     of_files([file])["record.csv"][:8]
+    'e3b0c442'
+    """
+    return {path.name: sha256_of(path) for path in files}
 
 
 def check_xml(data: bytes, name: str) -> None:

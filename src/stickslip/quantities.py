@@ -750,6 +750,30 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     raise UnknownNameError(kind, path, same or (ends if closer else known))
 
 
+def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
+    """Return the quantities below `root` by path, those that are not given included.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> from stickslip.drives import Pulse
+    >>> block = SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=1.0))
+    >>> list(all_paths(block, "mechanism"))[-1]
+    'mechanism.drive.start'
+    """
+    found = {f"{prefix}.{name}": quantity for name, quantity in fields_of(type(root)).items()}
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        path = f"{prefix}.{field.name}"
+        if isinstance(value, Parametrised):
+            found.update(all_paths(value, path))
+        elif isinstance(value, tuple):
+            for index, item in enumerate(value):
+                if isinstance(item, Parametrised):
+                    found.update(all_paths(item, f"{path}.{index}"))
+    return found
+
+
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
     """Look a name up, or say which known names are nearest."""
     if name not in registry:

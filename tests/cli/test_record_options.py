@@ -11,7 +11,7 @@ import pytest
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.inputs import measured
-from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.progress import Interrupts
 from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.kinds.records import selection
@@ -151,7 +151,7 @@ def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
 
 def test_an_interrupt_while_laws_are_judged_says_that_it_waits(run, monkeypatch):
     told = []
-    monkeypatch.setattr("stickslip.cli.interrupts.note", told.append)
+    monkeypatch.setattr("stickslip.cli.progress.note", told.append)
     original, pressed = selection.cross_validate, []
 
     def judged(fit, plan):

@@ -11,7 +11,7 @@ import pytest
 
 from stickslip import CoulombViscous, Pendulum, load_rig, simulate
 from stickslip.cli import main
-from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.progress import Interrupts
 from stickslip.identification.records.fitting import fit_record
 from stickslip.kinds.records import selection
 

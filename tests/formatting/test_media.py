@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from stickslip import Axis, Measurement, RecordSettings, select
 from stickslip.cli.console import plain, show_table
 from stickslip.documents import json_text
-from stickslip.formatting import NO_BREAK_SPACE, Scale, scale_of, unbroken, with_unit
-from stickslip.formatting.units import PREFIXES
+from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
 from stickslip.report.core.blocks import Fact, Facts

@@ -1,25 +1,95 @@
 """A record of the catalogue: what is known of it, and its files where they are wanted."""
 
 import dataclasses
+import functools
+import tomllib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, final
 
-from stickslip.catalogue.cache_paths import (
+from stickslip.catalogue.cache import (
     CacheLocation,
     by_hand,
     cache_folder,
+    download,
+    fresh,
     named_folder,
     web_address,
 )
-from stickslip.catalogue.download import download, fresh, sha256_of
-from stickslip.catalogue.schema import Column, DataFile, Known
 from stickslip.described import Described
+from stickslip.documents import sha256_of
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, load_measurement
+
+Known = Mapping[str, float | str]
+"""What is known of an experiment: numbers, whose names carry their units, and words."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Column(metaclass=Described):
+    """A column of a tidy table, and where its numbers come from.
+
+    Examples
+    --------
+    >>> Column(name="x_m", unit="m", meaning="position", source="3", factor=1e-3).factor
+    0.001
+    """
+
+    name: str
+    """Name in the table, which ends with the unit: ``"x_m"``."""
+    unit: str
+    """Unit of the column."""
+    meaning: str
+    """What the column holds, in words."""
+    quantity: str = ""
+    """What it is in a `stickslip.Measurement`; empty where a measurement does without it."""
+    gain: float = 1.0
+    """Factor from the column to the quantity in SI."""
+    source: str = ""
+    """Variable of the upstream file, or number of its column in a text, from 1."""
+    factor: float = 1.0
+    """Factor from the upstream number to the column."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DataFile(metaclass=Described):
+    """A table of a record, and the upstream file it is converted from.
+
+    Examples
+    --------
+    >>> DataFile(name="train", about="The first minute.", rows=12_000, part=True).file_name
+    'train.parquet'
+    """
+
+    name: str
+    """Name of the table among the files of its record."""
+    about: str
+    """What this table holds, in a sentence."""
+    rows: int | None = None
+    """Rows of the table; None where the catalogue does not know."""
+    part: bool = False
+    """Whether the table is the first `rows` rows of the upstream file, and not all of it."""
+    sha256: str = ""
+    """Checksum of the table that the catalogue was written for; empty where there is none."""
+    source: str = ""
+    """Path of the upstream file in its repository; empty where the catalogue cannot fetch it."""
+    source_sha256: str = ""
+    """Checksum of the upstream file."""
+    ending: str = ".parquet"
+    """Ending of the file that the table is kept in."""
+    known: Known = field(default_factory=lambda: MappingProxyType({}))
+    """What is known of this file alone."""
+
+    @property
+    def file_name(self) -> str:
+        """Name of the table in a folder of data."""
+        return self.name + self.ending
 
 
 def convert(
@@ -316,3 +386,56 @@ def _compare(path: Path, file: DataFile) -> None:
             f" {file.sha256}. It is used as it is; published results may not be reproduced.",
             stacklevel=3,
         )
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of all records.
+
+    Returns
+    -------
+    tuple of str
+        In alphabetical order.
+
+    Examples
+    --------
+    >>> names()[:2]
+    ('bam_xl330', 'emps')
+    """
+    return tuple(_texts())
+
+
+def dataset(name: str) -> Dataset:
+    """Return a record of the catalogue; nothing is downloaded yet.
+
+    Examples
+    --------
+    >>> dataset("rock_velocity_step").licence
+    'MIT'
+    >>> dataset("emsp")
+    Traceback (most recent call last):
+    stickslip.errors.UnknownNameError: unknown record of the catalogue 'emsp'. Did you mean 'emps'?
+    """
+    if name not in _texts():
+        raise UnknownNameError("record of the catalogue", name, names())
+    return _read(name)
+
+
+@functools.cache
+def _texts() -> Mapping[str, str]:
+    """Return the text of each entry by its name."""
+    folder = files("stickslip.catalogue").joinpath("records")
+    found = {
+        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
+        for entry in folder.iterdir()
+        if entry.name.endswith(".toml")
+    }
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+@functools.cache
+def _read(name: str) -> Dataset:
+    tables: dict[str, Any] = tomllib.loads(_texts()[name])
+    columns = tuple(Column(**table) for table in tables.pop("columns"))
+    known = {key: DataFile(name=key, **table) for key, table in tables.pop("files").items()}
+    tables["notes"] = " ".join(tables.get("notes", "").split())
+    return Dataset(name=name, columns=columns, files=MappingProxyType(known), **tables)

@@ -10,9 +10,8 @@ import typer
 
 from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 from stickslip.cli.console import command_line, note, print_json, show_table, stdout
-from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.process_pool import workers
-from stickslip.cli.progress import Drawing
+from stickslip.cli.progress import Drawing, Interrupts
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.report import render

@@ -26,9 +26,9 @@ from stickslip.cli.inputs import (
     watching,
 )
 from stickslip.cli.law_choice import law_to_fit
-from stickslip.documents import document, write_file
+from stickslip.documents import document, with_files, write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same, with_files
+from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
 from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
 

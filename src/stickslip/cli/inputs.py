@@ -8,14 +8,12 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from stickslip.cli.console import note, plain, show_table, stdout
-from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.progress import Searching, Watching
+from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import (
     Checks,
     Reading,
     Rig,
-    all_paths,
     condition_name,
     read_data,
     read_number,
@@ -41,7 +39,7 @@ from stickslip.kinds import (
     kind_of,
     refuse_unused,
 )
-from stickslip.quantities import Quantity, full_path
+from stickslip.quantities import Quantity, all_paths, full_path
 from stickslip.selection import (
     Wording,
 )

@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from stickslip.cli.console import note, print_json, refuse_overwriting, show_table, stdout
-from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.law_choice import LawAsked, friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
 from stickslip.cli.process_pool import workers
-from stickslip.cli.progress import Improving
+from stickslip.cli.progress import Improving, Interrupts
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, read_number

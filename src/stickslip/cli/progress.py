@@ -2,10 +2,12 @@
 
 import itertools
 import math
+import signal
+import threading
 import time
 from collections.abc import Callable, Sequence
-from types import TracebackType
-from typing import ClassVar, Final, Self, final
+from types import FrameType, TracebackType
+from typing import Any, ClassVar, Final, Self, final
 
 from rich.progress import (
     BarColumn,
@@ -18,8 +20,44 @@ from rich.progress import (
 )
 from typing_extensions import override
 
-from stickslip.cli.console import is_quiet, stderr
-from stickslip.cli.interrupts import BEST, Interrupts
+from stickslip.cli.console import is_quiet, note, stderr
+
+BEST = "Stopping with the best fit so far; press Ctrl-C again to cancel."
+"""What is said where the first interrupt ends a search."""
+
+
+@final
+class Interrupts:
+    """Within a `with`, the first interrupt is only noted; the second is an interrupt as ever."""
+
+    def __init__(self) -> None:
+        self.stopped = False
+        """Whether the search is to end with what it has."""
+        self.promise = BEST
+        """What is said at the first interrupt."""
+        self._before: Any = None
+
+    def __enter__(self) -> Self:
+        # Only the main thread may say what an interrupt does; elsewhere it stays as it is.
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGINT, self._met)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+
+    def _met(self, _number: int, _frame: FrameType | None) -> None:
+        if self.stopped:
+            raise KeyboardInterrupt
+        self.stopped = True
+        note(self.promise)
+
 
 SILENCE: Final = 20.0
 """Time after which a line says how far work is where no bar can be seen [s]."""

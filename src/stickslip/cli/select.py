@@ -29,9 +29,9 @@ from stickslip.cli.inputs import (
 )
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
-from stickslip.documents import document
+from stickslip.documents import document, of_files, with_files
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig, of_files, with_files
+from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw
 from stickslip.kinds import (
     DOCUMENT,

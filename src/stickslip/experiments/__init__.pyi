@@ -18,8 +18,6 @@ from stickslip.experiments.checking.mains import is_narrow as is_narrow
 from stickslip.experiments.checking.mains import lines_of as lines_of
 from stickslip.experiments.checking.mains import words_of as words_of
 from stickslip.experiments.checking.motion import motion_of as motion_of
-from stickslip.experiments.condition_values import condition_name as condition_name
-from stickslip.experiments.condition_values import condition_unit as condition_unit
 from stickslip.experiments.differentiation import GAP as GAP
 from stickslip.experiments.differentiation import interval_of as interval_of
 from stickslip.experiments.differentiation import noise_of as noise_of
@@ -34,16 +32,14 @@ from stickslip.experiments.estimates import equated as equated
 from stickslip.experiments.estimates import levels_at as levels_at
 from stickslip.experiments.estimates import spread_of as spread_of
 from stickslip.experiments.estimates import unit_on as unit_on
-from stickslip.experiments.hashing import of_files as of_files
-from stickslip.experiments.hashing import with_files as with_files
 from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
 from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
 from stickslip.experiments.measurement import as_turning as as_turning
+from stickslip.experiments.measurement import condition_name as condition_name
+from stickslip.experiments.measurement import condition_unit as condition_unit
 from stickslip.experiments.measurement import tells_load as tells_load
 from stickslip.experiments.measurement import unit_of_input as unit_of_input
-from stickslip.experiments.parameter_paths import all_paths as all_paths
-from stickslip.experiments.parameter_paths import canonical as canonical
 from stickslip.experiments.preconditions import findings_text as findings_text
 from stickslip.experiments.preconditions import refuse_faults as refuse_faults
 from stickslip.experiments.preconditions import refuse_lack as refuse_lack

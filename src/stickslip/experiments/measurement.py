@@ -15,11 +15,6 @@ from typing_extensions import override
 from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.condition_values import (
-    condition_name,
-    condition_unit,
-    plain_conditions,
-)
 from stickslip.experiments.line import Line
 from stickslip.experiments.units import LARGEST, size_wanted
 from stickslip.formatting import number, span
@@ -30,6 +25,54 @@ from stickslip.units import converted, is_pint, number_in, pint_magnitude
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+def plain_conditions(given: object) -> dict[str, float | str]:
+    """Return conditions by name as floats and texts.
+
+    Examples
+    --------
+    >>> plain_conditions({"temperature [degC]": 20, "direction": "up"})
+    {'temperature [degC]': 20.0, 'direction': 'up'}
+    """
+    if not isinstance(given, Mapping):
+        raise InputError(f"Measurement.conditions must be a mapping by name, got {given!r}.")
+    found: dict[str, float | str] = {}
+    for name, value in given.items():
+        if isinstance(value, str) and value.strip():
+            found[str(name)] = value.strip()
+            continue
+        real = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not real or not math.isfinite(float(value)):
+            raise ParameterError(
+                f"Measurement.conditions of {name!r} must be a finite number or a text, got"
+                f" {value!r}: leave an unknown condition out."
+            )
+        found[str(name)] = float(value)
+    return found
+
+
+def condition_name(full: str) -> str:
+    """Return the name of a condition without its unit.
+
+    Examples
+    --------
+    >>> condition_name("temperature [degC]"), condition_name("direction")
+    ('temperature', 'direction')
+    """
+    return full.partition("[")[0].strip()
+
+
+def condition_unit(full: str) -> str:
+    """Return the unit of a condition, as it stands in brackets after its name.
+
+    Examples
+    --------
+    >>> condition_unit("temperature [degC]"), condition_unit("run")
+    ('degC', '')
+    """
+    return full.partition("[")[2].partition("]")[0].strip()
+
 
 Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
 from stickslip.experiments.measurement import (
     BESIDE,
@@ -21,6 +20,7 @@ from stickslip.experiments.measurement import (
     Array,
     Measurement,
     Uncertainty,
+    condition_name,
     unit_of_input,
 )
 from stickslip.experiments.readers.layout import Layout
@@ -29,9 +29,9 @@ from stickslip.experiments.readers.reader_options import (
     Reading,
     check_columns,
     motor_constants,
+    spelled,
 )
-from stickslip.experiments.readers.spelling import spelled
-from stickslip.experiments.readers.time_base import Repair, repaired, repairs
+from stickslip.experiments.readers.time_stamps import Repair, repaired, repairs
 from stickslip.experiments.readers.unit_conversion import (
     Scaling,
     gains_of,

@@ -11,7 +11,6 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.travels import scale_of
 from stickslip.friction import (
@@ -23,7 +22,7 @@ from stickslip.friction import (
     laws,
     listed,
 )
-from stickslip.mechanisms import LINKS, Mechanism
+from stickslip.mechanisms import LINKS, PREFIX, Mechanism, canonical_path, quantity_at
 from stickslip.quantities import Quantity, vary
 
 USUAL = "coulomb"
@@ -294,11 +293,11 @@ class Rig:
             if name in self.laws:
                 self.estimates_of(name)
         paths = tuple(
-            name if name == LINKS else canonical(self.mechanism, name) for name in self.vary
+            name if name == LINKS else canonical_path(self.mechanism, name) for name in self.vary
         )
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
-        uncertainties = {canonical(self.mechanism, name): one for name, one in stated}
+        uncertainties = {canonical_path(self.mechanism, name): one for name, one in stated}
         object.__setattr__(self, "parameter_uncertainties", uncertainties)
         if self.measurement is not None and uncertainties:
             object.__setattr__(self, "measurement", self.with_uncertainties(self.measurement))

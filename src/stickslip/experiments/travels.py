@@ -4,9 +4,8 @@ import math
 
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, Measurement
-from stickslip.experiments.parameter_paths import PREFIX
 from stickslip.formatting import quantity
-from stickslip.mechanisms import WHOLE, Mechanism, cycle_of
+from stickslip.mechanisms import PREFIX, WHOLE, Mechanism, cycle_of
 from stickslip.quantities import vary
 
 

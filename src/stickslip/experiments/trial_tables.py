@@ -8,11 +8,10 @@ import pandas as pd
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
-from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.condition_columns import condition_cells, condition_keys
 from stickslip.experiments.readers.table_reader import Frame
 from stickslip.experiments.rig import check_record, state_units
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, quantity_at
 
 WORDS = ("name", "provenance", "uncertainty_kind")
 NUMBERS = (*TRAVELS, "uncertainty")
@@ -71,7 +70,7 @@ def _values(frame: Frame, column: str, mechanism: Mechanism | None) -> list[Any]
 
 def _path(frame: Frame, column: str, mechanism: Mechanism) -> str:
     try:
-        return canonical(mechanism, column)
+        return canonical_path(mechanism, column)
     except UnknownNameError as error:
         cure = f' If it is a condition of the trials, give conditions="{column}".'
         said = str(error) if "Did you mean" in str(error) else f"{error}{cure}"

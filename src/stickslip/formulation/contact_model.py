@@ -17,8 +17,7 @@ from stickslip.formulation.contact_parts import (
 from stickslip.formulation.hard_stops import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
-from stickslip.formulation.symbols import Symbols, symbols_of
-from stickslip.formulation.trace import Switchboard, Traced, collapsed
+from stickslip.formulation.trace import Switchboard, Symbols, Traced, collapsed, symbols_of
 from stickslip.friction import (
     FrictionLaw,
     Laws,

@@ -1,10 +1,12 @@
-"""Which modes are linear with constant coefficients, and so have solutions in closed form."""
+"""What is linear: modes with constant coefficients, solved in closed form; friction in the load."""
 
 from collections.abc import Mapping, Sequence
 
 import symengine as se
 
-from stickslip.formulation.trace import LONGEST, has_switch
+from stickslip.errors import TracingError
+from stickslip.formulation.trace import LONGEST, collapsed, has_switch
+from stickslip.friction import FrictionLaw
 
 MOST_SWITCHES = 4
 """A mode that depends on more switches than this is not examined."""
@@ -63,3 +65,14 @@ def _free_of(e: se.Expr, names: set[str]) -> bool:
     if len(str(e)) > LONGEST:
         return False
     return not names & {str(s) for s in se.expand(e).free_symbols}
+
+
+def load_factor(law: FrictionLaw, friction: se.Expr, load: se.Symbol) -> se.Expr:
+    """Return b of friction a + b N."""
+    factor = collapsed(friction.diff(load))
+    if se.expand(collapsed(factor.diff(load))) != 0:
+        raise TracingError(
+            f"{type(law).__name__}: friction must be affine in the load, F = a + b N; its second"
+            " derivative with respect to N is not zero"
+        )
+    return factor

@@ -12,8 +12,7 @@ from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
-from stickslip.formulation.symbols import Symbols, symbols_of
-from stickslip.formulation.trace import Switchboard, Traced
+from stickslip.formulation.trace import Switchboard, Symbols, Traced, symbols_of
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import symengine as se
 
-from stickslip.formulation.load_factor import load_factor
+from stickslip.formulation.linearity import load_factor
 from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.prescribed_motion import own_limits
 from stickslip.formulation.trace import Switchboard, Traced, expression

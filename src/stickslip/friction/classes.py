@@ -12,12 +12,11 @@ from stickslip.errors import InputError, nearest
 from stickslip.friction.base import ALWAYS, BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
 from stickslip.friction.containment import Contained
-from stickslip.friction.equations import equations_of, one_way
+from stickslip.friction.equations import equations_of, for_floats, one_way
 from stickslip.friction.formulas import formula_of
 from stickslip.friction.notation import Term, canonical, read
 from stickslip.friction.parts.base import Memory, Parameter
 from stickslip.friction.sources import SOURCES
-from stickslip.friction.text import for_floats
 
 HOME = "stickslip.friction.registry"
 """Module in which pickle looks for classes without a name."""

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement, canonical, check_uncertainty
-from stickslip.mechanisms import Mechanism
+from stickslip.experiments import Measurement, check_uncertainty
+from stickslip.mechanisms import Mechanism, canonical_path
 from stickslip.quantities import Quantity, parameters, vary
 
 STEP = 1e-3
@@ -49,7 +49,7 @@ def uncertainties_of(
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
     """Return uncertainties by full path, of parameters that have a value."""
     known = {path: (quantity, v) for path, quantity, v in parameters(mechanism, "mechanism")}
-    found = {canonical(mechanism, path): doubt for path, doubt in given.items()}
+    found = {canonical_path(mechanism, path): doubt for path, doubt in given.items()}
     for path, doubt in found.items():
         if path not in known:
             raise InputError(

@@ -6,10 +6,10 @@ from fnmatch import fnmatchcase
 from typing import Generic, TypeAlias, TypeVar, cast, final
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement, Rig, all_paths
+from stickslip.experiments import Measurement, Rig
 from stickslip.friction import FrictionLaw, RateState, laws
 from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.quantities import Quantity, fields_of, full_path, parameters
+from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
 
 AnyLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | None

@@ -17,10 +17,14 @@ from stickslip.mechanisms.base import ContactInputs as ContactInputs
 from stickslip.mechanisms.base import Guide as Guide
 from stickslip.mechanisms.base import LINKS as LINKS
 from stickslip.mechanisms.base import LinearOrRotary as LinearOrRotary
+from stickslip.mechanisms.base import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.base import Mechanism as Mechanism
+from stickslip.mechanisms.base import PREFIX as PREFIX
 from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import as_rotary as as_rotary
+from stickslip.mechanisms.base import canonical_path as canonical_path
 from stickslip.mechanisms.base import gear_inputs as gear_inputs
+from stickslip.mechanisms.base import quantity_at as quantity_at
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
@@ -53,7 +57,6 @@ from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
 from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
 from stickslip.mechanisms.lining import Lining as _Lining
-from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as _PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS

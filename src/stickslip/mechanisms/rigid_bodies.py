@@ -16,8 +16,7 @@ from typing import TypeAlias, final
 from typing_extensions import override
 
 from stickslip.maths import Scalar, cos, sin
-from stickslip.mechanisms.base import ContactInputs, gear_inputs
-from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
+from stickslip.mechanisms.base import ContactInputs, MatrixMechanism, gear_inputs
 
 Vector: TypeAlias = Sequence[Scalar]
 """Three numbers or symbols."""

@@ -12,11 +12,9 @@ from stickslip.errors import InputError
 from stickslip.experiments.checking import (
     consistency,
     dynamics,
-    forces,
     mains,
     map_coverage,
     motion,
-    sampling,
     signal_quality,
     stationarity,
 )
@@ -258,7 +256,7 @@ def _agreement(
         size = [*dynamics.proportion(record, mechanism)]
         yield from size
         if not size:
-            yield from forces.direction(record, moving)
+            yield from consistency.direction(record, moving)
 
 
 def _record(
@@ -274,18 +272,18 @@ def _record(
         if not grave:
             yield from signal_quality.plausible(record, None)
     if not grave:
-        yield from forces.coefficient(record, mechanism)
+        yield from consistency.coefficient(record, mechanism)
     if record.time is None:
         return
-    yield from sampling.length(record.time)
+    yield from signal_quality.length(record.time)
     if not grave:
-        yield from sampling.sampling(record.time)
-        yield from sampling.gaps(record.time)
+        yield from signal_quality.sampling(record.time)
+        yield from signal_quality.gaps(record.time)
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
     rubbed = isinstance(record.friction, np.ndarray)
     moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
-    enough = record.time.size >= sampling.FEWEST
+    enough = record.time.size >= signal_quality.FEWEST
     if not grave:
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
@@ -303,7 +301,7 @@ def _signals(
     """Yield what each signal tells by itself."""
     yield from dynamics.missing(record, mechanism)
     yield from signal_quality.plausible(record, moving)
-    yield from sampling.usual(record)
+    yield from signal_quality.usual(record)
     yield from motion.straight(record)
     if not enough:
         return

@@ -1,14 +1,51 @@
 """Text files whose tables only their own reader knows: a new one is a file and an entry here."""
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
 import pandas as pd
 
-from stickslip.experiments.readers.franka_log import is_franka, read_franka
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope, read_scope
+from stickslip.experiments.readers.table import unequal_rows
 from stickslip.experiments.readers.video_tracks import is_blocks, read_blocks
+
+FRANKA: Final = "time, success_rate, state.q[0]"
+"""How such a text begins: times are in milliseconds and say so nowhere."""
+
+
+def is_franka(text: str) -> bool:
+    """Whether a text is a log of libfranka.
+
+    Examples
+    --------
+    >>> is_franka("time, success_rate, state.q[0], state.q[1]"), is_franka("time, q")
+    (True, False)
+    """
+    return (
+        text.lstrip("\ufeff")[: len(FRANKA) + 8]
+        .replace(" ", "")
+        .startswith(FRANKA.replace(" ", ""))
+    )
+
+
+def read_franka(text: str) -> tuple[pd.DataFrame, int]:
+    r"""Return the columns of a log with their units, and the line of its first row.
+
+    Examples
+    --------
+    >>> table, line = read_franka("time, success_rate, state.q[0], state.tau_J[0]\n7,1,0.5,2.5\n")
+    >>> table.to_dict("list"), line
+    ({'time [ms]': [7], 'success_rate': [1], 'state.q[0]': [0.5], 'state.tau_J[0]': [2.5]}, 2)
+    """
+    try:
+        table = pd.read_csv(
+            io.StringIO(text.lstrip("\ufeff")), skipinitialspace=True, index_col=False
+        )
+    except (pd.errors.ParserError, ValueError) as error:
+        raise unequal_rows(error) from None
+    return table.rename(columns={"time": "time [ms]"}), 2
 
 
 @final

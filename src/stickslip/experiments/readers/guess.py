@@ -26,8 +26,7 @@ from stickslip.experiments.readers.formats import TEXT, data_file
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.table_reader import Frame, read_frame
-from stickslip.experiments.readers.time_base import Repair, nearly_zero
-from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
+from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import count, number
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown

@@ -9,8 +9,7 @@ import pandas as pd
 
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
-from stickslip.experiments.readers.json_file import read_json
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import Table, read_json
 from stickslip.formatting import count, number
 from stickslip.mechanisms import coordinate_of
 

@@ -1,19 +1,63 @@
-"""How the files of a measurement are read: names, units and factors of their columns."""
+"""How the files of a measurement are read, and how that is said: in Python, by options, in rigs."""
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, TypeAlias, final
+from typing import Any, Final, Literal, TypeAlias, final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import BESIDE, BY_JOINT, ELECTRIC, QUANTITIES
-from stickslip.experiments.parameter_paths import PREFIX, canonical
 from stickslip.experiments.readers.layout import Layout
-from stickslip.experiments.readers.spelling import Speaker
-from stickslip.experiments.readers.time_base import Repair, repairs
+from stickslip.experiments.readers.time_stamps import Repair, repairs
 from stickslip.experiments.units import read_gain
-from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, motor_of
 from stickslip.quantities import Quantity
 from stickslip.units import shown
+
+Speaker: TypeAlias = Literal["python", "options", "rig"]
+"""Who says how files are read: a call, the options of a command, or a rig file."""
+
+_SETTING: Final = re.compile(
+    r"""\b(?P<setting>columns|units|gain|repair|conditions)=
+        (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|\[[^\]]*\]|[^"}]+)\})""",
+    re.VERBOSE,
+)
+MOTOR_KEY: Final = "motor_constant = "
+_OPTIONS: Final = {"units": "unit"}
+"""Options that are called otherwise."""
+
+
+def spelled(text: str, by: Speaker) -> str:
+    """Return a message with the settings that it names as they are given there.
+
+    Examples
+    --------
+    >>> said = 'Give columns={"position": "..."} and repair="sort".'
+    >>> spelled(said, "options")
+    'Give --columns position=... and --repair sort.'
+    >>> spelled(said, "rig")
+    'Give columns = { position = "..." } and repair = ["sort"].'
+    """
+    if by == "python":
+        return text
+    text = text.replace("motor_constant=", "--motor-constant " if by == "options" else MOTOR_KEY)
+    return _SETTING.sub(_option if by == "options" else _key, text)
+
+
+def _option(found: re.Match[str]) -> str:
+    setting = _OPTIONS.get(found["setting"], found["setting"])
+    if found["word"]:
+        return f"--{setting} {found['word']}"
+    value = ",".join(part.strip(' "') for part in found["value"].strip("[]").split(","))
+    pair = f"{found['name']}={value}"
+    return f'--{setting} "{pair}"' if " " in pair else f"--{setting} {pair}"
+
+
+def _key(found: re.Match[str]) -> str:
+    if found["word"]:
+        return f'{found["setting"]} = ["{found["word"]}"]'
+    return f"{found['setting']} = {{ {found['name']} = {found['value']} }}"
+
 
 Column: TypeAlias = str | tuple[str, str]
 """Name of a column, or of the two with a position in a plane."""
@@ -168,7 +212,7 @@ def check_columns(
 def _is_path(mechanism: Mechanism, name: str) -> bool:
     """Whether a plain last name stands for a parameter of a mechanism."""
     try:
-        canonical(mechanism, name)
+        canonical_path(mechanism, name)
     except UnknownNameError:
         return False
     return True

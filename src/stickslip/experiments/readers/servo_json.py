@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
-from stickslip.experiments.readers.json_file import read_json
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import Table, read_json
 from stickslip.formatting import joined, number
 from stickslip.units import shown
 

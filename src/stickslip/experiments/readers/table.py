@@ -1,7 +1,9 @@
-"""What a reader of a file format returns."""
+"""What a reader of a file format returns, and errors of files that are damaged."""
 
+import json
 from dataclasses import dataclass
-from typing import final
+from pathlib import Path
+from typing import Any, final
 
 import pandas as pd
 
@@ -26,3 +28,11 @@ def unequal_rows(error: Exception) -> InputError:
     # What stands before it names the parser's language and nothing in the file.
     reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
     return InputError(f"has rows of different lengths ({reason}).")
+
+
+def read_json(path: Path) -> Any:
+    """Return what a file holds, or say that it is damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not JSON, or is damaged: {error}.") from None

@@ -11,10 +11,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.documents import with_files
 from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates, levels_at
-from stickslip.experiments.hashing import with_files
 from stickslip.experiments.measurement import (
     QUANTITIES,
     TRAVELS,
@@ -23,7 +23,6 @@ from stickslip.experiments.measurement import (
     quantity_called,
     tells_load,
 )
-from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
 from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes, resolved
@@ -57,14 +56,17 @@ from stickslip.formatting import joined
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
     LINKS,
+    PREFIX,
     DCMotor,
     LinearOrRotary,
     Mechanism,
     as_rotary,
+    canonical_path,
     checked_contacts,
     given_inputs,
     input_names,
     mechanisms,
+    quantity_at,
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
 
@@ -653,7 +655,7 @@ def _overrides(
     doubts: dict[str, float] = {}
     for name, value in flat(given):
         try:
-            path = canonical(mechanism, name)
+            path = canonical_path(mechanism, name)
             number = Number(quantity_at(mechanism, path), measured=True).read(value)
         except UnknownNameError as error:
             raise InputError(f"{label}: {error}") from None

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError
-from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
+from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
@@ -52,7 +52,7 @@ from stickslip.identification.validation import (
     varied_paths,
 )
 from stickslip.mechanisms import LINKS, Mechanism
-from stickslip.quantities import Quantity, parameters, vary
+from stickslip.quantities import Quantity, all_paths, parameters, vary
 
 Array = NDArray[np.float64]
 JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | None

@@ -1,6 +1,6 @@
-"""Numbers as a reader wants them: rounded to what is known, never ``nan`` or ``2.9e-15``.
+"""Numbers, units, lists and counts as text: one rule for each kind, for terminals, files and pages.
 
-One rule for each kind of number:
+A number is rounded to what is known, and is never ``nan`` or ``2.9e-15``:
 
 - with an error (`estimate`): the error has one digit, two if it begins with 1, and the value ends
   where the error ends;
@@ -10,11 +10,19 @@ One rule for each kind of number:
 
 A true minus, commas in thousands, powers of ten below 0.0001 and from 10,000,000 on. What is not
 finite is said in words.
+
+A unit is the multiple that saves leading zeros. Spaces are ordinary ones; a page keeps lines from
+ending within a number by `unbroken`.
 """
 
+import json
 import math
+import re
+from collections.abc import Iterable, Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Final, NamedTuple
+
+import numpy as np
 
 from stickslip.errors import InputError
 
@@ -299,3 +307,295 @@ def _ten_to(power: int) -> str:
 
 def _not_finite(value: float) -> str:
     return UNBOUNDED if math.isinf(value) else NOT_FINITE
+
+
+PREFIXES: Final = {
+    "m": ((1e3, 1e-3, "km"), (0.1, 1e3, "mm"), (1e-4, 1e6, "µm")),
+    "m/s": ((0.1, 1e3, "mm/s"), (1e-4, 1e6, "µm/s")),
+    "s": ((0.1, 1e3, "ms"), (1e-4, 1e6, "µs")),
+    "rad": ((0.1, 1e3, "mrad"), (1e-4, 1e6, "µrad")),
+    "rad/s": ((0.1, 1e3, "mrad/s"), (1e-4, 1e6, "µrad/s")),
+    "N m": ((0.1, 1e3, "mN m"), (1e-4, 1e6, "µN m")),
+    "N": ((0.1, 1e3, "mN"), (1e-4, 1e6, "µN")),
+    "kg": ((0.1, 1e3, "g"), (1e-4, 1e6, "mg")),
+    "Hz": ((1e3, 1e-3, "kHz"), (0.1, 1e3, "mHz")),
+}
+"""By SI unit: the size from which a larger unit or below which a smaller one is shown, its factor
+and its name. The only such table."""
+_LEAST: Final = 10.0**PLAIN_POWERS.start
+
+
+class Scale(NamedTuple):
+    """The multiple of a unit in which values are shown: of one, of a column, of an axis.
+
+    Examples
+    --------
+    >>> scale = scale_of([0.0195], "N")
+    >>> scale, scale.quantity(0.0195), scale.estimate(0.0195, 0.00073)
+    (Scale(factor=1000.0, unit='mN'), '19.5 mN', '19.5 ± 0.7 mN')
+    """
+
+    factor: float
+    """What an SI value is multiplied by."""
+    unit: str
+    """The unit that is shown."""
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """Return an SI value in this unit, without the unit."""
+        return number(self.factor * value, digits)
+
+    def quantity(self, value: float, digits: int = 3) -> str:
+        """Return an SI value with this unit."""
+        return with_unit(self.number(value, digits), self.unit)
+
+    def error(self, value: float, digits: int = 3) -> str:
+        """Return an SI error or residual with this unit, zeros at its end kept.
+
+        Examples
+        --------
+        >>> Scale(1e3, "mm").error(0.01), Scale(1e3, "mm").quantity(0.01)
+        ('10.0 mm', '10 mm')
+        """
+        return with_unit(significant(self.factor * value, digits), self.unit)
+
+    def interval(self, low: float, high: float) -> str:
+        """Return an SI range in this unit, its ends rounded to two digits of its width.
+
+        Examples
+        --------
+        >>> Scale(1e3, "mm").interval(0.0982, 0.1017), Scale(1e3, "mm").interval(0.02, 0.02)
+        ('98.2 to 101.7 mm', '20 mm')
+        >>> Scale(1.0, "N").interval(2.0, math.inf)
+        'at least 2.00 N'
+        """
+        if high - low <= 10.0**-MOST_DIGITS * max(abs(low), abs(high)) < math.inf:
+            return self.quantity(low, MOST_DIGITS)
+        return with_unit(interval(self.factor * low, self.factor * high), self.unit)
+
+    def estimate(self, value: float, half_width: float) -> str:
+        """Return an SI value with its error and this unit."""
+        return with_unit(estimate(self.factor * value, self.factor * half_width), self.unit)
+
+    def estimate_text(self, value: float, half_width: float) -> EstimateText:
+        """Return an SI value and its error apart, without the unit."""
+        return estimate_text(self.factor * value, self.factor * half_width)
+
+
+def scale_of(values: Iterable[float], unit: str) -> Scale:
+    """Return the multiple of a unit that saves leading zeros; the largest value chooses.
+
+    Examples
+    --------
+    >>> scale_of([0.02, -0.05], "m"), scale_of([0.2], "m/s"), scale_of([6e-12], "m")
+    (Scale(factor=1000.0, unit='mm'), Scale(factor=1.0, unit='m/s'), Scale(factor=1.0, unit='m'))
+    """
+    sizes = np.abs(np.asarray(values if isinstance(values, np.ndarray) else list(values), float))
+    size = float(np.max(sizes, initial=0.0, where=np.isfinite(sizes)))
+    found = Scale(1.0, unit)
+    for bound, factor, name in PREFIXES.get(unit, ()):
+        edge = bound * (1 - 1e-9)  # 0.1 m may be a little less
+        if (factor < 1.0 and size >= edge) or (factor > 1.0 and 0.0 < size < edge):
+            found = Scale(factor, name)
+    # A power of ten is read more easily with the unit of SI.
+    return found if size == 0.0 or found.factor * size >= _LEAST else Scale(1.0, unit)
+
+
+def quantities(
+    values: Sequence[float], unit: str, digits: int = 3, *, degrees: bool = False
+) -> list[str]:
+    """Return numbers with their unit, which the largest of them chooses.
+
+    Examples
+    --------
+    >>> quantities([0.156, 0.148], "N"), quantities([0.002, 0.0305], "m")
+    (['0.156 N', '0.148 N'], ['2 mm', '30.5 mm'])
+    >>> quantities([math.pi / 18], "rad", degrees=True), quantities([0.82, 0.0033], "kg")
+    (['10°'], ['0.82 kg', '0.0033 kg'])
+    """
+    if degrees and unit == "rad":
+        return [f"{number(math.degrees(value), digits)}°" for value in values]
+    scale = scale_of(values, unit)
+    return [scale.quantity(value, digits) for value in values]
+
+
+def quantity(value: float, unit: str, digits: int = 3, *, degrees: bool = False) -> str:
+    """Return a number with its unit, in thousandths where it would begin with zeros.
+
+    Examples
+    --------
+    >>> quantity(24.84, "s"), quantity(0.0005, "m"), quantity(1000.02, "Hz"), quantity(5e-8, "m")
+    ('24.8 s', '0.5 mm', '1 kHz', '0.05 µm')
+    >>> quantity(6e-12, "m"), quantity(0.25, "1")
+    ('6 × 10⁻¹² m', '0.25')
+    """
+    return quantities([value], unit, digits, degrees=degrees)[0]
+
+
+def span(low: float, high: float, unit: str, digits: int = 3) -> str:
+    """Return the ends of a range with the unit that both share.
+
+    Examples
+    --------
+    >>> span(0.061, 0.0644, "m"), span(9.81, 9.81, "N"), span(900.0, 1200.0, "m")
+    ('61 to 64.4 mm', '9.81 N', '0.9 to 1.2 km')
+    """
+    scale = scale_of([low, high], unit)
+    least, most = (scale.number(end, digits) for end in (low, high))
+    return with_unit(most if least == most else f"{least} to {most}", scale.unit)
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed: exponents raised, nothing for a pure number.
+
+    Examples
+    --------
+    >>> unit_text("N s^2/m^2"), unit_text("1"), unit_text("N/degC")
+    ('N s²/m²', '', 'N/°C')
+    """
+    if unit == "1":
+        return ""
+    unit = re.sub(r"\bdeg(?=[CF]\b)", "°", unit)
+    return re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_SUPERSCRIPTS), unit)
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a formatted number and its unit.
+
+    Examples
+    --------
+    >>> with_unit("158 ± 4", "N s^2/m^2"), with_unit("unbounded", "N"), with_unit("0.25", "1")
+    ('158 ± 4 N s²/m²', 'unbounded', '0.25')
+    """
+    unit = unit_text(unit)
+    return f"{text} {unit}" if unit and any(sign.isdigit() for sign in text) else text
+
+
+NO_BREAK_SPACE: Final = "\N{NO-BREAK SPACE}"
+_WORDS: Final = [
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+]
+_UNIT: Final = (
+    r"(?:1/)?(?:(?:[kmµMG]?(?:m|s|N|J|Pa|rad|Hz|W|V|g)|K|°C)(?![A-Za-z])"
+    r"[²³⁴⁻¹]*(?:\^\d)?/?)+(?![A-Za-z\d])"
+)
+_WITHIN: Final = re.compile(
+    rf"(?<=[\d)⁰¹²³⁴⁵⁶⁷⁸⁹])(?: {_UNIT})+"  # a number and its unit
+    r"|(?<=[\d)]) (?=[%±×✓!](?![A-Za-z]))"
+    r"|(?<=[±×]) (?=\d)"
+    r"|(?<=\$) = (?=[\d(−])"  # a symbol and its value
+)
+
+
+_HIDDEN: Final = re.compile(
+    "[\x00-\x1f\x7f-\x9f"  # control characters, with which terminals are steered
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # turn the direction of what follows
+    "\u2028\u2029\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
+    "\ud800-\udfff]"  # halves of characters: bytes of a file name that are no text
+)
+
+
+def printable(text: str, *, lines: bool = False) -> str:
+    r"""Return a text of unknown origin as it may go to a terminal or a page.
+
+    Characters that steer a terminal, turn the direction of writing or are no characters are
+    replaced by their escapes, which JSON knows too.
+
+    Examples
+    --------
+    >>> print(printable("\x1b[31mred, \u202edesrever"))
+    \u001b[31mred, \u202edesrever
+    >>> print(printable("one\ntwo"))
+    one\ntwo
+    """
+    return _HIDDEN.sub(
+        lambda found: found[0] if lines and found[0] in "\n\t" else json.dumps(found[0])[1:-1], text
+    )
+
+
+def unbroken(text: str) -> str:
+    r"""Return a text whose lines do not end within a number and its unit, as pages want it.
+
+    Examples
+    --------
+    >>> unbroken("158 ± 4 N s/m at (2.5 ± 0.2) × 10⁻⁷ m")
+    '158\xa0±\xa04\xa0N\xa0s/m at (2.5\xa0±\xa00.2)\xa0×\xa010⁻⁷\xa0m'
+    >>> unbroken("5 samples in 2 s, in 3 ways")
+    '5 samples in 2\xa0s, in 3 ways'
+    """
+    return _WITHIN.sub(lambda match: match[0].replace(" ", NO_BREAK_SPACE), text)
+
+
+def count(size: int, word: str, many: str = "") -> str:
+    """Return how many of something there are.
+
+    Examples
+    --------
+    >>> count(1, "sample"), count(24841, "sample"), count(0, "gap")
+    ('1 sample', '24,841 samples', 'no gaps')
+    """
+    return f"1 {word}" if size == 1 else f"{f'{size:,}' if size else 'no'} {many or word + 's'}"
+
+
+def in_words(size: int) -> str:
+    """Return a small whole number in words.
+
+    Examples
+    --------
+    >>> in_words(5), in_words(25)
+    ('five', '25')
+    """
+    return _WORDS[size] if 0 <= size < len(_WORDS) else f"{size:,}"
+
+
+def joined(parts: Sequence[str]) -> str:
+    """Return a list as it stands in a sentence.
+
+    Examples
+    --------
+    >>> joined(["Dahl", "LuGre", "Stribeck"]), joined(["Dahl"]), joined([])
+    ('Dahl, LuGre and Stribeck', 'Dahl', '')
+    """
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
+
+
+def capital(text: str) -> str:
+    """Return a text with its first letter in upper case, the others as they are.
+
+    Examples
+    --------
+    >>> capital("viscous and LuGre")
+    'Viscous and LuGre'
+    """
+    return text[:1].upper() + text[1:]
+
+
+def lower_first(text: str) -> str:
+    """Return a text with its first letter in lower case, the others as they are.
+
+    Examples
+    --------
+    >>> lower_first("The rig: mass and stiffness.")
+    'the rig: mass and stiffness.'
+    """
+    return text[:1].lower() + text[1:]
+
+
+def parameter_words(path: str) -> str:
+    """Return the name of a parameter in words, as it stands within a sentence.
+
+    Examples
+    --------
+    >>> parameter_words("friction.kinetic_coefficient"), parameter_words("stribeck_velocity")
+    ('kinetic coefficient', 'Stribeck velocity')
+    """
+    return path.rpartition(".")[2].replace("_", " ").replace("stribeck", "Stribeck")
