@@ -5,8 +5,8 @@ from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
 from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, campaign
+from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
-from stickslip.sweep.driven_cycles import DrivenCycle, cycles_in
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
 from stickslip.sweep.sensitivity_indices import SensitivityIndices
 from stickslip.sweep.validation import (
