@@ -8,16 +8,9 @@ from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, cam
 from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
 from stickslip.sweep.sensitivity_indices import SensitivityIndices
-from stickslip.sweep.validation import (
-    ParameterAgreement,
-    Refit,
-    ValidatedRecord,
-    ValidatedTravel,
-    Validation,
-    compare_estimates,
-    validate,
-)
+from stickslip.sweep.validation import ValidatedRecord, ValidatedTravel, Validation, validate
 
 __all__ = [
     "Attractor",
