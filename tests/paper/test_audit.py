@@ -18,7 +18,7 @@ from stickslip import Coulomb, CoulombViscous, SpringBlock, Viscous, simulate
 from stickslip.friction import PRINTED_EQUATIONS
 from stickslip.paper import audit, consequences, misprints, paper_report
 from stickslip.paper.cart import CYCLES
-from stickslip.paper.springback import STIFFNESS
+from stickslip.paper.unpublished import STIFFNESS
 
 
 @pytest.fixture(scope="module")

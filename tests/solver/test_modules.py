@@ -7,8 +7,7 @@ import pytest
 from stickslip import Coulomb, SpringBlock
 from stickslip.formulation import formulate
 from stickslip.kernels.equations import FIELD
-from stickslip.solver.compile.codegen import plain_text
-from stickslip.solver.compile.modules import load, plain_equations
+from stickslip.solver.compile.modules import load, plain_equations, plain_text
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

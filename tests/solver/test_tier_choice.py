@@ -12,7 +12,7 @@ import pytest
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
 from stickslip.solver import run, sensitivities
-from stickslip.solver.compile import background
+from stickslip.solver.compile import precompile
 from stickslip.solver.compile.equations_code import EquationsCode, code_of
 from stickslip.solver.compile.kernels_code import KernelsCode
 
@@ -173,22 +173,22 @@ def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monke
         return process
 
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
-    monkeypatch.setattr(background, "_begun", [])
-    monkeypatch.setattr(background.subprocess, "Popen", popen)
-    assert not background.compile_in_background(equations)  # tests forbid it
-    monkeypatch.setenv(background.SWITCH, "1")
-    assert background.compile_in_background(equations)
-    assert background.compile_in_background(equations)
+    monkeypatch.setattr(precompile, "_begun", [])
+    monkeypatch.setattr(precompile.subprocess, "Popen", popen)
+    assert not precompile.compile_in_background(equations)  # tests forbid it
+    monkeypatch.setenv(precompile.SWITCH, "1")
+    assert precompile.compile_in_background(equations)
+    assert precompile.compile_in_background(equations)
     (((_, _, code), told),) = calls
-    monkeypatch.setattr(background.os, "nice", lambda increment: increment)
-    monkeypatch.setattr(background.sys, "stdin", io.StringIO(told.decode()))
+    monkeypatch.setattr(precompile.os, "nice", lambda increment: increment)
+    monkeypatch.setattr(precompile.sys, "stdin", io.StringIO(told.decode()))
     for kind in (KernelsCode, EquationsCode):
         monkeypatch.setattr(kind, "load", lambda code: not loaded.append(code))
     exec(code)
-    assert loaded == [equations, background.KERNELS]
+    assert loaded == [equations, precompile.KERNELS]
     assert loaded[0].name == equations.name
     process.returncode = 1  # killed, or out of memory: somebody else has to compile
-    assert not background.compile_in_background(equations)
+    assert not precompile.compile_in_background(equations)
 
 
 @pytest.mark.parametrize("tier", ["auto", "python"])

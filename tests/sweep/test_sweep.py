@@ -23,7 +23,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
 from stickslip.sweep import VelocityMap, average_velocity, basins, bifurcation, cycle_of
-from stickslip.sweep.periodicity import period_of
+from stickslip.sweep.cycles import period_of
 
 PLAIN = EventDriven(tier="python")
 """Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""

@@ -1,13 +1,15 @@
-"""A task: what is fitted, what judges it, and what others have published."""
+"""A task: which parts of a record are fitted and which judge, by what, and what was published."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, final
 
+import numpy as np
+
 from stickslip.benchmark.metrics import Metric
 from stickslip.catalogue import Dataset, dataset
 from stickslip.described import Described
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, rows_of
 from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Mechanism
 
@@ -88,3 +90,16 @@ class Task(metaclass=Described):
     def dataset(self) -> Dataset:
         """The record in the catalogue."""
         return dataset(self.record)
+
+
+def between(record: Measurement, first: float, end: float) -> Measurement:
+    """Return the samples of a record from one time on, up to another, in seconds of its clock."""
+    time = np.asarray(record.time)
+    rows = np.searchsorted(time, [first, end])
+    return rows_of(record, int(rows[0]), int(rows[1]))
+
+
+def together(name: str, files: Sequence[str]) -> Measurement:
+    """Return files of a record as trials of one measurement."""
+    record = dataset(name)
+    return Measurement(trials=tuple(record.measurement(file) for file in files), name=name)

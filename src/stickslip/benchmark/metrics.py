@@ -1,11 +1,13 @@
 """By what a fit is judged on a part of a record that it has not seen."""
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
+from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.drives import Sampled
@@ -41,24 +43,45 @@ def _of_blocks(squares: Sequence[float]) -> Error:
     return Error(math.sqrt(mean), spread / (2.0 * math.sqrt(mean)))
 
 
-class Metric(Protocol):
+class Metric(ABC, metaclass=Described):
     """What a task is judged by."""
 
     @property
+    @abstractmethod
     def text(self) -> str:
         """What it is, in words."""
 
     @property
+    @abstractmethod
     def unit(self) -> str:
         """SI unit of the error."""
 
+    @abstractmethod
     def of(self, fit: Any, record: Measurement) -> Error:
-        """Return the error of a fit on a record."""
+        """Return the error of a fit on a record.
+
+        Parameters
+        ----------
+        fit : RecordFit, RateStateFit or FeatureFit
+            What is judged.
+        record : Measurement
+            The part that judges.
+
+        Returns
+        -------
+        Error
+            With its standard error, where the record has parts.
+
+        Raises
+        ------
+        InputError
+            If the fit does not predict what is judged.
+        """
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PositionError(metaclass=Described):
+class PositionError(Metric):
     """Root mean square of the position in simulated segments, each from its own fitted state.
 
     Examples
@@ -73,30 +96,12 @@ class PositionError(metaclass=Described):
     """SI unit of the position."""
 
     @property
+    @override
     def text(self) -> str:
-        """What it is, in words."""
         return f"rms error of the position, simulated for {self.horizon:g} s"
 
+    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record.
-
-        Parameters
-        ----------
-        fit : RecordFit
-            What is judged.
-        record : Measurement
-            The part that judges.
-
-        Returns
-        -------
-        Error
-            With its standard error, where the record has parts.
-
-        Raises
-        ------
-        InputError
-            If the fit does not predict positions.
-        """
         score = fit.score(record, horizon=self.horizon)
         if score.quantity != "position":
             raise InputError(
@@ -108,7 +113,7 @@ class PositionError(metaclass=Described):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ForceError(metaclass=Described):
+class ForceError(Metric):
     """Relative error of the force along the measured motion; of several joints the mean of squares.
 
     Residual over spread of the measured force: 1 is what the mean alone leaves.
@@ -124,21 +129,8 @@ class ForceError(metaclass=Described):
     text: str = "rms error of the force along the measured motion, over its spread"
     """What it is, in words."""
 
+    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record.
-
-        Parameters
-        ----------
-        fit : RecordFit
-            What is judged.
-        record : Measurement
-            The part that judges.
-
-        Returns
-        -------
-        Error
-            With its standard error, where the record has parts.
-        """
         seen = fit.predict(record)
         joints = [seen] if seen.joint is None else [seen.of(x) for x in dict.fromkeys(seen.joint)]
         squares: dict[tuple[int, int], list[float]] = {}
@@ -153,7 +145,7 @@ class ForceError(metaclass=Described):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CoefficientError(metaclass=Described):
+class CoefficientError(Metric):
     """Root mean square error of the coefficient of friction from a time on, run from the start.
 
     Examples
@@ -169,27 +161,14 @@ class CoefficientError(metaclass=Described):
     text: str = "rms error of the coefficient of friction (0.1 % is 0.001)"
     """What it is, in words."""
 
+    @override
     def of(self, fit: RateStateFit, record: Measurement) -> Error:
-        """Return the error of a fit on a record.
-
-        Parameters
-        ----------
-        fit : RateStateFit
-            What is judged.
-        record : Measurement
-            The part that judges.
-
-        Returns
-        -------
-        Error
-            With its standard error, where the record has parts.
-        """
         return Error(fit.judged(record, since=self.since))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FeatureError(metaclass=Described):
+class FeatureError(Metric):
     """Root mean square of the relative errors of frequency, mean and standard deviation.
 
     Examples
@@ -203,28 +182,15 @@ class FeatureError(metaclass=Described):
     text: str = "rms of the relative errors of frequency, mean and standard deviation of the force"
     """What it is, in words."""
 
+    @override
     def of(self, fit: FeatureFit, record: Measurement) -> Error:
-        """Return the error of a fit on a record.
-
-        Parameters
-        ----------
-        fit : FeatureFit
-            What is judged.
-        record : Measurement
-            The part that judges.
-
-        Returns
-        -------
-        Error
-            With its standard error, where the record has parts.
-        """
         found = list(fit.judged(record).values())
         return Error(float(np.sqrt(np.mean(np.square(found)))))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ClosedLoop(metaclass=Described):
+class ClosedLoop(Metric):
     """Mean absolute error of the angle of a servo, simulated in closed loop over whole records.
 
     The voltage is that of the position loop, from the goal; a trial with ``current_limit`` 0 is one
@@ -245,21 +211,8 @@ class ClosedLoop(metaclass=Described):
     text: str = "mean absolute error of the angle, simulated in closed loop over whole records"
     """What it is, in words."""
 
+    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        """Return the error of a fit on a record.
-
-        Parameters
-        ----------
-        fit : RecordFit
-            What is judged.
-        record : Measurement
-            The part that judges.
-
-        Returns
-        -------
-        Error
-            With its standard error, where the record has parts.
-        """
         errors: list[float] = []
         parts: list[np.ndarray[Any, Any]] = []
         start: dict[str, float] = {}

@@ -4,13 +4,17 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary
 from stickslip.tables import Tabular
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -21,6 +25,10 @@ class Characteristic(OnAxes, Tabular, ABC):
     """Name of the test."""
     title: ClassVar[str]
     """What it shows, as a heading."""
+    columns: ClassVar[Mapping[str, str]]
+    """Fields that are columns of its table, with their SI units."""
+    over: ClassVar[str] = ""
+    """The column along which the rows stand; empty if they are numbered only."""
 
     conditions: str
     """Under which conditions, in words."""
@@ -38,6 +46,26 @@ class Characteristic(OnAxes, Tabular, ABC):
             if one.name != "conditions":
                 found[one.name] = _plain(getattr(self, one.name))
         return found
+
+    @final
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(self._values())
+
+    def _values(self) -> Mapping[str, NDArray[Any]]:
+        """Return the columns (n,) by name."""
+        return {name: getattr(self, name) for name in self.columns}
+
+    @override
+    def _over(self) -> str:
+        return self.over
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return self.columns
 
     @override
     def _summary(self) -> Summary:

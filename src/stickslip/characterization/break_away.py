@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -16,9 +16,6 @@ from stickslip.mechanisms import Axis
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 RATES = (2.0 / 3.0, 4.0 / 3.0, 20.0 / 3.0, 20.0)
 """Rates of force over break-away [1/s]."""
@@ -43,6 +40,7 @@ class BreakAway(Characteristic):
 
     test: ClassVar[str] = "break-away"
     title: ClassVar[str] = "Break-away"
+    columns: ClassVar[Mapping[str, str]] = {"rate": "N/s", "dwell": "s", "force": "N"}
 
     rate: Array
     """Rates at which the force grows (n,) [N/s]."""
@@ -86,19 +84,13 @@ class BreakAway(Characteristic):
         return f"{by_rate} The time at rest does not matter." if len(after) else by_rate
 
     @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the peaks as a pandas DataFrame, a row a rate or a time at rest."""
-        import pandas as pd
-
-        rates = pd.DataFrame({"rate": self.rate, "force": self.force})
-        return pd.concat(
-            [rates, pd.DataFrame({"dwell": self.dwell, "force": self.force_after})],
-            ignore_index=True,
-        )
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"rate": "N/s", "dwell": "s", "force": "N"}
+    def _values(self) -> Mapping[str, Array]:
+        """Return a row for each rate, then for each time at rest."""
+        return {
+            "rate": np.append(self.rate, np.full(len(self.dwell), np.nan)),
+            "force": np.append(self.force, self.force_after),
+            "dwell": np.append(np.full(len(self.rate), np.nan), self.dwell),
+        }
 
 
 def break_away(

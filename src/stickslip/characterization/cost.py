@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -14,9 +14,6 @@ from stickslip.drives import Sine
 from stickslip.formatting import number, quantity
 from stickslip.mechanisms import Axis
 from stickslip.simulation import simulate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FORCE, FREQUENCY, LONG = 2.0, 1.0, 5.0
 """Amplitude of the force over break-away, its frequency [Hz] and the time of the run [s]."""
@@ -35,6 +32,8 @@ class Cost(Characteristic):
 
     test: ClassVar[str] = "cost"
     title: ClassVar[str] = "Stiffness and cost"
+    columns: ClassVar[Mapping[str, str]] = {"speed": "m/s", "rate": "1/s"}
+    over: ClassVar[str] = "speed"
 
     steps: int
     """Steps of the event-driven solver."""
@@ -67,21 +66,6 @@ class Cost(Characteristic):
             need = f"explicit fixed steps must be shorter than {quantity(step, 's')}"
         rate = f"the fastest rate is {number(fast)} per second" if fast else "no rate is fast"
         return f"{run}; {rate}, so that {need}."
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return speed and rate as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"speed": self.speed, "rate": self.rate})
-
-    @override
-    def _over(self) -> str:
-        return "speed"
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"speed": "m/s", "rate": "1/s"}
 
 
 def cost(bench: Bench) -> Cost:

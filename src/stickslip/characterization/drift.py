@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -15,9 +15,6 @@ from stickslip.formatting import number, quantity
 from stickslip.mechanisms import Axis
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
 """Constant and swinging part of the force over the lowest level; frequency [Hz]."""
@@ -38,6 +35,8 @@ class Drift(Characteristic):
 
     test: ClassVar[str] = "drift"
     title: ClassVar[str] = "Drift below break-away"
+    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
+    over: ClassVar[str] = "t"
 
     t: Array
     """Times (n,) [s]."""
@@ -71,21 +70,6 @@ class Drift(Characteristic):
             f"It drifts: {quantity(abs(self.distance), 'm')} in {quantity(self.lasts, 's')} under a"
             f" load that never reaches {self.threshold}."
         )
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return time and position as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"t": self.t, "position": self.position})
-
-    @override
-    def _over(self) -> str:
-        return "t"
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"t": "s", "position": "m"}
 
 
 def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = None) -> Drift:
@@ -131,6 +115,8 @@ class Creep(Characteristic):
 
     test: ClassVar[str] = "creep"
     title: ClassVar[str] = "Creep below the level"
+    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
+    over: ClassVar[str] = "t"
 
     force: float
     """The force [N]."""
@@ -161,21 +147,6 @@ class Creep(Characteristic):
                 " a load that is parked does not stay."
             )
         return "It moves back: its deflection relaxes under a constant force."
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return time and position as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"t": self.t, "position": self.position})
-
-    @override
-    def _over(self) -> str:
-        return "t"
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"t": "s", "position": "m"}
 
 
 def creep(bench: Bench, *, force: float | None = None, t_end: float = 10.0) -> Creep:

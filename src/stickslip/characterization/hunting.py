@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -12,9 +12,6 @@ from stickslip.characterization.bench import Array, Bench
 from stickslip.control import PID, closed_loop, limit_cycle
 from stickslip.formatting import quantity
 from stickslip.mechanisms import Axis
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FASTER = 10.0
 """How much faster the loop is than that of the paper LuGre is from, whose cycles take 25 s."""
@@ -38,6 +35,8 @@ class Hunting(Characteristic):
 
     test: ClassVar[str] = "limit-cycle"
     title: ClassVar[str] = "Hunting under PID control"
+    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
+    over: ClassVar[str] = "t"
 
     t: Array
     """Times (n,) [s]."""
@@ -70,21 +69,6 @@ class Hunting(Characteristic):
         ends = f"{quantity(left, 'm')} from its target of {quantity(self.target, 'm')}"
         what = "Its swing dies out" if self.kind == "decaying" else "No limit cycle is seen"
         return f"{what}: after {quantity(float(self.t[-1]), 's')} it is {ends}."
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return time and position as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"t": self.t, "position": self.position})
-
-    @override
-    def _over(self) -> str:
-        return "t"
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"t": "s", "position": "m"}
 
 
 def hunting(bench: Bench, *, t_end: float = LONG) -> Hunting:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 from typing_extensions import override
@@ -11,9 +11,6 @@ from stickslip.characterization.base import Characteristic
 from stickslip.characterization.bench import Array, Bench, there_and_back
 from stickslip.formatting import quantity
 from stickslip.simulation import simulate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SLOW, SLOW_ENOUGH = 1e-4, 1e-2
 """Highest speed on the path over the one at which friction changes, so that only the path matters:
@@ -40,6 +37,7 @@ class Presliding(Characteristic):
 
     test: ClassVar[str] = "presliding"
     title: ClassVar[str] = "Presliding and memory"
+    columns: ClassVar[Mapping[str, str]] = {"displacement": "m", "force": "N"}
 
     displacement: Array
     """Displacement (n,) [m]."""
@@ -81,17 +79,6 @@ class Presliding(Characteristic):
             f" {quantity(abs(self.change), 'N')} {way} than before: its memory is local, so that"
             " small swings on top of a motion are predicted wrongly."
         )
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return displacement and force as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"displacement": self.displacement, "force": self.force})
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"displacement": "m", "force": "N"}
 
 
 def presliding(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -12,9 +12,6 @@ from stickslip.characterization.bench import Array, Bench
 from stickslip.drives import Sine
 from stickslip.formatting import quantity
 from stickslip.simulation import simulate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FREQUENCIES = (1.0 / (2.0 * np.pi), 25.0 / (2.0 * np.pi))
 """Frequencies of the velocity [Hz]: those of the paper that LuGre is from."""
@@ -33,6 +30,7 @@ class Lag(Characteristic):
 
     test: ClassVar[str] = "lag"
     title: ClassVar[str] = "Frictional lag"
+    columns: ClassVar[Mapping[str, str]] = {"frequency": "Hz", "velocity": "m/s", "force": "N"}
 
     frequency: Array
     """Frequencies (n,) [Hz]."""
@@ -72,21 +70,12 @@ class Lag(Characteristic):
         )
 
     @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return frequency, velocity and force as a pandas DataFrame, a row a sample."""
-        import pandas as pd
-
-        return pd.DataFrame(
-            {
-                "frequency": np.repeat(self.frequency, self.velocity.shape[1]),
-                "velocity": self.velocity.ravel(),
-                "force": self.force.ravel(),
-            }
-        )
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"frequency": "Hz", "velocity": "m/s", "force": "N"}
+    def _values(self) -> Mapping[str, Array]:
+        return {
+            "frequency": np.repeat(self.frequency, self.velocity.shape[1]),
+            "velocity": self.velocity.ravel(),
+            "force": self.force.ravel(),
+        }
 
 
 def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -14,9 +14,6 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.maths import Latches
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 TRIED, KEPT, ROUNDS = 120, 8, 4
 """Motions that the search begins with, those it goes on from, and how often it does."""
@@ -50,6 +47,7 @@ class Passivity(Characteristic):
 
     test: ClassVar[str] = "passivity"
     title: ClassVar[str] = "Passivity"
+    columns: ClassVar[Mapping[str, str]] = {"velocity": "m/s", "duration": "s"}
 
     worst: float
     """Energy that friction takes in the worst cycle [J]; negative if it returns some."""
@@ -85,17 +83,6 @@ class Passivity(Characteristic):
             f"No cycle of {self.cycles} that were tried gains energy from friction; this is no"
             " proof that none does."
         )
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the worst motion as a pandas DataFrame, a row a piece."""
-        import pandas as pd
-
-        return pd.DataFrame({"velocity": self.velocity, "duration": self.duration})
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"velocity": "m/s", "duration": "s"}
 
 
 def cycle_energy(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 from typing_extensions import override
@@ -10,9 +10,6 @@ from typing_extensions import override
 from stickslip.characterization.base import Characteristic
 from stickslip.characterization.bench import Array, Bench
 from stickslip.formatting import quantity
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 DECADES = 2
 """Speeds are looked at so many decades below and above the one at which friction changes."""
@@ -33,6 +30,8 @@ class SteadyCurve(Characteristic):
 
     test: ClassVar[str] = "steady"
     title: ClassVar[str] = "Steady sliding"
+    columns: ClassVar[Mapping[str, str]] = {"velocity": "m/s", "force": "N"}
+    over: ClassVar[str] = "velocity"
 
     velocity: Array
     """Slip velocity (n,) [m/s], from backwards to forwards; 0 is left out."""
@@ -81,21 +80,6 @@ class SteadyCurve(Characteristic):
             return f"{begins} falls by no more than 1 % at speeds up to {most}."
         how = "grows with" if force[-1] > (1.0 + ROUNDING) * force[0] else "does not depend on"
         return f"{begins} {how} speed, so that steady sliding is stable."
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return velocity and force as a pandas DataFrame."""
-        import pandas as pd
-
-        return pd.DataFrame({"velocity": self.velocity, "force": self.force})
-
-    @override
-    def _over(self) -> str:
-        return "velocity"
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"velocity": "m/s", "force": "N"}
 
 
 def steady_curve(bench: Bench) -> SteadyCurve:

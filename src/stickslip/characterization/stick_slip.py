@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, final
+from typing import Any, ClassVar, final
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.characterization.base import Characteristic
@@ -16,9 +17,6 @@ from stickslip.maths import Latches
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import ensemble
 from stickslip.solver import Max, Min
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 GRID = (12, 5)
 """Speeds and stiffnesses of the map."""
@@ -53,6 +51,7 @@ class StickSlipMap(Characteristic):
 
     test: ClassVar[str] = "map"
     title: ClassVar[str] = "Stick-slip map"
+    columns: ClassVar[Mapping[str, str]] = {"speed": "m/s", "stiffness": "N/m"}
 
     speed: Array
     """Belt speeds (n,) [m/s]."""
@@ -109,23 +108,14 @@ class StickSlipMap(Characteristic):
         )
 
     @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the map as a pandas DataFrame, a row a run."""
-        import pandas as pd
-
+    def _values(self) -> Mapping[str, NDArray[Any]]:
         speed, stiffness = np.meshgrid(self.speed, self.stiffness)
-        return pd.DataFrame(
-            {
-                "speed": speed.ravel(),
-                "stiffness": stiffness.ravel(),
-                "amplitude": self.amplitude.ravel(),
-                "sticks": self.sticks.ravel(),
-            }
-        )
-
-    @override
-    def _column_units(self) -> Mapping[str, str]:
-        return {"speed": "m/s", "stiffness": "N/m"}
+        return {
+            "speed": speed.ravel(),
+            "stiffness": stiffness.ravel(),
+            "amplitude": self.amplitude.ravel(),
+            "sticks": self.sticks.ravel(),
+        }
 
 
 def stick_slip_map(

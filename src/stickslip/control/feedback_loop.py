@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from typing_extensions import override
 
 from stickslip.control.actuation import places_of
-from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_of
-from stickslip.control.sensors import Sensors
+from stickslip.control.sampling import Commands, Sensors, Stretch, Timing, drive_of
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError
 from stickslip.formatting import number, quantity

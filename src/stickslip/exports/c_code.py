@@ -6,9 +6,8 @@ from typing import ClassVar, final
 from typing_extensions import override
 
 from stickslip.exports.base import Export, Target
-from stickslip.exports.languages import C, contains
+from stickslip.exports.languages import C, Source, commented, contains
 from stickslip.exports.program import Function
-from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
 
 NOTES = (

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, final
 from typing_extensions import override
 
 from stickslip.exports.base import Export, Target
-from stickslip.exports.programs import commented
+from stickslip.exports.languages import commented
 from stickslip.exports.simplification import Simplified, about_load, simplified
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity

@@ -10,9 +10,8 @@ from stickslip.errors import InputError
 from stickslip.exports.base import Export, Target
 from stickslip.exports.functions import input_variables, rotary_code, turned_variable
 from stickslip.exports.identifiers import identifier
-from stickslip.exports.languages import MODELICA
+from stickslip.exports.languages import MODELICA, Source, commented
 from stickslip.exports.program import Function, Variable
-from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
 
 DEPTH = 2

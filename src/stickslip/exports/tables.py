@@ -7,7 +7,7 @@ from typing_extensions import override
 
 from stickslip.documents import document, json_text
 from stickslip.exports.base import Export, Target
-from stickslip.exports.programs import commented
+from stickslip.exports.languages import commented
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
 from stickslip.quantities import fields_of, turned

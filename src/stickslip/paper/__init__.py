@@ -6,9 +6,15 @@ from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, Outcome, consequences
 from stickslip.paper.pages import Beside, beside, paper_report
 from stickslip.paper.rest_rules import RestRule, rest_rules
-from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import Creep, Requirement, requirements, stribeck_creeps
+from stickslip.paper.unpublished import (
+    Creep,
+    Requirement,
+    Springback,
+    requirements,
+    springbacks,
+    stribeck_creeps,
+)
 from stickslip.paper.values import PaperValues
 
 __all__ = [

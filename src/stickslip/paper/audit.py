@@ -13,17 +13,19 @@ from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.rest_rules import RestRule, rest_rules
-from stickslip.paper.springback import STIFFNESS, Springback, springbacks
 from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import (
     STEP,
+    STIFFNESS,
     BristleRow,
     Creep,
     Requirement,
+    Springback,
     StepTravel,
     bristle_rows,
     lugre_row,
     requirements,
+    springbacks,
     step_travels,
     stribeck_creeps,
 )

@@ -1,12 +1,13 @@
 """What the parameters that the paper does not print would have to be to give its rows.
 
 Searches use reading A, a push, and reading B, a released spring; the range is that of the travels
-that round to the printed figure. Of the stiffness of the bristles, what it makes of the rows.
+that round to the printed figure. Of the stiffness of the bristles, what it makes of the rows, and
+how far stiff ones move the block back when it stops and nothing holds it.
 """
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import scipy
@@ -39,7 +40,9 @@ STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
 REACH = 4096.0
 """How far the search for a first root goes, as a factor. Beyond it laws only get stiff."""
-STIFFNESSES = (1e5, 1e4, 1e3, 1e2)
+STIFFNESS = 1e5
+"""Of the bristles [N/m], the classical value of LuGre 1995."""
+STIFFNESSES = (STIFFNESS, 1e4, 1e3, 1e2)
 """Of the bristles [N/m], from that of LuGre 1995 down to that of rubber."""
 
 
@@ -409,3 +412,24 @@ def _value(function: Callable[[float], float], point: float) -> float | None:
         return function(point)
     except SimulationError:
         return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Springback:
+    """A stiff bristle law without the static switch, pushed and left to stop."""
+
+    law: FrictionLaw
+    """The bristle law."""
+    criteria: Criteria
+    """The paper's criteria of that run."""
+
+
+def springbacks(values: PaperValues) -> tuple[Springback, ...]:
+    """Push the block with Dahl and LuGre friction, as in Table II but with nothing to hold it."""
+    held = dahl_row(values, STIFFNESS)
+    laws = replace(held, static_switch=False), lugre_row(values, STIFFNESS)
+    _, _, push = rigs(values.rig)["A"]
+    return tuple(
+        Springback(law=law, criteria=criteria_of(simulate(push, law, t_end=1.0), push))
+        for law in laws
+    )

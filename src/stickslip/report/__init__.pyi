@@ -1,6 +1,6 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.report.core import documents as documents
-from stickslip.report.core.animations import Animation as Animation
+from stickslip.report.core.blocks import Animation as Animation
 from stickslip.report.core.blocks import Block as Block
 from stickslip.report.core.blocks import Caption as Caption
 from stickslip.report.core.blocks import Code as Code
@@ -18,7 +18,6 @@ from stickslip.report.core.blocks import Paragraph as Paragraph
 from stickslip.report.core.blocks import Reference as Reference
 from stickslip.report.core.blocks import References as References
 from stickslip.report.core.blocks import Subheading as Subheading
-from stickslip.report.core.certificates import evidence as evidence
 from stickslip.report.core.documents import LawLine as LawLine
 from stickslip.report.core.documents import Opening as Opening
 from stickslip.report.core.documents import Origin as Origin
@@ -31,7 +30,6 @@ from stickslip.report.core.documents import made_sections as made_sections
 from stickslip.report.core.documents import versions as versions
 from stickslip.report.core.formulas import formula_text as formula_text
 from stickslip.report.core.formulas import published_dict as published_dict
-from stickslip.report.core.headings import identified_heading as identified_heading
 from stickslip.report.core.markup import inline as inline
 from stickslip.report.core.markup import label_of as label_of
 from stickslip.report.core.markup import mathml as mathml
@@ -41,13 +39,15 @@ from stickslip.report.core.markup import symbol_text as symbol_text
 from stickslip.report.core.markup import typeset as typeset
 from stickslip.report.core.page import render as render
 from stickslip.report.core.page import write as write
-from stickslip.report.core.reproduce import law_references as law_references
-from stickslip.report.core.reproduce import reproduce as reproduce
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
 from stickslip.report.core.shared_sections import certificate as certificate
+from stickslip.report.core.shared_sections import evidence as evidence
+from stickslip.report.core.shared_sections import identified_heading as identified_heading
+from stickslip.report.core.shared_sections import law_references as law_references
 from stickslip.report.core.shared_sections import opening as opening
 from stickslip.report.core.shared_sections import parameters as parameters
 from stickslip.report.core.shared_sections import record_and_checks as record_and_checks
+from stickslip.report.core.shared_sections import reproduce as reproduce
 from stickslip.report.core.sparklines import Axis as Axis
 from stickslip.report.core.sparklines import Colour as Colour
 from stickslip.report.core.sparklines import ERRORS as ERRORS

@@ -20,7 +20,7 @@ from stickslip.report.core.blocks import (
     Subheading,
 )
 from stickslip.report.core.documents import Page, Section, colophon
-from stickslip.report.core.reproduce import law_references
+from stickslip.report.core.shared_sections import law_references
 from stickslip.report.core.tables import Column, Name, Row, Table
 
 MANY = 4

@@ -24,10 +24,10 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
-from stickslip.solver.compile.background import compile_in_background
 from stickslip.solver.compile.equations_code import code_of
 from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.modules import load_compiled
+from stickslip.solver.compile.precompile import compile_in_background
 from stickslip.solver.drive_schedule import Inputs
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]

@@ -5,19 +5,12 @@ from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
 from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, campaign
+from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
-from stickslip.sweep.driven_cycles import DrivenCycle, cycles_in
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
 from stickslip.sweep.sensitivity_indices import SensitivityIndices
-from stickslip.sweep.validation import (
-    ParameterAgreement,
-    Refit,
-    ValidatedRecord,
-    ValidatedTravel,
-    Validation,
-    compare_estimates,
-    validate,
-)
+from stickslip.sweep.validation import ValidatedRecord, ValidatedTravel, Validation, validate
 
 __all__ = [
     "Attractor",

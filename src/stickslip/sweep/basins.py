@@ -16,6 +16,7 @@ from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, Samples
+from stickslip.sweep.cycles import CLOSED, period_of
 from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
@@ -27,7 +28,6 @@ from stickslip.sweep.parameter_grid import (
     product,
     whole_run,
 )
-from stickslip.sweep.periodicity import CLOSED, period_of
 from stickslip.trajectory import Ensemble
 
 if TYPE_CHECKING:

@@ -21,6 +21,7 @@ from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, EventTimes, Final, Output, Samples, column_units
+from stickslip.sweep.cycles import period_of
 from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
@@ -34,7 +35,6 @@ from stickslip.sweep.parameter_grid import (
     unit_of,
     whole_run,
 )
-from stickslip.sweep.periodicity import period_of
 from stickslip.trajectory import Event, Status
 
 if TYPE_CHECKING:

@@ -2,9 +2,8 @@
 
 import math
 
-from stickslip.benchmark.definition import Published, Task
+from stickslip.benchmark.definition import Published, Task, between
 from stickslip.benchmark.metrics import PositionError
-from stickslip.benchmark.sets.parts import between
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordSettings

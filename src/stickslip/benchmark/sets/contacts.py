@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from stickslip.benchmark.definition import Published, Task
+from stickslip.benchmark.definition import Published, Task, between
 from stickslip.benchmark.metrics import CoefficientError, FeatureError, ForceError
-from stickslip.benchmark.sets.parts import between
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.mechanisms import Axis, TowedBlock

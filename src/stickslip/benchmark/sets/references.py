@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from stickslip.benchmark.definition import Task
+from stickslip.benchmark.definition import Task, between
 from stickslip.benchmark.metrics import PositionError
-from stickslip.benchmark.sets.parts import between
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordSettings

@@ -7,9 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from stickslip.benchmark.definition import Published, Task
+from stickslip.benchmark.definition import Published, Task, together
 from stickslip.benchmark.metrics import ForceError
-from stickslip.benchmark.sets.parts import together
 from stickslip.catalogue import dataset
 from stickslip.experiments import Measurement, rows_of
 from stickslip.identification import RecordSettings

@@ -1,8 +1,7 @@
 """The audit as sections of a page: headings state what was found."""
 
 from stickslip.paper.sections.assumptions import assumption_section
-from stickslip.paper.sections.cart import cart_section
-from stickslip.paper.sections.choice import choice_section
+from stickslip.paper.sections.cart import cart_section, choice_section
 from stickslip.paper.sections.equations import equation_section, misprint_section
 from stickslip.paper.sections.excitation import excitation_section
 from stickslip.paper.sections.figures import figure_section, phenomena_section, schematic_section

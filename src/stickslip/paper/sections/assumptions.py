@@ -10,9 +10,8 @@ from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.misprints import BACKWARD, BRISTLE_STEP, HELD
 from stickslip.paper.misprints import STEP as FINE
 from stickslip.paper.sections.common import values_of
-from stickslip.paper.springback import STIFFNESS
 from stickslip.paper.stick_slip import SPEED
-from stickslip.paper.unpublished import CREEPING, STEP, lugre_row
+from stickslip.paper.unpublished import CREEPING, STEP, STIFFNESS, lugre_row
 from stickslip.quantities import fields_of
 from stickslip.report import Column, Paragraph, Row, Section, Table
 

@@ -1,12 +1,15 @@
-"""The paper's Fig. 2: the pendulum-driven cart with the printed equations, and exactly."""
+"""The paper's cart: the printed equations and exactly (Fig. 2), then a chosen law (Fig. 11)."""
 
 import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from stickslip.formatting import (
     fixed,
     in_words,
     interval,
+    number,
     percent,
     quantity,
     significant,
@@ -14,6 +17,13 @@ from stickslip.formatting import (
 )
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, Share
+from stickslip.paper.sections.common import (
+    BACK_SLIP,
+    FIRST_CYCLE,
+    LOWEST_VELOCITY,
+    back_slip_text,
+    values_of,
+)
 from stickslip.plots import (
     CYCLE_SIZES,
     MotionView,
@@ -49,6 +59,8 @@ ANIMATED = 12.0
 """Frames a second of what is shown."""
 PARTING = 0.75
 """Share of a cycle for which both runs are shown closer: later one dwarfs the other."""
+STROKE = (1.15, 0.7)
+"""Begin and end of the stroke of Fig. 11 that is shown, in cycles before the end."""
 STEADY = 1e-6
 """Share of the travel within which cycles are the same."""
 
@@ -155,12 +167,8 @@ def _run_table(runs: Sequence[CartRun]) -> Table:
             head=f"travel in\n{CYCLES} cycles, m", numeric=True, phone="label", label="travel, m"
         ),
         Column(head="by cycle\nmm", numeric=True, phone="label", label="travel by cycle, mm"),
-        Column(
-            head="lowest velocity\nmm/s", numeric=True, phone="label", label="lowest velocity, mm/s"
-        ),
-        Column(
-            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
-        ),
+        LOWEST_VELOCITY,
+        BACK_SLIP,
     )
     rows = tuple(_run_row(one) for one in runs)
     return Table(columns=columns, rows=rows)
@@ -261,12 +269,8 @@ def _speed(velocity: float) -> str:
 def _share_table(study: CartStudy) -> Table:
     columns = (
         Column(head="cause"),
-        Column(
-            head="lowest velocity\nmm/s", numeric=True, phone="label", label="lowest velocity, mm/s"
-        ),
-        Column(
-            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
-        ),
+        LOWEST_VELOCITY,
+        BACK_SLIP,
     )
     printed = study.run("printed-1")
     total = Row(
@@ -299,4 +303,144 @@ def _scatter_text(study: CartStudy) -> str:
         " cart itself stays. The steps fall differently in each cycle: without the stick rule the"
         f" lowest velocities of the {in_words(CYCLES)} cycles are"
         f" {interval(min(found), max(found))} mm/s."
+    )
+
+
+def choice_section(found: PaperAudit) -> Section:
+    """Fig. 11: the cart with the law that the selection names, and with the paper's choice."""
+    study = found.cart
+    return Section(
+        id="cart-choice",
+        nav="The cart" if found.own else "Fig. 11, the choice",
+        heading=_choice_heading(study),
+        blocks=(
+            Paragraph(text=_choice_text(found)),
+            _choice_table(study),
+            _choice_figure(study, own=found.own),
+            Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
+        ),
+    )
+
+
+def _choice_heading(study: CartStudy) -> str:
+    travels = {one.key: quantity(one.travels[-1], "m") for one in study.choices}
+    if "selected" not in travels:
+        return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
+    return (
+        f"The cart moves {travels['selected']} a cycle with the law that select names, and"
+        f" {travels['paper']} with the paper’s example"
+    )
+
+
+def _choice_text(found: PaperAudit) -> str:
+    named = [one for one in found.cart.choices if one.key == "selected"]
+    chosen = f"names {named[0].law.title}" if named else "names no law"
+    swing = (
+        "Cart and swing are those assumed for the page of the paper, as listed above."
+        if found.own
+        else "Cart and swing are those used for Fig. 2 above, which are ours; so the printed figure"
+        " can be compared in kind only."
+    )
+    return (
+        "The paper selects Coulomb or Coulomb + viscous friction, and takes the latter “for"
+        " instance” into the cart, with a viscous coefficient that it does not print:"
+        f" {number(found.values.viscous)} N s/m is taken here, as in the tables above. `select`"
+        f" {chosen} for the rig, with the values that the measurement gives. {swing}"
+    )
+
+
+def _label(one: CartRun) -> str:
+    return "by select" if one.key == "selected" else "the paper’s example"
+
+
+def _choice_table(study: CartStudy) -> Table:
+    columns = (
+        Column(head="law"),
+        FIRST_CYCLE,
+        Column(head="last cycle\nmm", numeric=True, phone="label"),
+        BACK_SLIP,
+        Column(
+            head="lowest normal\nforce, N",
+            numeric=True,
+            phone="label",
+            label="lowest normal force, N",
+        ),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)),
+                fixed(1e3 * one.travels[0], 2),
+                fixed(1e3 * one.travels[-1], 2),
+                back_slip_text(one.mean_return),
+                fixed(one.least_normal_force, 3),
+            ),
+            chosen=one.key == "selected",
+        )
+        for one in study.choices
+    )
+    return Table(columns=columns, rows=rows)
+
+
+def _choice_figure(study: CartStudy, *, own: bool) -> Figure:
+    runs = {_label(one): one.run for one in study.choices}
+    last = study.choices[0].run.span[1]
+    stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
+    views = [
+        MotionView(column="x", title="displacement", span=(0.0, last)),
+        MotionView(column="v", title="velocity", span=stroke),
+    ]
+    apart = ""
+    if len(runs) > 1:
+        views.append(
+            MotionView(column="v", title="difference in velocity", span=stroke, difference=True)
+        )
+        apart = ", and by how much that of the paper’s example differs"
+    return Figure(
+        svg=inline_svg(
+            draw_motion(runs, views=views),
+            alt="Displacement and velocity of the cart with the law that select names, and with"
+            " the paper’s",
+            prefix="fig11",
+            wide=(880, 300),
+            narrow=(358, 600),
+        ),
+        caption=f"**{'' if own else 'In place of Fig. 11. '}The cart under Coulomb + viscous"
+        " friction**, the paper’s example, and under the law that select names, both solved"
+        f" exactly: displacement in all cycles, velocity in the last whole stroke{apart}.",
+    )
+
+
+def _return_text(found: PaperAudit) -> str:
+    """Say whether the cart slips back, and what keeps it from it."""
+    study = found.cart
+    back = [one for one in study.choices if one.mean_return > 0.0]
+    if back:
+        ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
+        return f"The cart slips back in a cycle: {ways}."
+    asked = max(largest_pull(one) for one in study.choices)
+    return (
+        f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
+        " the normal force, less than friction can hold. At a lower level of"
+        f" {KINETIC:g} it does slip back, as the tables above show."
+    )
+
+
+def largest_pull(one: CartRun) -> float:
+    """Return the largest backward pull on the resting cart, over the normal force.
+
+    NaN if it never rests.
+    """
+    first, last = one.run.span
+    seen = one.run.at(np.union1d(np.linspace(first, last, 20_000), one.run.t))
+    resting = seen["mode"] == 0
+    pulls = -seen["friction"][resting] / seen["normal_force"][resting]
+    return float(max(pulls, default=math.nan))
+
+
+def _normal_text(study: CartStudy) -> str:
+    least = min(one.least_normal_force for one in study.choices)
+    return (
+        "The normal force is the same with every law, since the swing is prescribed; it falls to"
+        f" {percent(least / study.weight)} of the weight."
     )

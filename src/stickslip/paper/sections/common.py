@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterable
 from typing import Literal
 
-from stickslip.formatting import quantity
+from stickslip.formatting import quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.quantities import fields_of
-from stickslip.report import Axis
+from stickslip.report import Axis, Column
 
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
@@ -16,6 +16,12 @@ PER_LOAD = ("bristle_stiffness", "bristle_damping")
 """Parameters that a law has over the load, and a printed equation as they are."""
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 """Ends of axes, times a power of ten."""
+FIRST_CYCLE = Column(head="first cycle\nmm", numeric=True, phone="label")
+LOWEST_VELOCITY = Column(head="lowest velocity\nmm/s", numeric=True, phone="label")
+BACK_SLIP = Column(
+    head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
+)
+"""Columns of the tables of the cart."""
 
 
 def levels_from(found: PaperAudit) -> str:
@@ -48,3 +54,8 @@ def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Ax
         reference=audit.measured,
         caption=caption,
     )
+
+
+def back_slip_text(way: float) -> str:
+    """Return a cell of `BACK_SLIP`."""
+    return "none" if way == 0.0 else significant(1e3 * way, 2)

@@ -135,8 +135,8 @@ def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
                 found, (r.criteria.travel for r in readings), "travel, m; line: measured"
             ),
         ),
-        Column(head="error", numeric=True, phone="label", label="error"),
-        Column(head="work put in\nJ", numeric=True, phone="label", label="work put in, J"),
+        Column(head="error", numeric=True, phone="label"),
+        Column(head="work put in\nJ", numeric=True, phone="label"),
         Column(head="how it ends"),
     )
     rows = tuple(

@@ -2,7 +2,7 @@
 
 from stickslip.formatting import fixed, percent, quantity, significant, with_unit
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.sections.choice import largest_pull
+from stickslip.paper.sections.cart import largest_pull
 from stickslip.report import KeyValue, KeyValues, Section
 
 

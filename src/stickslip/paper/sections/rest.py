@@ -4,8 +4,8 @@ from stickslip.formatting import fixed, interval, joined, number, percent, quant
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, CartRun
 from stickslip.paper.rest_rules import RestRule
-from stickslip.paper.sections.choice import largest_pull
-from stickslip.paper.sections.common import levels_from
+from stickslip.paper.sections.cart import largest_pull
+from stickslip.paper.sections.common import BACK_SLIP, FIRST_CYCLE, back_slip_text, levels_from
 from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Table
 
 
@@ -13,7 +13,7 @@ def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
     columns = (
         Column(head="rule for rest"),
-        Column(head="block, travel\nm", numeric=True, phone="label", label="block, travel, m"),
+        Column(head="block, travel\nm", numeric=True, phone="label"),
         Column(
             head="sign changes\nin 1 s", numeric=True, phone="label", label="sign changes in 1 s"
         ),
@@ -114,11 +114,9 @@ def break_away_section(found: PaperAudit) -> Section:
             phone="label",
             label="reached",
         ),
-        Column(head="first cycle\nmm", numeric=True, phone="label", label="first cycle, mm"),
-        Column(head="later cycles\nmm", numeric=True, phone="label", label="later cycles, mm"),
-        Column(
-            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
-        ),
+        FIRST_CYCLE,
+        Column(head="later cycles\nmm", numeric=True, phone="label"),
+        BACK_SLIP,
     )
     return Section(
         id="break-away",
@@ -190,7 +188,7 @@ def _break_away_row(run: CartRun) -> Row:
             f"{reached[0]}, then {later[0]}" if steady else ", ".join(reached),
             significant(1e3 * run.travels[0], 4),
             low if low == high else f"{low} to {high}",
-            "none" if run.mean_return == 0.0 else significant(1e3 * run.mean_return, 2),
+            back_slip_text(run.mean_return),
         )
     )
 

@@ -84,7 +84,7 @@ def _assumptions(found: PaperAudit) -> str:
 def _table(found: PaperAudit) -> Table:
     printed = () if found.own else (
         Column(head="velocity\npositive", phone="label", label="velocity positive, published"),
-        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
+        Column(head="published\nm", numeric=True, phone="label"),
     )  # fmt: skip
     reading = found.values.own_reading
     spring = "B, spring" if reading == "B" else "C, fixed spring"

@@ -22,7 +22,7 @@ def unpublished_section(found: PaperAudit) -> Section:
     reached = {key: _reached(found, key) for key in "AB"}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
+        Column(head="published\nm", numeric=True, phone="label"),
         Column(head="A, push: would need", numeric=True, phone="label", label="A would need"),
         Column(head="B, spring: would need", numeric=True, phone="label", label="B would need"),
         Column(head="what that means"),
@@ -128,7 +128,7 @@ def _creep_table(found: PaperAudit) -> Table:
     columns = (
         Column(head="$v_s$\nmm/s", numeric=True, label="Stribeck velocity, mm/s"),
         Column(head="10 ms, no rule\nmean, m", numeric=True, phone="label", label="mean, m"),
-        Column(head="scatter\nm", numeric=True, phone="label", label="scatter, m"),
+        Column(head="scatter\nm", numeric=True, phone="label"),
         Column(head="10 ms, rule\nfor rest, m", numeric=True, phone="label", label="with rule, m"),
         Column(head="1 ms, no rule\nm", numeric=True, phone="label", label="in 1 ms, m"),
     )
@@ -165,8 +165,8 @@ def _bristle_table(found: PaperAudit) -> Table:
     """Show the travel of the bristle laws by their stiffness, in the same push."""
     columns = (
         Column(head="bristles"),
-        Column(head="Dahl, held\nm", numeric=True, phone="label", label="Dahl, held, m"),
-        Column(head="LuGre, free\nm", numeric=True, phone="label", label="LuGre, free, m"),
+        Column(head="Dahl, held\nm", numeric=True, phone="label"),
+        Column(head="LuGre, free\nm", numeric=True, phone="label"),
         Column(
             head="LuGre, lowest\nvelocity, mm/s",
             numeric=True,

@@ -23,9 +23,8 @@ from stickslip.plots.animation.scenes.bounding_boxes import (
 from stickslip.plots.animation.scenes.registry import scene_of
 from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, ROLE_COLOURS, artists_of
 from stickslip.plots.animation.scenes.shapes import Arrow, Moment, Picture, Role, Scene, Shape, Turn
-from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import dense
-from stickslip.plots.core.mode_raster import raster
+from stickslip.plots.core.modes import raster, within
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, shade
 from stickslip.trajectory import Trajectory
 

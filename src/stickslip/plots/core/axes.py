@@ -79,6 +79,15 @@ def on_axes(draw: Draw, ax: PanelTarget, size: Size) -> Axes:
     return cast("Axes", axes)
 
 
+def panel_grid(figure: Figure, count: int, columns: int, **layout: Any) -> list[Axes]:
+    """Return so many panels in rows, in the order of reading; what the last row lacks is hidden."""
+    grid = figure.subplots(-(-count // columns), columns, squeeze=False, **layout)
+    panels = list(grid.flat)
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    return panels[:count]
+
+
 def _axes_of(ax: object) -> list[Axes]:
     """Return the axes that were given, in one list."""
     found = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))

@@ -25,7 +25,7 @@ from stickslip.characterization import (
 from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.plots.core.arguments import check_type
-from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
+from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels, panel_grid
 from stickslip.plots.core.helpers import LineStyle, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C2, INK, MUTED, STICK, SURFACE, label_at
@@ -286,15 +286,11 @@ def plot_characterization(result: Characterization, ax: PanelTarget = None) -> P
     rows = -(-len(by_test) // 2)
 
     def draw(figure: Figure, narrow: bool) -> None:
-        columns = 1 if narrow else 2
-        grid = figure.subplots(-(-len(by_test) // columns), columns, squeeze=False)
-        panels = list(grid.flat)
-        for axes, results in zip(panels, by_test.values(), strict=False):
+        panels = panel_grid(figure, len(by_test), 1 if narrow else 2)
+        for axes, results in zip(panels, by_test.values(), strict=True):
             _panel(axes, results)
             axes.set_title(next(iter(results.values())).title)
-        for axes in panels[len(by_test) :]:
-            axes.set_visible(False)
         if len(result.all) > 1:
-            _name(figure, panels[: len(by_test)], narrow)
+            _name(figure, panels, narrow)
 
     return on_panels(draw, ax, (2 * PANEL[0], rows * PANEL[1]))

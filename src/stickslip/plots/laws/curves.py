@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.friction import FrictionLaw, Stribeck
 from stickslip.plots.core.arguments import check_type
-from stickslip.plots.core.axes import Target, on_axes
+from stickslip.plots.core.axes import Target, on_axes, panel_grid
 from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, LINE, MUTED, label_at, symbol_label
@@ -82,10 +82,8 @@ def draw_characteristics(
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = min(NARROW_COLUMNS if narrow else WIDE_COLUMNS, len(curves))
-        rows = -(-len(curves) // columns)
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        panels = list(grid.flat)
-        for axes, title in zip(panels, curves, strict=False):
+        panels = panel_grid(figure, len(curves), columns, sharex=True, sharey=True)
+        for axes, title in zip(panels, curves, strict=True):
             for other, (v, force) in curves.items():
                 if other != title:
                     axes.plot(factor * v, force, color=LINE, linewidth=1.2, zorder=1)
@@ -95,13 +93,11 @@ def draw_characteristics(
             axes.set_title(title, color=colour)
             axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
             axes.margins(x=0.02, y=0.08)
-        for axes in panels[len(curves) :]:
-            axes.set_visible(False)
-        for axes in panels[max(len(curves) - columns, 0) : len(curves)]:
+        for axes in panels[-columns:]:
             axes.set_xlabel(f"velocity, {unit}")
             axes.tick_params(labelbottom=True)
-        for row in grid:
-            row[0].set_ylabel("friction, N")
+        for axes in panels[::columns]:
+            axes.set_ylabel("friction, N")
 
     return draw
 
@@ -161,13 +157,10 @@ def draw_presliding(
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(len(loops), WIDE_COLUMNS)
-        rows = -(-len(loops) // columns)
-        panels = list(figure.subplots(rows, columns, squeeze=False).flat)
-        for axes, (title, loop) in zip(panels, loops.items(), strict=False):
+        panels = panel_grid(figure, len(loops), columns)
+        for axes, (title, loop) in zip(panels, loops.items(), strict=True):
             _presliding(axes, loop, float(laws[title].break_away(load)))
             axes.set_title(title)
-        for axes in panels[len(loops) :]:
-            axes.set_visible(False)
         for axes in panels[::columns]:
             axes.set_ylabel("friction, N")
 

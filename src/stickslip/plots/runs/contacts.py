@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
-from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import Sizes, dense
-from stickslip.plots.core.mode_raster import raster
+from stickslip.plots.core.modes import raster, within
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.sweep import Band

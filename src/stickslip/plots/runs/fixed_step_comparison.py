@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
+from stickslip.plots.core.axes import panel_grid
 from stickslip.plots.core.helpers import Sizes
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
@@ -55,14 +56,11 @@ def draw_fixed_steps(
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(COLUMNS, len(fixed))
-        rows = -(-len(fixed) // columns)
-        panels = list(figure.subplots(rows, columns, squeeze=False).flat)
-        for index, (axes, (label, run)) in enumerate(zip(panels, fixed.items(), strict=False)):
+        panels = panel_grid(figure, len(fixed), columns)
+        for index, (axes, (label, run)) in enumerate(zip(panels, fixed.items(), strict=True)):
             axes.set_title(label)
             _panel(axes, exact, run, stop, rate, named=index == 0)
-        for axes in panels[len(fixed) :]:
-            axes.set_visible(False)
-        for axes in panels[max(len(fixed) - columns, 0) : len(fixed)]:
+        for axes in panels[-columns:]:
             origin = "end of the run" if found is None else "exact stop"
             axes.set_xlabel(f"time from the {origin}, ms")
 

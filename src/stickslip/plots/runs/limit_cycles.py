@@ -12,9 +12,9 @@ from stickslip.errors import InputError
 from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
-from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import LineStyle, Sizes, dense, looks, motion_names
 from stickslip.plots.core.label_placement import Curve, label_curves
+from stickslip.plots.core.modes import within
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, shade
 from stickslip.trajectory import Trajectory

@@ -12,7 +12,6 @@ from stickslip.errors import InputError
 from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
-from stickslip.plots.core.event_markers import name_events, name_modes, within
 from stickslip.plots.core.helpers import (
     JUMP,
     Array,
@@ -26,6 +25,7 @@ from stickslip.plots.core.helpers import (
     wrapped,
 )
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
+from stickslip.plots.core.modes import name_events, name_modes, within
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
 from stickslip.plots.runs.contacts import contact_sizes, draw_contacts, shade_band

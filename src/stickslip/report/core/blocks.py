@@ -13,11 +13,14 @@ from markupsafe import Markup
 
 from stickslip.errors import InputError
 
-_MOST: Final = 3
+MOST: Final = 3
+"""Items of a list that a reader reads to its end."""
 _ACTIVE: Final = re.compile(
     r"<(?:script|foreignObject|style|image)\b|<[^>]*\s(?:on[a-z]+\s*=|(?:[a-z]+:)?href=[\"'](?!#))",
     re.IGNORECASE,
 )
+
+_BEGIN, _END = '<figure class="animation">', "</figure>"
 
 
 @runtime_checkable
@@ -121,6 +124,49 @@ class Figure:
     def markup(self) -> Markup:
         """The drawing, ready for the page."""
         return Markup(self.svg)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Animation:
+    """A moving picture with its caption.
+
+    Parameters
+    ----------
+    html : str
+        What `stickslip.plots.animation_html` returns. It goes into the page unescaped.
+    caption : str
+        Begins with a bold name and says what to see.
+
+    Raises
+    ------
+    InputError
+        If it is something else, or carries a script.
+
+    Examples
+    --------
+    >>> html = '<figure class="animation"><picture></picture></figure>'
+    >>> Animation(html=html, caption="**The cart** in two cycles.").template
+    'figure'
+    """
+
+    template: ClassVar[str] = "figure"
+    html: str
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that it is a figure of its own."""
+        whole = self.html.startswith(_BEGIN) and self.html.endswith(_END)
+        if not whole or "<script" in self.html:
+            raise InputError(
+                "Animation.html must be what stickslip.plots.animation_html returns, got"
+                f" {self.html[:40]!r}."
+            )
+
+    @property
+    def markup(self) -> Markup:
+        """The picture, ready for the page."""
+        return Markup(self.html.removeprefix(_BEGIN).removesuffix(_END))  # checked above
 
 
 @final
@@ -431,8 +477,8 @@ def at_most_three(name: str, items: Sequence[object]) -> None:
     --------
     >>> at_most_three("Facts.facts", ())
     """
-    if len(items) > _MOST:
-        raise InputError(f"{name}: at most {_MOST} items, got {len(items)}.")
+    if len(items) > MOST:
+        raise InputError(f"{name}: at most {MOST} items, got {len(items)}.")
 
 
 def _check_svg(svg: str) -> None:

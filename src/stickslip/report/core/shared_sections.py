@@ -1,17 +1,84 @@
-"""Sections that the pages of several kinds of measurement share."""
+"""Sections that several kinds of pages share, with their headings: from the verdict to sources."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Final, Literal
 
 from stickslip.experiments import Checks
-from stickslip.formatting import in_words
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    joined,
+    quantity,
+    residue,
+    scale_of,
+    significant,
+    with_unit,
+)
+from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.identification import Estimate
-from stickslip.report.core.blocks import Block, Fact, KeyValue, KeyValues, Math, Subheading
-from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.core.headings import CERTIFICATE, checks_heading
+from stickslip.report.core.blocks import (
+    MOST,
+    Block,
+    Caption,
+    Code,
+    Fact,
+    KeyValue,
+    KeyValues,
+    Math,
+    Reference,
+    References,
+    Subheading,
+)
+from stickslip.report.core.documents import LawLine, Opening, Origin, Section
 from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.tables import Column, Name, Number, Row, Table
 from stickslip.selection import Wording
+from stickslip.trajectory import Trajectory
+
+CERTIFICATE: Final = "Certificate of the computation"
+
+
+def checks_heading(warned: int, source: str = "its checks") -> str:
+    """Return the heading of the section on a record and its checks.
+
+    Examples
+    --------
+    >>> checks_heading(0), checks_heading(2)
+    ('The record: no warnings from its checks', 'The record: two warnings from its checks')
+    """
+    if not warned:
+        return "The record: no warnings from its checks"
+    noun = "warning" if warned == 1 else "warnings"
+    return f"The record: {in_words(warned)} {noun} from {source}"
+
+
+def ended_early(t: float) -> str:
+    """Return what is said first of a run that ended before its end time.
+
+    Examples
+    --------
+    >>> ended_early(0.25)
+    'The run ends early, at 0.25 s'
+    """
+    return f"The run ends early, at {quantity(t, 's')}"
+
+
+def identified_heading(count: int) -> str:
+    """Return the heading of the section on parameters that are all identified.
+
+    Examples
+    --------
+    >>> identified_heading(2), identified_heading(5)
+    ('Both parameters are identified', 'All five parameters are identified')
+    """
+    if count == 1:
+        return "The parameter is identified"
+    if count == 2:
+        return "Both parameters are identified"
+    return f"All {in_words(count)} parameters are identified"
+
 
 MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
 
@@ -33,10 +100,6 @@ def check_items(checks: Checks) -> tuple[KeyValue, ...]:
         )
         for finding in checks.findings
     )
-
-
-MOST = 3
-"""Items of a list of the opening at most."""
 
 
 def opening(
@@ -142,3 +205,126 @@ def certificate(items: Sequence[KeyValue]) -> Section:
     """Return the section that says how far to trust the computation behind a verdict."""
     blocks = (KeyValues(items=tuple(items)),)
     return Section(id="certificate", nav="Certificate", heading=CERTIFICATE, blocks=blocks)
+
+
+def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
+    """Return the certificate of a run, check by check.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> [item.key for item in evidence(run)]
+    ['Energy', 'Events', 'Sticking and slipping', 'Drift at rest', 'Steps']
+    """
+    book = run.certificate
+    parts = book.work_friction, book.work_stops, book.energy_end
+    given, friction, at_stops, left = _balance(book.energy_start + book.work_supplied, *parts)
+    stops = f", {at_stops} by the stops" if book.work_stops else ""
+    energy = (
+        f"{given} initially and from the drives; {friction} dissipated by friction{stops};"
+        f" {left} remaining. Mismatch {residue(book.energy_error)}"
+    )
+    items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
+    if located:
+        events = "event" if len(run.events) == 1 else "events"
+        still = book.stick_drift == 0.0
+        items += [
+            KeyValue(
+                key="Events",
+                value=f"{len(run.events):,} {events} located; largest relative residual of an"
+                f" event condition {residue(book.event_residual)}",
+            ),
+            KeyValue(
+                key="Sticking and slipping",
+                value=f"largest violation of a condition: {residue(book.guard_violation)}",
+            ),
+            KeyValue(
+                key="Drift at rest",
+                value="exactly 0" if still else quantity(book.stick_drift, "m", 1),
+                mark="ok" if still else "warn",
+            ),
+        ]
+    steps = f"{book.steps:,} accepted, {book.rejected:,} rejected"
+    items.append(KeyValue(key="Steps", value=steps))
+    items += [KeyValue(key="Near a limit", value=text, mark="warn") for text in book.warnings]
+    items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    return tuple(items)
+
+
+def _balance(*energies: float) -> list[str]:
+    """Return energies in one unit and with the decimals of the largest, which has four digits."""
+    scale = scale_of(energies, "J")
+    largest = scale.factor * max((abs(one) for one in energies if math.isfinite(one)), default=0.0)
+    if not largest >= 1e-3:
+        return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
+    decimals = max(3 - math.floor(math.log10(largest)), 0)
+    return [
+        with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
+        for one in energies
+    ]
+
+
+REPRODUCE: Final = "Reproduce and cite"
+
+
+def reproduce(
+    origin: Origin,
+    *,
+    code: Sequence[tuple[str, str]] = (),
+    items: Sequence[KeyValue] = (),
+    data: str = "",
+    laws: Iterable[FrictionLaw | RateState] = (),
+    cited: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> Section:
+    """Return the section with commands, code, data, versions, hashes and the sources of laws.
+
+    `cited` has by key what else is cited, and for what.
+
+    Examples
+    --------
+    >>> section = reproduce(
+    ...     Origin(title="Block", data="one travel", commands=("stickslip select",))
+    ... )
+    >>> section.blocks[0].text
+    '$ stickslip select'
+    """
+    blocks: list[Block] = []
+    if origin.commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in origin.commands)))
+    for text, caption in code:
+        blocks.append(Code(text=text))
+        if caption:
+            blocks.append(Caption(text=caption))
+    known = [*items, *([KeyValue(key="Data", value=data)] if data else [])]
+    known += (KeyValue(key=name, value=one) for name, one in origin.versions.items())
+    known += [
+        KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
+    ]
+    if origin.digest:
+        known.append(KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
+    if known:
+        blocks.append(KeyValues(items=tuple(known)))
+    references = law_references(laws, cited)
+    if references:
+        text = "Sources of the laws and criteria on this page."
+        blocks += [References(items=references), Caption(text=text)]
+    return Section(id="reproduce", nav=REPRODUCE, heading=REPRODUCE, blocks=tuple(blocks))
+
+
+def law_references(
+    laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
+) -> tuple[Reference, ...]:
+    """Return the sources of laws with the laws they are for, after those given by key."""
+    used = {key: list(who) for key, who in first.items()}
+    for law in laws:
+        for key in law.sources:
+            who = used.setdefault(key, [])
+            if law.title not in who:
+                who.append(law.title)
+    return tuple(
+        Reference(**CITATIONS[key]._asdict(), note=joined(who))
+        for key, who in used.items()
+        if key in CITATIONS
+    )

@@ -15,9 +15,8 @@ from stickslip.report.core.blocks import (
     Math,
     Note,
 )
-from stickslip.report.core.certificates import evidence
 from stickslip.report.core.documents import Origin, Section
-from stickslip.report.core.reproduce import reproduce
+from stickslip.report.core.shared_sections import evidence, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Band

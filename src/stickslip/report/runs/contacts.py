@@ -19,9 +19,8 @@ from stickslip.plots import (
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
 from stickslip.report.core.documents import Opening, Origin, Page, Section, colophon, made_sections
-from stickslip.report.core.headings import ended_early
 from stickslip.report.core.page import render
-from stickslip.report.core.reproduce import reproduce
+from stickslip.report.core.shared_sections import ended_early, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
 from stickslip.report.runs.motion import event_table
@@ -205,7 +204,7 @@ def contacts_section(about: ContactsReport) -> Section:
         Column(head="contact"),
         Column(head="events", numeric=True, phone="label", label="events:"),
         Column(head="of the time it sticks", numeric=True, phone="label", label="sticks:"),
-        Column(head="work taken\nJ", numeric=True, phone="label", label="work taken, J"),
+        Column(head="work taken\nJ", numeric=True, phone="label"),
     )
     table = Table(columns=columns, rows=tuple(rows))
     return Section(id="contacts", nav="Contacts", heading="The contacts", blocks=(figure, table))

@@ -18,8 +18,7 @@ from stickslip.plots import (
     horizon,
     inline_svg,
 )
-from stickslip.report.core.animations import Animation
-from stickslip.report.core.blocks import Block, Caption, Figure, KeyValue, KeyValues
+from stickslip.report.core.blocks import Animation, Block, Caption, Figure, KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.runs.subject import RunReport
@@ -264,8 +263,8 @@ def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
     columns = (
         *first,
         Column(head="count", numeric=True, phone="label", label="count:"),
-        Column(head="first\ns", numeric=True, phone="label", label="first, s"),
-        Column(head="last\ns", numeric=True, phone="label", label="last, s"),
+        Column(head="first\ns", numeric=True, phone="label"),
+        Column(head="last\ns", numeric=True, phone="label"),
     )
     return Table(columns=columns, rows=tuple(rows))
 

@@ -1,7 +1,8 @@
-"""Machine code of a model's equations: made by LLVM in a tenth of a second."""
+"""Machine code of a model's equations: made by LLVM in a tenth of a second, from the plain text."""
 
 import ast
 import functools
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
@@ -10,7 +11,13 @@ from typing_extensions import override
 
 from stickslip.errors import CompilationError
 from stickslip.formulation import Model
-from stickslip.solver.compile.codegen import numbered
+from stickslip.kernels.equations import (
+    CALLED,
+    LAW,
+    LAW_MARGIN_SLOPES,
+    LAW_MARGINS,
+    LAW_SLOPES_OF,
+)
 from stickslip.solver.compile.image_cache import name_of
 from stickslip.solver.compile.object_code import ObjectCode, maker
 from stickslip.solver.compile.translation import (
@@ -24,6 +31,13 @@ from stickslip.solver.compile.translation import (
 
 ENTRY = "equations"
 """The function that calls the others by their numbers; no other is seen from outside."""
+LAW_FUNCTIONS = {
+    re.compile(r"law_(\d+)"): LAW,
+    re.compile(r"law_margins_(\d+)"): LAW_MARGINS,
+    re.compile(r"law_slopes_(\d+)"): LAW_SLOPES_OF,
+    re.compile(r"law_margin_slopes_(\d+)"): LAW_MARGIN_SLOPES,
+}
+"""Names of the functions of laws, one for each structure, and the number of the first."""
 TAKEN = (
     ("mode", WHOLE),
     ("flags", WHOLE),
@@ -96,6 +110,19 @@ def _chosen(numbers: dict[str, int]) -> list[str]:
     for name, number in numbers.items():
         lines += [f"is.{number}:", f"  tail call void @f.{name}({given})", "  ret void"]
     return [*lines, "none:", "  ret void", "}"]
+
+
+@functools.lru_cache(maxsize=256)
+def numbered(model: Model) -> dict[str, int]:
+    """Return the numbers by which kernels call the functions of a model's equations."""
+    found = {name: i for i, name in enumerate(CALLED)}
+    for numbers, start in LAW_FUNCTIONS.items():
+        found |= {
+            match[0]: start + int(match[1])
+            for name in model.sizes.lengths()
+            if (match := numbers.fullmatch(name))
+        }
+    return {name: number for name, number in found.items() if f"def {name}(" in model.text}
 
 
 @functools.lru_cache(maxsize=256)

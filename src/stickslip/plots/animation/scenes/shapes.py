@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from typing_extensions import TypeVar
 
@@ -16,6 +16,8 @@ Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
 Role: TypeAlias = Literal["friction", "normal", "drive"]
 Moment: TypeAlias = Mapping[str, float]
 """Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
+TALL: Final = 0.6
+"""Height of a block over its length."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,3 +162,16 @@ Scene: TypeAlias = Callable[[Drawn, Trajectory], Picture]
 """Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
 not have follow from the run.
 """
+
+
+def standing_forces(
+    now: Moment, x: float, width: float, *, normal: bool, contact: str = ""
+) -> list[Shape]:
+    """Return friction and normal force where a body stands on the ground at y = 0."""
+    of = f":{contact}" if contact else ""
+    friction, load = now.get(f"friction{of}", 0.0), now.get(f"normal_force{of}", 0.0)
+    found: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]
+    if normal:
+        foot = (x + 0.25 * width, 0.0)
+        found.append(Arrow(at=foot, along=(0.0, 1.0), value=load, role="normal"))
+    return found

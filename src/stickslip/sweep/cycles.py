@@ -1,4 +1,4 @@
-"""What each cycle of the drives brings."""
+"""Cycles of the drives: what each of them brings, and after how many a motion closes."""
 
 import math
 from dataclasses import dataclass
@@ -7,8 +7,11 @@ from typing import final
 import numpy as np
 
 from stickslip.mechanisms import WHOLE, Mechanism, slip_names
+from stickslip.sweep.parameter_grid import Array
 from stickslip.trajectory import Trajectory
 
+CLOSED = 1e-3
+"""Share of the size of a state within which samples count as the same point."""
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
 STILL = 1e-6
@@ -90,3 +93,23 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
             )
         )
     return tuple(found)
+
+
+def period_of(samples: Array, scale: Array | float, tolerance: float = CLOSED) -> int:
+    """Return after how many samples an orbit closes, 0 if it does not within half of them.
+
+    Examples
+    --------
+    >>> period_of(np.array([1.0, 3.0, 1.0, 3.0, 1.0, 3.0]), 3.0)
+    2
+    >>> period_of(np.array([1.0, 3.0, 2.0, 5.0, 1.5, 0.2]), 3.0)
+    0
+    """
+    points = np.reshape(samples, (len(samples), -1))
+    if not np.isfinite(points).all():
+        return 0
+    limit = tolerance * np.broadcast_to(scale, points.shape[1:])
+    for period in range(1, len(points) // 2 + 1):
+        if (np.abs(points[period:] - points[:-period]) <= limit).all():
+            return period
+    return 0
