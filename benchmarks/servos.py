@@ -34,7 +34,8 @@ from stickslip.benchmark.sets.servo import DROOP, DUTIES, SUPPLY, UNKNOWN, Log, 
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import StickslipError
-from stickslip.friction import LAWS, law
+from stickslip.friction import LAWS, containment_of, law
+from stickslip.identification import FittedLaw, fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
@@ -200,14 +201,26 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 GAINS = (100, 200, 800)
 """Gains of the measured servo, in its own unit; one in turn is held out."""
 MEASURED_LAWS = (
-    "bam-m3",
     "bam-m1",
-    "bam-m5",
-    "bam-m4",
-    "level + weight[motor] + weight[external] + viscous",
     "bam-m2",
+    "bam-m3",
+    "level + weight[motor] + weight[external] + viscous",
+    "bam-m4",
+    "bam-m5",
     "bam-m6",
 )
+"""The simplest first: a search begins at the fits of the laws that a law contains."""
+PUBLISHED = {
+    "bam-m1": (0.370052, 3.498350, 1.989815e-3, -0.0017672),
+    "bam-m2": (0.380826, 3.607591, 1.914722e-3, 0.0272997),
+    "bam-m3": (0.291467, 2.000000, 2.596131e-3, 0.0155472),
+    "bam-m4": (0.291545, 2.000000, 2.578254e-3, 0.0154950),
+    "bam-m5": (0.285759, 2.000035, 2.568503e-3, 0.0162368),
+    "bam-m6": (0.286386, 2.000017, 2.569775e-3, 0.0155359),
+}
+"""k_t [N m/A], R [ohm], inertia of the rotor [kg m^2] and zero of the encoder [rad] that Rhoban/bam
+publishes for a servo of this type, fitted to other records (``bam/params/xl330``, commit 11bb7ecc);
+those of the laws are their `typical` values."""
 SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
 """Records are simulated under the recorded voltage, in segments of 1 s ..."""
 WHOLE = replace(SETTINGS, hold="zero", segment=6.0, resolution=240, starts=1)
@@ -235,7 +248,7 @@ def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
     return float(np.mean(np.abs(np.concatenate(angles) - log.angle)))
 
 
-def of_servo(folder: Path, name: str) -> dict[str, Any]:
+def of_servo(folder: Path, name: str, simpler: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return what a law makes of the servo, with one gain in turn left out."""
     every = logs()
     rig = Pendulum(
@@ -250,23 +263,68 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
             current_limit=100.0,
         ),
     )
-    vary = ["friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
+    free = ["mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
+    fits: dict[str, Any] = {}
 
-    def fitted(start: Any, friction: Any, chosen: Sequence[Log], settings: RecordSettings) -> Any:
-        record = joined(chosen, loop=settings is WHOLE)
-        return fit(start, friction, record, vary=vary, route="shooting", settings=settings)
+    def fitted(part: str, start: Any, kind: Any, settings: RecordSettings) -> Any:
+        chosen = [one for one in every if str(one.gain) != part]
+        found = fit_record(
+            start,
+            kind,
+            joined(chosen, loop=settings is WHOLE),
+            unknown=free,
+            route="shooting",
+            settings=settings,
+            contained=[_fit_of(row, part) for row in simpler] or None,
+        )
+        fits[part] = {
+            "values": dict(zip(found.free_parameters.paths, found.values.tolist(), strict=True)),
+            "cost": found.optimum.best.cost,
+            "rows": len(found.optimum.best.residual),
+        }
+        return found
 
-    found = fitted(rig, LAWS.get(name) or law(name), every, SETTINGS)
+    found = fitted("all", rig, LAWS.get(name) or law(name), SETTINGS)
     held_out = {}
-    for gain in GAINS:
-        own = [one for one in every if one.gain != gain]
-        part = fitted(found.mechanism, found.law, own, replace(SETTINGS, starts=1))
-        held_out[str(gain)] = part.score(joined([one for one in every if one.gain == gain])).rms
+    for gain in map(str, GAINS):
+        part = fitted(gain, found.mechanism, found.law, replace(SETTINGS, starts=1))
+        left_out = [one for one in every if str(one.gain) == gain]
+        held_out[gain] = part.score(joined(left_out)).rms
     loop = PositionLoop(gain=1.0)
     motor = replace(found.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
-    whole = fitted(replace(found.mechanism, drive=motor), found.law, every, WHOLE)
+    whole = fitted("loop", replace(found.mechanism, drive=motor), found.law, WHOLE)
     through = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
-    return {**said_of(found), "held_out": held_out, "loop": through}
+    return {
+        **said_of(found),
+        "held_out": held_out,
+        "loop": through,
+        "published": published(name, rig, every),
+        "fits": fits,
+    }
+
+
+def published(name: str, rig: Pendulum, every: Sequence[Log]) -> list[float]:
+    """Return the errors [rad] over whole records with the parameters that are published."""
+    if name not in PUBLISHED:
+        return []
+    k_t, resistance, rotor, zero = PUBLISHED[name]
+    motor = DCMotor(resistance=resistance, torque_constant=k_t, rotor_inertia=rotor, supply=SUPPLY)
+    rig = replace(rig, drive=motor, rest_angle=-zero)
+    kind = LAWS[name]
+    assert kind.typical is not None
+    friction = kind(**kind.typical.values)
+    return [closed_loop_error(rig, friction, one) for one in every]
+
+
+def _fit_of(row: Mapping[str, Any], part: str) -> FittedLaw:
+    """Return the fit of a law to a part of the records from its row."""
+    known, kind = row["fits"][part], LAWS.get(row["law"]) or law(row["law"])
+    own = {
+        path.partition(".")[2]: value
+        for path, value in known["values"].items()
+        if path.startswith("friction.")
+    }
+    return FittedLaw(law=kind(**own), **known)
 
 
 def said_of(found: Any) -> dict[str, Any]:
@@ -282,11 +340,13 @@ def said_of(found: Any) -> dict[str, Any]:
     }
 
 
-def of_swing(folder: Path, name: str) -> dict[str, Any]:
+def of_swing(folder: Path, name: str, simpler: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return what a law makes of the pendulum, with one record in turn left out.
 
     The torque is in a scale of the drive's own, and so are the mass and the inertia that are found.
+    Its laws are few and simple: each search fits those that a law contains.
     """
+    del simpler
     every = {one: swing(one) for one in SWINGS}
     rig = Pendulum(mass=0.74, length=0.5, rest_angle=0.0)
     free = ["friction.*", *(f"mechanism.{one}" for one in ("mass", "inertia", "rest_angle"))]
@@ -320,7 +380,7 @@ def measured(file: Path, data: Path, names: Sequence[str]) -> Iterator[str]:
             began = time.process_time()
             row: dict[str, Any] = {"set": place, "law": name}
             try:
-                row |= rows(data / place, name)
+                row |= rows(data / place, name, _simpler(rows_of(file), place, name))
             except StickslipError as error:
                 row["error"] = str(error)
             row["seconds"] = time.process_time() - began
@@ -329,14 +389,27 @@ def measured(file: Path, data: Path, names: Sequence[str]) -> Iterator[str]:
             yield f"{place}, {name}: {row['seconds']:.0f} s {row.get('error', '')}"
 
 
+def _simpler(rows: Sequence[Mapping[str, Any]], place: str, name: str) -> list[Mapping[str, Any]]:
+    """Return the rows of a set with laws that a law contains."""
+    kind = LAWS.get(name) or law(name)
+    return [
+        row
+        for row in rows
+        if row["set"] == place
+        and "fits" in row
+        and containment_of(kind, LAWS.get(row["law"]) or law(row["law"])) is not None
+    ]
+
+
 def rows_of(file: Path) -> list[dict[str, Any]]:
     """Return the rows of a file; none if there is none."""
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     return [json.loads(line) for line in lines]
 
 
-PLAIN = {SERVO: "bam-m1", SWING: "coulomb-viscous"}
-"""A level and a viscous part, with which the other laws are compared."""
+PLAIN = {SERVO: ("bam-m1", "bam-m3"), SWING: ("coulomb-viscous",)}
+"""A level and a viscous part, and of the servo a share of the torque: with these the other laws are
+compared."""
 SHARES = ("transmitted", "motor_", "external_")
 """What names of a share of the torque have in them."""
 
@@ -351,23 +424,26 @@ def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         length = "0.5 s" if swings else "1 s"
         heads = [
             f"held-out error over {length}, mrad",
-            f"error of {PLAIN[place]} over this",
-            *(["level, N m"] if swings else ["over 6 s in sample, mrad"]),
+            *(f"error of {plain} over this" for plain in PLAIN[place]),
+            *(["level, N m"] if swings else ["over 6 s in sample, mrad", "as published, mrad"]),
             "share of the torque",
             *(["viscous, N m s/rad"] if swings else ["R, ohm", "k_t, N m/A"]),
         ]
         yield f"{place}:"
         yield f"| law | {' | '.join(heads)} |"
         yield f"|{'---|' * (len(heads) + 1)}"
-        plain = [row for row in own if row["law"] == PLAIN[place] and "error" not in row]
+        known = {row["law"]: row for row in own if "error" not in row}
+        plain = [known.get(name) for name in PLAIN[place]]
         for row in own:
             yield f"| {row['law']} | {' | '.join(_cells(row, plain, swings))} |"
 
 
-def _cells(row: Mapping[str, Any], plain: Sequence[Mapping[str, Any]], swings: bool) -> list[str]:
+def _cells(
+    row: Mapping[str, Any], plain: Sequence[Mapping[str, Any] | None], swings: bool
+) -> list[str]:
     """Return the cells of a row, behind the name of its law."""
     if "error" in row:
-        return [row["error"], "", "", "", "", *([] if swings else [""])]
+        return [row["error"], *[""] * (len(plain) + (3 if swings else 5))]
     errors = np.array(list(row["held_out"].values()))
     spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
     mean = math.sqrt(float(np.mean(errors**2)))
@@ -378,15 +454,17 @@ def _cells(row: Mapping[str, Any], plain: Sequence[Mapping[str, Any]], swings: b
     ]
     other = ("kinetic_coefficient", "viscous_coefficient")
     level, viscous = (interval("", found[one]) if one in found else "-" for one in other)
-    through = "" if swings else f"{1e3 * np.mean(row['loop']):.0f}"
+    through = [
+        f"{1e3 * np.mean(row[one]):.0f}" if row.get(one) else "-" for one in ("loop", "published")
+    ]
     motor = (
         [] if swings else [interval("", found[one]) for one in ("resistance", "torque_constant")]
     )
-    gain = [_gain(row, one) for one in plain if one["law"] != row["law"]]
+    gain = [_gain(row, one) if one and one["law"] != row["law"] else "-" for one in plain]
     return [
         f"{1e3 * mean:.{digits}f} ± {1e3 * spread:.{digits}f}",
-        *(gain or ["-"]),
-        level if swings else through,
+        *gain,
+        *([level] if swings else through),
         ", ".join(shares) or "-",
         *([viscous] if swings else motor),
     ]

@@ -21,11 +21,13 @@ def test_the_ratio_of_errors_is_taken_part_by_part_with_its_interval():
     lines = [*table(rows)]
     assert lines[0] == "bam_xl330:"
     plain, gear = (line.split(" | ") for line in lines[3:])
-    assert plain[2] == "-"
     # logarithms log 2, log 2 and log 4: their mean, and Student's t for two degrees of freedom
     half = 4.302653 * np.log(2.0) / 3.0
     low, high = 2.0 ** (4.0 / 3.0) * np.exp([-half, half])
     assert gear[2] == f"{2.0 ** (4.0 / 3.0):.2f} ({low:.2f} to {high:.2f})"
+    assert plain[2] == gear[3] == "-"
+    # over the law of M3, the plain one errs as much more
+    assert plain[3] == f"{2.0 ** (-4.0 / 3.0):.2f} ({1.0 / high:.2f} to {1.0 / low:.2f})"
     assert gear[-2:] == ["4 (3 to 5)", "0.4 (no interval) |"]
 
 

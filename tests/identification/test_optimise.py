@@ -114,21 +114,20 @@ def test_starts_race_on_some_rows_and_the_best_goes_on_with_all():
 
 
 class Valleys(LeastSquaresProblem):
-    """Two valleys: costs of 1 at -1 and of 25 at 1, between them a ridge."""
+    """Two valleys: costs of 1 at -1 and of 25 at 1 unless told, between them a ridge."""
 
     free_parameters = FreeParameters(
         (FreeParameter(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
     )
 
-    def __init__(self):
-        self.ends = set()
+    def __init__(self, left=1.0, right=25.0):
+        self.roots = {-1.0: left**0.5, 1.0: right**0.5}
 
     def linearise(self, values, near=None):
         x, side = float(values[0]), 1.0 if values[0] > 0.0 else -1.0
-        self.ends.add(side)
         return ResidualJacobian(
             values=values,
-            residual=np.array([3.0 + 2.0 * side, x - side]),
+            residual=np.array([self.roots[side], x - side]),
             slopes=np.array([[0.0], [-1.0]]),
             segment=np.zeros(2, int),
         )
@@ -140,6 +139,14 @@ def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
     found = search(Valleys(), starts=2, start_values=far, rival=rival)
     assert found.hopeless is hopeless
     assert found.best.cost == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_valley_that_some_segments_favour_is_left_for_one_that_all_of_them_do():
+    # on a part the right one leaves a quarter of the left one's cost, on all four times as much
+    far = [np.array([-2.0])]
+    found = search(Valleys(4.0, 16.0), starts=2, start_values=far, few=Valleys(4.0, 1.0))
+    assert found.best.values[0] == pytest.approx(-1.0, abs=1e-3)
+    assert found.costs[:2] == pytest.approx((16.0, 4.0), rel=1e-2)
 
 
 class Rosenbrock(LeastSquaresProblem):

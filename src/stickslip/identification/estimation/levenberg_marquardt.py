@@ -33,13 +33,14 @@ FURTHER = 4
 """Starts added at most while only one came to the least cost."""
 ROUNDS = 30
 """Steps of a descent at most."""
-NEARLY, POLISHED = 1.5, 2
-"""Cost over the least on some segments up to which other ends are tried on all, and how many are
-at most."""
 EARLY = 5
 """Steps after which starts are compared."""
 HOPELESS = 9.0
 """Cost over the least then, above which a start goes no further: three times the residual."""
+DISTINCT = 3
+"""Ends on some segments that go `EARLY` rounds on all, at most."""
+NEARLY, POLISHED = 1.5, 2
+"""Cost over the least of these up to which others of them go on, and how many do at most."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,8 +50,8 @@ class OptimizeResult:
     best: ResidualJacobian
     """Residuals and Jacobian at the least cost."""
     costs: tuple[float, ...]
-    """Cost each start ended with, the first start first; scaled to all segments, if starts were
-    compared on some."""
+    """Cost each start ended with, the first start first; of all segments, or scaled to them, if
+    starts were compared on some."""
     values: Array
     """Values each start ended with (starts, p)."""
     evaluations: int
@@ -108,13 +109,12 @@ def search(
             f"the record cannot be simulated from any of {len(race.ends)} starting points near"
             f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.free_parameters.items)}."
         )
-    best = min(ends, key=lambda end: end.cost)
-    rows = len(best.residual)
-    if few is not None:
-        best = min(_polished(problem, ends, race), key=lambda end: end.cost)
+    valleys = [_Valley(end, end) for end in ends] if few is None else _valleys(problem, ends, race)
+    best = min((one.whole for one in valleys), key=lambda end: end.cost)
+    share = len(best.residual) / len(ends[0].residual)
     return OptimizeResult(
         best=best,
-        costs=tuple(cost * len(best.residual) / rows for cost in race.costs),
+        costs=tuple(_on_all(cost, valleys, share) for cost in race.costs),
         values=np.array([end.values for end in ends]),
         evaluations=race.counter.count,
         cancelled=race.cancelled,
@@ -122,29 +122,60 @@ def search(
     )
 
 
-def _polished(
+@dataclass(frozen=True)
+class _Valley:
+    """Where starts of a race came to."""
+
+    end: ResidualJacobian
+    """Where they ended on the segments of the race."""
+    whole: ResidualJacobian
+    """Where that leads with all segments."""
+
+
+def _valleys(
     problem: LeastSquaresProblem, ends: Sequence[ResidualJacobian], race: "_Race"
-) -> list[ResidualJacobian]:
-    """Return where the best distinct ends of a race lead with all segments."""
+) -> list[_Valley]:
+    """Return the best distinct ends of a race, with all segments.
+
+    Which of them are best is asked of all segments: a valley that some of them favour may be the
+    worse one.
+    """
     ordered = sorted(ends, key=lambda end: end.cost)
     race.counter.least = math.inf  # of some segments so far
-    found: list[ResidualJacobian] = []
-    last: ResidualJacobian | None = None
-    for end in ordered:
-        near = end.cost <= NEARLY * ordered[0].cost and len(found) < POLISHED
-        if found and (race.cancelled or not near or (last and _agree(end.cost, last.cost))):
-            continue
-        rounds = 0 if race.cancelled else ROUNDS
+    distinct = [ordered[0]]
+    for end in ordered[1:]:
+        near = end.cost <= HOPELESS * ordered[0].cost and len(distinct) < DISTINCT
+        if near and not race.cancelled and not _agree(end.cost, distinct[-1].cost):
+            distinct.append(end)
+    found: list[_Valley] = []
+    for end in distinct:
+        rounds = 0 if race.cancelled else ROUNDS if len(distinct) == 1 else EARLY
         whole, cancelled = _improved(problem, end.values, None, race.counter, rounds)
         race.cancelled |= cancelled
         if whole:
-            found.append(whole)
-            last = end
+            found.append(_Valley(end, whole))
+    found.sort(key=lambda one: one.whole.cost)
+    for k, one in enumerate(found[:POLISHED]):
+        near = one.whole.cost <= NEARLY * found[0].whole.cost
+        if race.cancelled or not near or len(distinct) == 1:
+            break
+        whole, race.cancelled = _improved(
+            problem, one.whole.values, one.whole, race.counter, ROUNDS - EARLY
+        )
+        found[k] = _Valley(one.end, whole or one.whole)
     if not found:
         raise ConvergenceError(
             "the whole record cannot be simulated with the values fitted to a part of it."
         )
     return found
+
+
+def _on_all(cost: float, valleys: Sequence[_Valley], share: float) -> float:
+    """Return what a cost on the segments of a race is on all, `share` times as many rows."""
+    for one in valleys:
+        if one.end.cost > 0.0 and _agree(cost, one.end.cost):
+            return cost * one.whole.cost / one.end.cost
+    return cost * share
 
 
 @dataclass

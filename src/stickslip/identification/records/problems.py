@@ -28,6 +28,7 @@ from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
     lengthened_starts,
+    motor_starts,
     scanned_scales,
     surplus_starts,
 )
@@ -283,6 +284,7 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     if stops_of(mechanism):
         problem, near_stops = lengthened_starts(problem)
         tried = (*near_stops, *tried)
+    tried = (*motor_starts(problem), *tried)
     near = _by_inverse_dynamics(choice, wanted, measurement, free_parameters)
     if near:
         tried = (*near[1:], free_parameters.start, *tried)

@@ -1,4 +1,4 @@
-"""Sizes of friction in a record of a mechanism that drives itself: levels are tried one by one.
+"""Values that are tried one by one before a search: no regression tells them, or no slope leads there.
 
 Without a force there is nothing for a regression to start from, but the drive is known, and a run
 takes milliseconds.
@@ -24,6 +24,8 @@ from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
+MOTOR: Final = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
+"""Paths of the constants of a motor."""
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
 ROWS: Final = 200
@@ -40,6 +42,10 @@ SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
 KEPT: Final = 3
 """Starts that are kept of these."""
+CONSTANTS: Final = (1 / 16, 1 / 4, 1.0, 4.0, 16.0)
+"""Constants of a motor over those given that are tried, all alike: torque per voltage stays ..."""
+PUSHES: Final = (0.5, 1.0, 2.0)
+"""... and torques per voltage over that given."""
 LONGEST: Final = 1e9
 """Length of a segment that no record has [s]."""
 
@@ -122,6 +128,33 @@ def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
         found.append((problem.linearise(values, slopes=False).cost, values))
     found.sort(key=lambda one: one[0])
     return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))
+
+
+def motor_starts(problem: Shooting) -> tuple[NDArray[np.float64], ...]:
+    """Return starts (p,) with the constants of a motor that fit best, tried one by one.
+
+    Torque per voltage is told at once, but R and k_t that are both small leave no back-EMF, and
+    other friction in its place makes a valley there.
+    """
+    paths = problem.free_parameters.paths
+    places = [paths.index(path) for path in MOTOR if path in paths]
+    if not places:
+        return ()
+    both = len(places) == len(MOTOR)
+    found = []
+    for constants, push in itertools.product(CONSTANTS if both else (1.0,), PUSHES):
+        values = problem.free_parameters.start.copy()
+        values[places] *= constants
+        values[places[-1]] *= push
+        values = problem.free_parameters.values(problem.free_parameters.coordinates(values))
+        found.append(((problem.few or problem).linearise(values, slopes=False).cost, values))
+    found.sort(key=lambda one: one[0])
+    start = problem.free_parameters.start
+    return tuple(
+        values
+        for cost, values in found[:KEPT]
+        if np.isfinite(cost) and not np.array_equal(values, start)
+    )
 
 
 def lengthened_starts(problem: Shooting) -> tuple[Shooting, tuple[NDArray[np.float64], ...]]:
