@@ -446,7 +446,7 @@ class _InMuJoCo:
 
 def _compared(errors: Sequence[float], unit: str) -> str:
     """Return the errors of the law, of its simplification and of the last of MuJoCo's models."""
-    words = ("the law is", "they", MUJOCO)
+    words = ("the law is off by", "they by", f"{MUJOCO} by")
     chosen = (*errors[:2], *errors[2:][-1:])
     return ", ".join(
         f"{word} {quantity(one, unit)}" for word, one in zip(words, chosen, strict=False)
