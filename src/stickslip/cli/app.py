@@ -646,6 +646,16 @@ def apply(
             help="Run the joints in MuJoCo, if it is installed, and compare that with the laws.",
         ),
     ] = True,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            "--record",
+            metavar="FILE",
+            help="Record of the joints, positions and forces in time, on which the law, its"
+            " simplification and the file in MuJoCo are compared: a data file or log, or the rig"
+            " file (TOML) that says how it is read.",
+        ),
+    ] = None,
     allow_import: AllowImport = False,
     force: Force = False,
     as_json: Json = False,
@@ -654,7 +664,7 @@ def apply(
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints what the file cannot have of the laws and what that costs: the error of the friction
-    force, and of the motion in MuJoCo.
+    force, of the motion in MuJoCo, and, with --record, on a measured record.
     """
     from stickslip.cli.apply import Wanted
     from stickslip.cli.apply import run as run_command
@@ -670,6 +680,7 @@ def apply(
         polynomial=polynomial,
         holds=holds,
         run=run,
+        record=record,
     )
     run_command(
         file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json

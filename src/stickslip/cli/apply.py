@@ -9,9 +9,10 @@ from stickslip.cli.export import by_option, law_source, loads, stated
 from stickslip.cli.law_choice import check_named
 from stickslip.documents import document
 from stickslip.errors import InputError
-from stickslip.experiments import Rig
+from stickslip.experiments import Measurement, Reading, Rig, load_rig, read_data
 from stickslip.exports import Applied, AppliedJoint, apply, check_output
-from stickslip.formatting import quantity
+from stickslip.formatting import NO_VALUE, quantity
+from stickslip.friction import FrictionLaw
 from stickslip.quantities import turned
 
 BESIDE = "law.toml"
@@ -42,6 +43,8 @@ class Wanted:
     """Whether the level is that of break-away."""
     run: bool
     """Whether MuJoCo runs the joints."""
+    record: Path | None = None
+    """Data file or rig file of a record of the joints."""
 
 
 def run(
@@ -74,12 +77,28 @@ def run(
             polynomial=wanted.polynomial,
             holds=wanted.holds,
             run=wanted.run,
+            record=_record(wanted.record, source, allow_import=allow_import),
         )
     found.save(output, force=force)
     if as_json:
         print_json(document("apply", {"file": str(output), **found.to_dict()}))
         return
     _show(found, output)
+
+
+def _record(
+    path: Path | None, source: Rig | FrictionLaw, *, allow_import: bool
+) -> Measurement | None:
+    """Return the record of a data file, or of a rig file."""
+    if path is None:
+        return None
+    if path.suffix.lower() != ".toml":
+        mechanism = source.mechanism if isinstance(source, Rig) else None
+        return read_data([path], Reading(), mechanism=mechanism)
+    found = load_rig(path, allow_import=allow_import).measurement
+    if found is None:
+        raise InputError(f"--record {path}: this rig file has no [data] with a file.")
+    return found
 
 
 def _law_file(path: Path) -> Path:
@@ -122,6 +141,13 @@ def _show(found: Applied, output: Path) -> None:
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
         show_table("", heads, rows)
+    replays = [row for one in found.joints for row in _replay_rows(one)]
+    if replays:
+        heads = (
+            "joint", "on the record", "error of the force", "from the law", "error of the position",
+            "from the law",
+        )  # fmt: skip
+        show_table("", heads, replays)
     for remark in found.remarks:
         console.print(remark, markup=False)
 
@@ -136,4 +162,21 @@ def _rows(joint: AppliedJoint) -> list[Sequence[str]]:
             *(quantity(x, length) for x in (one.travel, one.error, one.simplification)),
         )
         for one in joint.motions
+    ]
+
+
+def _replay_rows(joint: AppliedJoint) -> list[Sequence[str]]:
+    if joint.replay is None:
+        return []
+    force, length = turned("N", joint.rotary), turned("m", joint.rotary)
+    return [
+        (
+            joint.joint,
+            one.model,
+            quantity(one.force, force),
+            NO_VALUE if one.model == "law" else quantity(one.cost, force),
+            quantity(one.position, length),
+            NO_VALUE if one.model == "law" else quantity(one.drift, length),
+        )
+        for one in joint.replay.models
     ]

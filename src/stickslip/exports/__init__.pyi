@@ -1,4 +1,6 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.exports.applying.replay import JointReplay as JointReplay
+from stickslip.exports.applying.replay import Replayed as Replayed
 from stickslip.exports.applying.running import JointMotion as JointMotion
 from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
@@ -26,11 +28,13 @@ __all__ = [
     "Drake",
     "Export",
     "JointMotion",
+    "JointReplay",
     "Karnopp",
     "MuJoCo",
     "MuJoCoMotor",
     "PROGRAMS",
     "Program",
+    "Replayed",
     "Simscape",
     "TARGETS",
     "Target",

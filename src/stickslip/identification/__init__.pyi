@@ -31,6 +31,9 @@ from stickslip.identification.estimation.problem import SubsetProblem as SubsetP
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
+from stickslip.identification.force_map.joint_balance import JointPiece as JointPiece
+from stickslip.identification.force_map.joint_balance import contacts_along as contacts_along
+from stickslip.identification.force_map.joint_balance import joint_pieces as joint_pieces
 from stickslip.identification.force_map.joint_balance import joint_record as joint_record
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
@@ -64,6 +67,7 @@ from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import to_compare as to_compare
 from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
 from stickslip.identification.records.route_choice import with_simulated_hold as with_simulated_hold
+from stickslip.identification.residuals.holds import hold_of as hold_of
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
@@ -77,6 +81,7 @@ from stickslip.identification.results import far_above_dry as far_above_dry
 from stickslip.identification.results import spanning as spanning
 from stickslip.identification.rig_uncertainties import span_of as span_of
 from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
+from stickslip.identification.series.applied_force import applied_force as applied_force
 from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
@@ -101,36 +102,58 @@ class JointMotion(metaclass=Described):
         }
 
 
-def motions_in_mujoco(
-    model: Model, content: bytes, joints: Sequence[Tested]
-) -> tuple[dict[str, tuple[JointMotion, ...]], str]:
-    """Return the motions of joints, and why there are none where MuJoCo does not run the file."""
+@final
+@dataclass(frozen=True, kw_only=True)
+class Compiled:
+    """A file as MuJoCo has it: with its own settings, and with those by which friction holds."""
+
+    mujoco: ModuleType
+    models: tuple[tuple[str, Any], ...]
+    """Settings in a word, empty for those of the file, with MuJoCo's model."""
+
+
+def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Compiled | None, str]:
+    """Return a file as MuJoCo has it, or why there is nothing where MuJoCo does not take it."""
     try:
         import mujoco
     except ImportError:
-        return {}, (
+        return None, (
             "MuJoCo is not installed, so the file was not run in it:"
             " pip install 'stickslip[mujoco]'."
         )
     if isinstance(model, Mjcf) and model.markup.root.name == "mujocoinclude":
-        return {}, "The file is a part of a model, so it was not run in MuJoCo."
+        return None, "The file is a part of a model, so it was not run in MuJoCo."
     try:
         spec = _spec(mujoco, model, content)
-        compiled = spec.compile()
-        found = {one.name: tuple(_motions(mujoco, compiled, one, "")) for one in joints}
+        models = [("", spec.compile())]
         if not isinstance(model, Mjcf):
-            for one in joints:
-                its = spec.joint(one.name)
+            for name in joints:
+                its = spec.joint(name)
                 its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
             spec.option.timestep = TIMESTEP
-            compiled = spec.compile()
-            said = "stiff"
+            models.append(("stiff", spec.compile()))
+    except (ValueError, KeyError, mujoco.FatalError) as error:
+        return None, not_run(error)
+    return Compiled(mujoco=mujoco, models=tuple(models)), ""
+
+
+def not_run(error: Exception) -> str:
+    """Return that a file was not run, and why."""
+    return f"The file was not run in MuJoCo: {' '.join(str(error).split())}"
+
+
+def motions_of(
+    compiled: Compiled, joints: Sequence[Tested]
+) -> tuple[dict[str, tuple[JointMotion, ...]], str]:
+    """Return the motions of joints, and why there are none where one could not be run."""
+    mujoco, found = compiled.mujoco, defaultdict[str, tuple[JointMotion, ...]](tuple)
+    try:
+        for settings, model in compiled.models:
             for one in joints:
-                found[one.name] += tuple(_motions(mujoco, compiled, one, said))
+                found[one.name] += tuple(_motions(mujoco, model, one, settings))
     except (ValueError, KeyError, mujoco.FatalError, StickslipError) as error:
-        said = " ".join(str(error).split())
-        return {}, f"The file was not run in MuJoCo: {said}"
-    return found, ""
+        return {}, not_run(error)
+    return dict(found), ""
 
 
 def _numbers(text: str) -> list[float]:
@@ -157,9 +180,11 @@ def _motions(
     mujoco: ModuleType, compiled: Any, one: Tested, settings: str
 ) -> Iterator[JointMotion]:
     """Yield what a joint does while the others stand still, without gravity and contacts."""
-    compiled = copy.copy(compiled)
     dof = int(compiled.jnt_dofadr[compiled.joint(one.name).id])
-    inertia = _alone(mujoco, compiled, dof)
+    inertia = float(_masses(mujoco, compiled)[dof])
+    compiled = alone(mujoco, compiled, [dof])
+    for bit in ("GRAVITY", "LIMIT", "SPRING"):
+        compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{bit}"))
     subject = one.subject
     rotary, load, fastest = subject.rotary, subject.needed_load(), subject.needed_speed()
     axis = Axis(inertia=inertia, load=load, damping=one.damping, rotary=rotary)
@@ -213,11 +238,24 @@ def _motions(
         yield motion("sweep", said, PERIODS / frequency, wave, 0.0)
 
 
-def _alone(mujoco: ModuleType, compiled: Any, dof: int) -> float:
-    """Let all other joints stand still, and return the inertia of the one that moves."""
-    bits = mujoco.mjtDisableBit
-    for bit in ("GRAVITY", "CONTACT", "EQUALITY", "LIMIT", "ACTUATION", "SPRING"):
-        compiled.opt.disableflags |= int(getattr(bits, f"mjDSBL_{bit}"))
+def alone(mujoco: ModuleType, compiled: Any, dofs: "Sequence[int] | NDArray[np.intp]") -> Any:
+    """Return a model of which some joints move freely and all others stand still.
+
+    Nothing else moves them: neither contacts, nor couplings, nor actuators.
+    """
+    compiled = copy.copy(compiled)
+    largest = _masses(mujoco, compiled).max()
+    for bit in ("CONTACT", "EQUALITY", "ACTUATION"):
+        compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{bit}"))
+    others = np.ones(compiled.nv, dtype=bool)
+    others[dofs] = False
+    compiled.dof_armature[others] = HEAVY * largest
+    compiled.opt.tolerance = 0.0  # it is relative to a mass that such armatures exceed by far
+    return compiled
+
+
+def _masses(mujoco: ModuleType, compiled: Any) -> NDArray[np.float64]:
+    """Return the inertia of each joint, all others at rest."""
     data = mujoco.MjData(compiled)
     mujoco.mj_forward(compiled, data)
     masses = np.empty(compiled.nv)
@@ -225,10 +263,7 @@ def _alone(mujoco: ModuleType, compiled: Any, dof: int) -> float:
         column = np.empty(compiled.nv)
         mujoco.mj_mulM(compiled, data, column, unit)
         masses[i] = column[i]
-    others = np.arange(compiled.nv) != dof
-    compiled.dof_armature[others] = HEAVY * masses.max()
-    compiled.opt.tolerance = 0.0  # it is relative to a mass that such armatures exceed by far
-    return float(masses[dof])
+    return masses
 
 
 def _stepped(

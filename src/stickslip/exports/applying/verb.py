@@ -1,7 +1,7 @@
 """Writes friction of laws into joints of a model file, and says what that leaves of them."""
 
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -11,10 +11,17 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.documents import write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Rig
+from stickslip.experiments import Measurement, Rig
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
-from stickslip.exports.applying.running import JointMotion, Tested, motions_in_mujoco
+from stickslip.exports.applying.replay import JointReplay, replayed
+from stickslip.exports.applying.running import (
+    Compiled,
+    JointMotion,
+    Tested,
+    in_mujoco,
+    motions_of,
+)
 from stickslip.exports.subject import Subject
 from stickslip.exports.verb import Asked, subject_of
 from stickslip.formatting import quantity
@@ -66,6 +73,8 @@ class AppliedJoint(metaclass=Described):
     """What the file cannot have of the law, in sentences."""
     motions: tuple[JointMotion, ...] = ()
     """What it does in MuJoCo, beside the law; empty where that was not run."""
+    replay: JointReplay | None = None
+    """What becomes of a measured record, if one was given."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -79,7 +88,8 @@ class AppliedJoint(metaclass=Described):
             else f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
             f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most."
         )
-        return (f"{values}; before: {before or 'none'}.", error, *self.lost)
+        record = () if self.replay is None else self.replay.sentences
+        return (f"{values}; before: {before or 'none'}.", error, *record, *self.lost)
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
@@ -95,6 +105,7 @@ class AppliedJoint(metaclass=Described):
             "unit": turned("N", self.rotary),
             "lost": list(self.lost),
             "motions": [one.to_dict() for one in self.motions],
+            "record": None if self.replay is None else self.replay.to_dict(),
         }
 
 
@@ -179,6 +190,7 @@ def apply(
     polynomial: bool = False,
     holds: bool = False,
     run: bool = True,
+    record: Measurement | None = None,
 ) -> Applied:
     """Write friction laws into the joints of a model file, and change nothing else in it.
 
@@ -218,6 +230,10 @@ def apply(
         default it is the one that comes closest to the law while sliding.
     run : bool
         Whether the joints are run in MuJoCo where it is installed, which is the default.
+    record : Measurement, optional
+        What was measured of the joints, positions and forces in time. The law, level and damping,
+        and the file in MuJoCo are then compared on it: by the forces that its motion takes, and by
+        where its forces lead. The law needs its mechanism.
 
     Returns
     -------
@@ -263,14 +279,19 @@ def apply(
             near, damping = carried.near.joint, beside.damping
             tested.append(Tested(name=name, subject=subject, joint=near, damping=damping))
     content, remarks = model.written(values), [*model.remarks()]
+    compiled, why = None, ""
     if run and not model.runs:
-        remarks.append(
-            f"The file was not run in {model.program}; errors are those of the friction."
-        )
+        why = f"The file was not run in {model.program}; errors are those of the friction."
     elif run:
-        motions, why = motions_in_mujoco(model, content, tested)
+        compiled, why = in_mujoco(model, content, [one.name for one in tested])
+    if compiled is not None:
+        motions, why = motions_of(compiled, tested)
         rows = {name: replace(one, motions=motions.get(name, ())) for name, one in rows.items()}
-        remarks += [why] if why else []
+    remarks += [why] if why else []
+    if record is not None:
+        replays, said = _replayed(source, law, record, tested, compiled)
+        rows = {name: replace(one, replay=replays.get(name)) for name, one in rows.items()}
+        remarks += said
     return Applied(
         path=Path(file),
         target=model.name,
@@ -278,6 +299,41 @@ def apply(
         joints=tuple(rows.values()),
         remarks=tuple(remarks),
     )
+
+
+def _replayed(
+    source: "Source",
+    law: str | None,
+    record: Measurement,
+    joints: Sequence[Tested],
+    compiled: Compiled | None,
+) -> tuple[Mapping[str, JointReplay], Sequence[str]]:
+    """Return what becomes of a record by joint, and what is to be said of it."""
+    mechanism = next((one.subject.mechanism for one in joints), None)
+    if mechanism is None:
+        what = "this law stands alone" if joints else "the file has the law itself"
+        raise InputError(
+            f"record (--record) needs the mechanism of the law, and {what}: give the law.toml of"
+            " `stickslip select` or `stickslip fit`."
+        )
+    try:
+        return replayed(record, mechanism, _laws(source, law, joints), joints, compiled)
+    except (ValueError, KeyError) as error:
+        raise InputError(f"record (--record): {error}") from None
+
+
+def _laws(source: "Source", law: str | None, joints: Sequence[Tested]) -> dict[str, FrictionLaw]:
+    """Return the laws of all contacts, as they were fitted."""
+    if isinstance(source, Verdict):
+        assert source.best is not None
+        source = source.best.fit
+    if isinstance(source, Fit) and isinstance(source.law, Laws):
+        return dict(source.law.members)
+    if isinstance(source, Rig) and source.contacts:
+        return {name: one for name, one in source.law_by_contact(law).items() if one is not None}
+    (only,) = joints
+    # as without values of its contact inputs
+    return {only.subject.contact: replace(only.subject.law)}
 
 
 def _check_wishes(model: Model, wishes: Wishes) -> None:

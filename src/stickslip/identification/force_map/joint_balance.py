@@ -1,6 +1,6 @@
 """Friction of several joints by inverse dynamics: one problem in the parameters of all."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.evidence import Series, play
+from stickslip.evidence import Series, play, usual_band
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
+from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import joint_inputs, recorded_inputs
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
@@ -87,21 +88,15 @@ def joint_stretches(
 
     Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
     """
-    pieces: list[tuple[int, _Piece, NDArray[np.intp]]] = []
+    pieces: list[tuple[JointPiece, NDArray[np.intp]]] = []
     first = 0
-    for number, record in enumerate(measurement.records()):
-        check_joints(record, torques.coordinates)
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        whole = float(np.ptp(np.asarray(record.time)))
-        length = whole / SEGMENTS if segment is None else segment
-        for piece in between_gaps(record):
-            if np.asarray(piece.time).size < LEAST:
-                continue
-            own = _Piece.of(torques, set_up, piece, hold, wider)
-            count = max(1, round(own.span / length))
-            share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
-            pieces.append((number, own, first + share.astype(np.intp)))
-            first += count
+    lengths = [float(np.ptp(np.asarray(one.time))) / SEGMENTS for one in measurement.records()]
+    for own in joint_pieces(torques, mechanism, measurement, hold=hold, wider=wider):
+        length = lengths[own.record] if segment is None else segment
+        count = max(1, round(own.span / length))
+        share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
+        pieces.append((own, first + share.astype(np.intp)))
+        first += count
     joints = range(len(torques.coordinates))
     return tuple(_cut(pieces, joints, count, slipping=slipping) for count in samples)
 
@@ -117,21 +112,42 @@ def joint_series(
     """
     found: list[list[Series]] = [[] for _ in torques.coordinates]
     passed = 0.0
-    for number, record in enumerate(measurement.records()):
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        for piece in between_gaps(record):
-            if np.asarray(piece.time).size < LEAST:
-                continue
-            own = _Piece.of(torques, set_up, piece, hold, 1.0)
-            passed = max(passed, 0.5 * own.passed / float(own.time[1] - own.time[0]))
-            inertias = torques.inertias(set_up, np.mean(own.raw, axis=0))
-            for i, series in enumerate(found):
-                series.append(own.series(i, number, torques, float(inertias[i])))
+    for own in joint_pieces(torques, mechanism, measurement, hold=hold):
+        passed = max(passed, 0.5 * own.passed / float(own.time[1] - own.time[0]))
+        inertias = torques.inertias(own.mechanism, np.mean(own.raw, axis=0))
+        for i, series in enumerate(found):
+            series.append(own.series(i, torques, float(inertias[i])))
     return tuple(tuple(one) for one in found), passed
 
 
+def joint_pieces(
+    torques: JointTorques,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    hold: Hold,
+    wider: float = 1.0,
+    resolved: bool = False,
+) -> Iterator["JointPiece"]:
+    """Yield what lies between gaps of records, and is long enough to be filtered.
+
+    The common filter passes what is usual for robots, or, `resolved`, all that noise of the
+    positions allows with these values of the mechanism, if that is more.
+    """
+    for number, record in enumerate(measurement.records()):
+        check_joints(record, torques.coordinates)
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        for piece in between_gaps(record):
+            if np.asarray(piece.time).size >= LEAST:
+                own = JointPiece.of(torques, set_up, number, piece, hold, wider)
+                share = own.allowed(torques) / own.passed if resolved else 1.0
+                if share > 1.0:
+                    own = JointPiece.of(torques, set_up, number, piece, hold, wider * share)
+                yield own
+
+
 def _cut(
-    pieces: Sequence[tuple[int, "_Piece", NDArray[np.intp]]],
+    pieces: Sequence[tuple["JointPiece", NDArray[np.intp]]],
     joints: Sequence[int],
     samples: float,
     *,
@@ -139,10 +155,7 @@ def _cut(
 ) -> tuple[Stretches, ...]:
     """Return the stretches of each joint, from pieces with their record and segment numbers."""
     found = [
-        [
-            replace(own.stretch(i, numbers, samples=samples, slipping=slipping), record=record)
-            for record, own, numbers in pieces
-        ]
+        [own.stretch(i, numbers, samples=samples, slipping=slipping) for own, numbers in pieces]
         for i in joints
     ]
     kept = [one.segment[one.segment >= 0] for stretches in found for one in stretches]
@@ -257,16 +270,23 @@ def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:
     return replace(one, segment=numbers.astype(np.intp))
 
 
+@final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Piece:
+class JointPiece:
     """What lies between two gaps of a record: motions, and what all balances are made of."""
 
+    mechanism: Mechanism
+    """As it was in the record."""
+    record: int
+    """Which record it is of."""
     time: Array
     """Even times (n,) [s]."""
     raw: Array
     """Positions (n, m) as they were measured."""
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
+    accelerations: Array
+    """Accelerations (n, m), of positions filtered at `AHEAD` times the common filter."""
     passed: float
     """What the common filter passes, over half the sampling frequency."""
     applied: Array
@@ -298,10 +318,11 @@ class _Piece:
         cls,
         torques: JointTorques,
         mechanism: Mechanism,
+        number: int,
         record: Measurement,
         hold: Hold,
         wider: float,
-    ) -> "_Piece":
+    ) -> "JointPiece":
         """Return one stretch of a record without a gap."""
         joints = [record.joints[name] for name in torques.coordinates]
         time, columns = _on_even_times(
@@ -343,9 +364,12 @@ class _Piece:
             force, slope = torques.along(mechanism, time, places, rates, still)
             resting[:, i], resting_slopes[:, i] = force[:, i], slope[:, i, :count_of]
         return cls(
+            mechanism=mechanism,
+            record=number,
             time=time,
             raw=np.column_stack(raw)[inside],
             motions=motions,
+            accelerations=accelerations,
             passed=passed,
             applied=applied[inside],
             taken=taken,
@@ -368,12 +392,45 @@ class _Piece:
             ),
         )
 
-    def series(self, i: int, number: int, torques: JointTorques, inertia: float) -> Series:
+    def allowed(self, torques: JointTorques) -> float:
+        """Return what a filter may pass by the noise of all moving joints' positions.
+
+        Over half the sampling frequency; that of the explanation of the balances.
+        """
+        inertias = torques.inertias(self.mechanism, np.mean(self.raw, axis=0))
+        bands = [
+            usual_band([self.series(i, torques, float(inertias[i]))])
+            for i, motion in enumerate(self.motions)
+            if not motion.resting.all()
+        ]
+        return 2.0 * float(self.time[1] - self.time[0]) * min(bands, default=0.0)
+
+    def compared(
+        self, i: int, law: FrictionLaw | None, forces: Sequence[Array] = ()
+    ) -> tuple[Array, ...]:
+        """Return the force of a joint where it slips: measured, by a law, and others' (n,) of it.
+
+        All passed the common filter.
+        """
+        own = self.stretch(
+            i, np.zeros(len(self.time), dtype=np.intp), samples=SAMPLES, slipping=True
+        )
+        rows = own.segment >= 0
+        assert own.applied is not None
+        measured, predicted = own.applied[rows], own.applied[rows] - own.friction[rows]
+        if law is not None and rows.any():
+            free = FreeParameters(())
+            alone = ForceMap(law=law, free_parameters_=free, stretches=(own,), of_applied=True)
+            predicted = alone.predicted(np.zeros(0))
+        at = np.searchsorted(self.time, own.path.time[rows])
+        return measured, predicted, *(smoothed(one, self.passed)[at] for one in forces)
+
+    def series(self, i: int, torques: JointTorques, inertia: float) -> Series:
         """Return the series of a joint, whose inertia (all others at rest) is known nearly."""
         a = second_differences(self.motions[i].position, float(self.time[1] - self.time[0]))
         columns = dict(zip(torques.linear, self.slopes[:, i].T, strict=True))
         if self.by_position is not None:
-            names = (f"zero {name} {number}" for name in torques.coordinates)
+            names = (f"zero {name} {self.record}" for name in torques.coordinates)
             columns |= dict(zip(names, self.by_position[:, i].T, strict=True))
         return Series(
             self.time,
@@ -396,7 +453,7 @@ class _Piece:
         every = max(1, min(int(np.ceil(count / samples)), int(OVERSAMPLED / passed)))
         picked = slice(None, None, every)
         return MotionSegment(
-            record=0,
+            record=self.record,
             path=Path(
                 time=self.time[picked],
                 velocity=motion.velocity[picked],

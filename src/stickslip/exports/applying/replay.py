@@ -1,0 +1,459 @@
+"""A measured record beside the law of its joints, their simplified friction, and MuJoCo."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.described import Described
+from stickslip.drives import Drive, Sampled
+from stickslip.errors import InputError, StickslipError
+from stickslip.experiments import Measurement, as_recorded
+from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone
+from stickslip.formatting import quantity
+from stickslip.formulation import JointTorques
+from stickslip.friction import FrictionLaw
+from stickslip.identification import (
+    JointPiece,
+    applied_force,
+    contacts_along,
+    hold_of,
+    joint_pieces,
+    with_drive,
+    with_inputs,
+)
+from stickslip.mechanisms import Mechanism, Robot, SerialArm, TwoLinkArm, motor_of, slip_of
+from stickslip.quantities import turned
+from stickslip.simulation import simulate
+
+Array = NDArray[np.float64]
+
+HORIZON: Final = 1.0
+"""Length of what is simulated at a time [s]: errors of the torque add up in a motion."""
+MOST: Final = 12
+"""Such parts of a record at most, spread over it."""
+LAW: Final = "law"
+SIMPLIFIED: Final = "level and damping"
+MUJOCO: Final = "MuJoCo"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Replayed(metaclass=Described):
+    """What one model makes of a joint of a record; root mean squares over the record."""
+
+    model: str
+    """``"law"`` or ``"level and damping"``, both with the mechanism of the law; or ``"MuJoCo"``,
+    which runs the file, with its settings in brackets."""
+    force: float
+    """Difference from the measured force, along the measured motion [N] or [N m]."""
+    cost: float
+    """Difference from the force with the law, there [N] or [N m]."""
+    position: float
+    """Difference from the measured position, under the measured forces [m] or [rad]; NaN where that
+    was not run."""
+    drift: float
+    """Difference from the position with the law, there [m] or [rad]."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the errors as plain values, None where there is none."""
+        values = {name: getattr(self, name) for name in ("force", "cost", "position", "drift")}
+        known = {name: x if math.isfinite(x) else None for name, x in values.items()}
+        return {"model": self.model, **known}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class JointReplay(metaclass=Described):
+    """A joint of a measured record, as the law, its simplification and MuJoCo have it."""
+
+    spread: float
+    """Standard deviation of the measured force where the joint slips [N] or [N m]."""
+    constant: float
+    """Mean of what the law leaves of the measured force: a constant force of the sensor, which is
+    taken off for all models [N] or [N m]."""
+    horizon: float
+    """Length of the simulated parts [s], each from the measured position and velocity."""
+    parts: int
+    """Their number."""
+    rotary: bool
+    """Whether the joint turns."""
+    models: tuple[Replayed, ...]
+    """The law first, then its simplification, then MuJoCo."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the simplification costs on the record, in words."""
+        force, length = turned("N", self.rotary), turned("m", self.rotary)
+        what = "torque" if self.rotary else "force"
+        own, near, *_ = self.models
+        said = [
+            f"On the record, level and damping change the {what} of the law by"
+            f" {quantity(near.cost, force)} rms; from the measured {what}, with a spread of"
+            f" {quantity(self.spread, force)}, {_compared([m.force for m in self.models], force)}."
+        ]
+        if math.isfinite(own.position):
+            said.append(
+                f"Simulated {quantity(self.horizon, 's')} at a time under the measured {what}, they"
+                f" change the position by {quantity(near.drift, length)} rms; from the measured"
+                f" position, {_compared([m.position for m in self.models], length)}."
+            )
+        return tuple(said)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the joint as plain values."""
+        return {
+            "spread": self.spread,
+            "constant": self.constant,
+            "horizon": self.horizon,
+            "parts": self.parts,
+            "models": [one.to_dict() for one in self.models],
+            "sentences": list(self.sentences),
+        }
+
+
+def replayed(
+    record: Measurement,
+    mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw],
+    joints: Sequence[Tested],
+    compiled: Compiled | None,
+) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
+    """Return what becomes of a record by joint, and what is to be said of it as a whole.
+
+    `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
+    """
+    if motor_of(mechanism) is not None:
+        raise InputError(
+            "the law was fitted through a motor, whose record has a voltage or a current; a record"
+            " of forces is needed here."
+        )
+    own = _by_coordinate(mechanism, record)
+    torques = JointTorques.of(mechanism, [])
+    found = hold_of(mechanism, own, None)
+    hold = "first" if found is None else found.hold
+    pieces = tuple(joint_pieces(torques, mechanism, own, hold=hold, resolved=True))
+    if not pieces:
+        raise InputError(
+            "the record has no stretch without a gap that is long enough to be filtered."
+        )
+    along = contacts_along(mechanism)
+    places = {next(c for c, k in along.items() if one.subject.contact in ("", k.name)): one
+              for one in joints}  # fmt: skip
+    if len(along) == 1:  # which may have no name
+        laws = dict(zip([one.name for one in along.values()], laws.values(), strict=True))
+    near = {**laws, **{along[c].name: one.joint for c, one in places.items()}}
+    replay = _Replay(
+        record=own,
+        mechanism=mechanism,
+        pieces=pieces,
+        contacts={coordinate: one.name for coordinate, one in along.items()},
+        laws=(laws, near),
+        places=places,
+    )
+    return replay.judged(compiled)
+
+
+def _by_coordinate(mechanism: Mechanism, measurement: Measurement) -> Measurement:
+    """Return a record of one coordinate as one by joint."""
+    if measurement.joint_names():
+        return measurement
+    name = slip_of(mechanism)
+    found = []
+    for record in measurement.records():
+        if record.time is None or not {"position", "velocity"} & {*record.quantities()}:
+            raise InputError("a motion in time is needed: position or velocity, and force.")
+        force = applied_force(as_recorded(mechanism, record), record)
+        what = "position" if "position" in record.quantities() else "velocity"
+        motion = {what: {name: np.asarray(record.values(what))}}
+        found.append(
+            Measurement(
+                time=record.time,
+                force={name: np.zeros(len(record.time)) if force is None else force},
+                inputs=record.inputs,
+                overrides=record.overrides,
+                name=record.name,
+                **motion,  # type: ignore[arg-type]  # by the name of what was measured
+            )
+        )
+    return found[0] if len(found) == 1 else Measurement(trials=tuple(found))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Replay:
+    """A record that models are compared on."""
+
+    record: Measurement
+    mechanism: Mechanism
+    pieces: tuple[JointPiece, ...]
+    contacts: Mapping[str, str]
+    """Contacts by coordinate."""
+    laws: tuple[Mapping[str, FrictionLaw], Mapping[str, FrictionLaw]]
+    """Laws by contact, and with what became of them."""
+    places: Mapping[str, Tested]
+    """Joints of the file by coordinate."""
+
+    def judged(self, compiled: Compiled | None) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
+        """Return what each model makes of each joint."""
+        said: list[str] = []
+        theirs = {} if compiled is None else dict(self._models(compiled, said))
+        forces = {
+            one: [there.torques(piece) for piece in self.pieces] for one, there in theirs.items()
+        }
+        constants, rows = {}, {}
+        for i, name in enumerate(self.mechanism.coordinates):
+            columns = self._forces(i, name, [forces[one] for one in theirs])
+            measured, own = columns[:2]
+            constants[name] = float(np.mean(measured - own)) if len(measured) else 0.0
+            rows[name] = [column - measured + constants[name] for column in columns], measured
+        horizon = min(HORIZON, *(one.span for one in self.pieces))
+        parts = list(self._parts(horizon))
+        motions = self._motions(parts, constants, theirs, said)
+        found = {}
+        for coordinate, one in self.places.items():
+            errors, measured = rows[coordinate]
+            if not len(measured):
+                said.append(f"{one.name} hardly moves in the record: nothing is said of it.")
+                continue
+            i = self.mechanism.coordinates.index(coordinate)
+            seen = np.concatenate([part.motion(self.mechanism)[:, i] for part in parts])
+            spread = float(np.std(measured))
+            moved = [None if x is None else x[:, i] for x in motions]
+            models = tuple(
+                Replayed(
+                    model=model,
+                    force=_rms(error),
+                    cost=_rms(error - errors[1], spread),
+                    position=_rms(x - seen) if x is not None else math.nan,
+                    drift=_rms(x - moved[0], float(np.ptp(seen)))
+                    if x is not None and moved[0] is not None
+                    else math.nan,
+                )
+                for model, error, x in zip(
+                    (LAW, SIMPLIFIED, *theirs), errors[1:], moved, strict=True
+                )
+            )
+            found[one.name] = JointReplay(
+                spread=spread,
+                constant=constants[coordinate],
+                horizon=horizon,
+                parts=len(parts),
+                rotary=one.subject.rotary,
+                models=models,
+            )
+        return found, tuple(said)
+
+    def _forces(self, i: int, name: str, theirs: Sequence[Sequence[Array]]) -> list[Array]:
+        """Return the force of a joint where it slips: measured, with both laws, and MuJoCo's."""
+        contact = self.contacts.get(name, "")
+        law, near = (one.get(contact) for one in self.laws)
+        table: list[list[Array]] = []
+        for number, piece in enumerate(self.pieces):
+            whole = [one[number][:, i] for one in theirs]
+            measured, own, *rest = piece.compared(i, law, whole)
+            _, simple = piece.compared(i, near)
+            table.append([measured, own, simple, *rest])
+        return [np.concatenate(column) for column in zip(*table, strict=True)]
+
+    def _models(self, compiled: Compiled, said: list[str]) -> Iterator[tuple[str, "_InMuJoCo"]]:
+        for settings, model in compiled.models:
+            there = _InMuJoCo.of(compiled.mujoco, model, self._named(compiled.mujoco, model))
+            if there.still and not settings:
+                said.append(
+                    "In MuJoCo, joints that the record does not have stand where the file puts"
+                    f" them: {', '.join(there.still)}."
+                )
+            yield f"{MUJOCO} ({settings})" if settings else MUJOCO, there
+
+    def _named(self, mujoco: ModuleType, model: Any) -> list[str]:
+        """Return the joints of the file by coordinate of the mechanism."""
+        known = {one: place.name for one, place in self.places.items()}
+        found = []
+        for name in self.mechanism.coordinates:
+            joint = known.get(name, name)
+            if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint) < 0:
+                raise InputError(
+                    f"the record has {name!r}, and the file no joint of that name: pair them by"
+                    " --joint (in Python joints)."
+                )
+            found.append(joint)
+        return found
+
+    def _parts(self, horizon: float) -> Iterator["_Part"]:
+        share = max(1, MOST // len(self.pieces))
+        for piece in self.pieces[:MOST]:
+            dt = float(piece.time[1] - piece.time[0])
+            length = min(round(horizon / dt), len(piece.time) - 1)
+            room = len(piece.time) - 1 - length
+            count = max(1, min(share, round(piece.span / horizon)))
+            for first in np.unique(np.linspace(0, room, count).astype(int)).tolist():
+                yield _Part(piece=piece, rows=slice(first, first + length + 1))
+
+    def _motions(
+        self,
+        parts: Sequence["_Part"],
+        constants: Mapping[str, float],
+        theirs: Mapping[str, "_InMuJoCo"],
+        said: list[str],
+    ) -> list[Array | None]:
+        """Return positions of all parts by both laws and by MuJoCo; None if they were not run."""
+        known = np.array([constants[name] for name in self.mechanism.coordinates])
+        found: list[Array | None] = []
+        for laws in self.laws:
+            try:
+                found.append(np.concatenate([self._simulated(one, laws, known) for one in parts]))
+            except StickslipError as error:
+                said.append(f"The record was not simulated: {' '.join(str(error).split())}")
+                return [None] * (len(self.laws) + len(theirs))
+        for there in theirs.values():
+            found.append(np.concatenate([there.moved(one, known) for one in parts]))
+        return found
+
+    def _simulated(self, part: "_Part", laws: Mapping[str, FrictionLaw], constants: Array) -> Array:
+        names = self.mechanism.coordinates
+        time, forces = part.time, part.forces - constants
+        drives = {
+            name: Sampled(times=time, values=column, hold="first")
+            for name, column in zip(names, forces.T, strict=True)
+        }
+        rig = driven_by(part.piece.mechanism, drives)
+        whole = self.record.records()[part.piece.record]
+        rig = with_inputs(rig, whole, part.piece.time[part.rows])
+        place, rate = part.start
+        begin = dict(zip(names, place.tolist(), strict=True))
+        begin |= dict(zip(self.mechanism.rates, rate.tolist(), strict=True))
+        several = len(self.mechanism.contacts()) > 1
+        run = simulate(
+            rig,
+            dict(laws) if several else next(iter(laws.values())),
+            t_end=float(time[-1]),
+            y0=begin,
+        ).at(time)
+        return np.column_stack([run[name] for name in names])
+
+
+def driven_by(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Mechanism:
+    """Return a mechanism with a drive along each coordinate."""
+    if isinstance(mechanism, Robot):
+        joints = tuple(replace(one, effort=drives[one.coordinate]) for one in mechanism.joints)
+        return replace(mechanism, joints=joints)
+    if isinstance(mechanism, SerialArm):
+        pairs = zip(mechanism.links, mechanism.coordinates, strict=True)
+        return replace(
+            mechanism, links=tuple(replace(one, torque=drives[name]) for one, name in pairs)
+        )
+    if isinstance(mechanism, TwoLinkArm):
+        shoulder, elbow = (drives[name] for name in mechanism.coordinates)
+        return replace(mechanism, shoulder_drive=shoulder, elbow_drive=elbow)
+    (only,) = drives.values()
+    return with_drive(mechanism, only)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """What is simulated at a time."""
+
+    piece: JointPiece
+    rows: slice
+
+    @property
+    def time(self) -> Array:
+        """Times from its start on (n,) [s]."""
+        own = self.piece.time[self.rows]
+        shifted: Array = own - own[0]
+        return shifted
+
+    @property
+    def forces(self) -> Array:
+        """Measured forces (n, m)."""
+        return self.piece.applied[self.rows]
+
+    def motion(self, mechanism: Mechanism) -> Array:
+        """Return the measured positions (n, m)."""
+        count = len(mechanism.coordinates)
+        return np.column_stack([self.piece.motions[i].position[self.rows] for i in range(count)])
+
+    @property
+    def start(self) -> tuple[Array, Array]:
+        """Positions and velocities at which it begins (m,)."""
+        at, motions = self.rows.start, self.piece.motions
+        return (
+            np.array([one.position[at] for one in motions]),
+            np.array([one.velocity[at] for one in motions]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _InMuJoCo:
+    """A model whose joints of the record move, and the others stand."""
+
+    mujoco: ModuleType
+    model: Any
+    places: NDArray[np.intp]
+    """Where positions of the joints stand (m,)."""
+    dofs: NDArray[np.intp]
+    """Where their velocities do (m,)."""
+    still: tuple[str, ...]
+    """Other joints that could move."""
+
+    @classmethod
+    def of(cls, mujoco: ModuleType, model: Any, joints: Sequence[str]) -> "_InMuJoCo":
+        dofs = np.array([model.joint(name).dofadr[0] for name in joints], dtype=np.intp)
+        model = alone(mujoco, model, dofs)
+        names = [model.joint(i).name or f"number {i + 1}" for i in range(model.njnt)]
+        return cls(
+            mujoco=mujoco,
+            model=model,
+            places=np.array([model.joint(name).qposadr[0] for name in joints], dtype=np.intp),
+            dofs=dofs,
+            still=tuple(name for name in names if name not in joints),
+        )
+
+    def torques(self, piece: JointPiece) -> Array:
+        """Return the forces that the motion takes, friction included (n, m)."""
+        data = self.mujoco.MjData(self.model)
+        found = np.empty((len(piece.time), len(self.dofs)))
+        motions = piece.motions
+        places = np.column_stack([one.position for one in motions])
+        rates = np.column_stack([one.velocity for one in motions])
+        for row, (q, v, a) in enumerate(zip(places, rates, piece.accelerations, strict=True)):
+            data.qpos[self.places], data.qvel[self.dofs], data.qacc[self.dofs] = q, v, a
+            self.mujoco.mj_inverse(self.model, data)
+            found[row] = data.qfrc_inverse[self.dofs]
+        return found
+
+    def moved(self, part: _Part, constants: Array) -> Array:
+        """Return the positions that the measured forces lead to (n, m)."""
+        data = self.mujoco.MjData(self.model)
+        place, rate = part.start
+        data.qpos[self.places], data.qvel[self.dofs] = place, rate
+        step, time = float(self.model.opt.timestep), part.time
+        times = np.arange(math.ceil(time[-1] / step) + 1) * step
+        forces = np.column_stack(
+            [np.interp(times + 0.5 * step, time, one) for one in (part.forces - constants).T]
+        )
+        found = np.empty((len(times), len(self.dofs)))
+        for row, force in enumerate(forces):
+            found[row] = data.qpos[self.places]
+            data.qfrc_applied[self.dofs] = force
+            self.mujoco.mj_step(self.model, data)
+        return np.column_stack([np.interp(time, times, column) for column in found.T])
+
+
+def _compared(errors: Sequence[float], unit: str) -> str:
+    """Return the errors of the law, of its simplification and of the last of MuJoCo's models."""
+    words = ("the law is off by", "they by", f"{MUJOCO} by")
+    chosen = (*errors[:2], *errors[2:][-1:])
+    return ", ".join(
+        f"{word} {quantity(one, unit)}" for word, one in zip(words, chosen, strict=False)
+    )
+
+
+def _rms(x: Array, of: float = 0.0) -> float:
+    """Return the root mean square; 0 where it is the rounding of numbers of a size."""
+    found = float(np.sqrt(np.mean(np.square(x))))
+    return 0.0 if found <= ROUNDING * of else found
