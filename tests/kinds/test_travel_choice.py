@@ -533,3 +533,23 @@ def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_bra
     measured = readings(law, settings, rig=FASTENED, errors=errors, uncertainty=5e-4)
     found = fit(FASTENED, PowerViscous, measured)
     assert found.chi_square <= float(np.sum((errors / 5e-4) ** 2))
+
+
+def test_bristles_are_searched_in_all_valleys_where_a_stribeck_curve_is_named():
+    # their search knew that of the best law alone, whose level lies below 0.137
+    rig = SpringBlock(mass=1.1720783, stiffness=91.712509, compression=0.2218701, attached=True)
+    read = (
+        (0.078, (99.2314, 101.9837)), (0.102, (109.0619, 109.2957)), (0.132, (108.4349, 108.5133)),
+        (0.168, (176.3736, 176.5794)), (0.215, (211.7013, 212.5189)),
+    )  # fmt: skip
+    trials = tuple(
+        Measurement(
+            travel=1e-3 * one, uncertainty=6.587e-4, overrides={"mechanism.compression": setting}
+        )
+        for setting, both in read
+        for one in both
+    )
+    verdict = select(rig, ["coulomb", "stribeck", "lugre"], Measurement(trials=trials))
+    assert "LuGre" in verdict.sentence  # the truth, with bristles that bend by 0.8 mm
+    level = verdict.best.fit.estimate("kinetic_coefficient")
+    assert any(low <= 0.2064 <= high for low, high in level.pieces or ((level.low, level.high),))

@@ -46,6 +46,7 @@ def try_law(
     simpler: Sequence[TravelCandidate] = (),
     marked: Collection[str] = (),
     free: Sequence[str] | None = None,
+    thorough: bool = False,
     watch: Watch | None = None,
 ) -> TravelCandidate:
     """Fit one law; a law that cannot be fitted or run is kept with the reason.
@@ -70,8 +71,9 @@ def try_law(
     def fitted(nuisances: Sequence[str]) -> TravelFit:
         starts = _starts(law, names, nuisances, trials, simpler, t_end, guessed=guessed)
         return fit_trials(
-            law, trials, free=names, starts=starts, nuisances=nuisances, t_end=t_end, watch=report
-        )
+            law, trials, free=names, starts=starts, nuisances=nuisances, thorough=thorough,
+            t_end=t_end, watch=report,
+        )  # fmt: skip
 
     try:
         fit = fitted(unknown)

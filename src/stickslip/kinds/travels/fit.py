@@ -126,6 +126,7 @@ def fit_trials(
     free: Sequence[str] | None = None,
     starts: Sequence[Start] | None = None,
     nuisances: Sequence[str] = (),
+    thorough: bool = False,
     t_end: float = 10.0,
     watch: Callable[[int], object] | None = None,
 ) -> TravelFit:
@@ -146,7 +147,8 @@ def fit_trials(
             f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"
             f" of {', '.join(names)}, or measure more trials."
         )
-    return fit_readings(TravelModel(law, names, t_end, watch), trials, starts, nuisances)
+    model = TravelModel(law, names, t_end, watch)
+    return fit_readings(model, trials, starts, nuisances, thorough=thorough)
 
 
 def check_rest(fit: TravelFit, t_end: float) -> None:

@@ -101,6 +101,8 @@ def fit_readings(
     trials: Sequence[Trial],
     starts: Sequence[Start] | None = None,
     nuisances: Sequence[str] = (),
+    *,
+    thorough: bool = False,
 ) -> TravelFit:
     """Fit the free parameters to all trials, and return the best point of all searches.
 
@@ -129,7 +131,7 @@ def fit_readings(
     wide: _Problem | None = None
     if nuisances:
         level = [(problem.matrix @ end).tolist() for end in ends]
-        model, wide, reached = _freed(model, trials, level, given, nuisances)
+        model, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
         problem = _Problem(model, trials)
         ends = [problem.free_parameters(reached[0][:count])]
     best = problem.nearest(ends)
@@ -160,19 +162,23 @@ def _freed(
     ends: Sequence[Start],
     given: Sequence[Start],
     nuisances: Sequence[str],
+    *,
+    thorough: bool,
 ) -> tuple[TravelModel, "_Problem", list[list[float]]]:
     """Return the model with the nuisances that explain most, and that in which these are free.
 
     All values that explain as well follow, the best first. `ends` are values of the free
-    parameters, and `given` may have some of the nuisances too.
+    parameters, and `given` may have some of the nuisances too. Nuisances of bristles, whose runs
+    take long, are freed in a thorough search only.
     """
     count = len(model.free)
     wide = _Problem(replace(model, free=[*model.free, *nuisances]), trials)
-    drawn = plausible(model, trials, ends[0], nuisances)
+    drawn = plausible(model, trials, ends[0], nuisances, thorough=thorough)
     more = [point for point in given if len(point) == len(wide.model.free)]
     cycles = under_cycles(trials)
-    slow = bool(model.law.states) or cycles
-    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if model.law.states else FREED])
+    slow = (bool(model.law.states) and not thorough) or cycles
+    few = bool(model.law.states) and not thorough
+    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if few else FREED])
     own = np.arange(len(wide.model.free)) < count
     found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
     if not model.law.states:
@@ -183,6 +189,8 @@ def _freed(
             scanned = coarse.scanned(points[-len(drawn) :], FEW if cycles else MANY)
             ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
             found = wide.with_free([*found, *_sorted(*ends_of)], most)
+    elif thorough:
+        found = wide.with_free(found, FREED)
     least = wide.cost(found[0])
     whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
     limit = least + _Problem(whole, trials).room(least)

@@ -255,17 +255,24 @@ def _followed(
     """Fit laws with invented values again from the best law, where they contain it but err more.
 
     They can do what it does: their own search ended elsewhere, or with a body that does not rest.
+    One with bristles is searched thoroughly where readings tell more of the best law than a level
+    and a slope: else its search would know no valley but that of the best law.
     """
     best = chosen(candidates)
-    if best is None:
+    if best is None or best.fit is None:
         return list(candidates)
+    fitted = {one.path.rpartition(".")[2] for one in best.fit.estimates}
+    plain = chosen([c for c in candidates if c is not best])
     found = []
     for c in candidates:
         contains = containment_of(type(c.law), type(best.law)) is not None
-        if c is not best and c.invented and contains and (c.dropped or improves_on(best, c, SURE)):
+        unseen = c.law.states and not fitted.isdisjoint(c.invented) and not under_cycles(trials)
+        worse = c.dropped or unseen or improves_on(best, c, SURE)
+        if c is not best and c.invented and contains and worse:
             again = try_law(
-                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=[best],
-                marked=c.marked, watch=watch,
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary,
+                simpler=[best, plain] if unseen and plain else [best],
+                marked=c.marked, thorough=bool(unseen), watch=watch,
             )  # fmt: skip
             better = not again.dropped and (c.dropped or misfit(again) < misfit(c))
             found.append(again if better else c)

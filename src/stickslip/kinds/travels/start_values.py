@@ -43,7 +43,7 @@ DENSE, BESIDE = 240, 8
 half as many levels where runs are of many cycles."""
 DRAWS, FEW_DRAWS, SLOW_DRAWS = 16, 8, 2
 """Combinations of nuisances that are drawn: fewer where runs are of many cycles, or with bristles,
-which take longer."""
+which take longer, unless a search is to be thorough."""
 PLAUSIBLE = {"speed": (-2.5, 0.0), "stiffness": (3.0, 6.0), "damping": (-1.0, 0.5)}
 """Decades of nuisances: speeds over the largest one of a run, stiffness over the level [1/m], which
 is a deflection of 1 um to 1 mm, and damping over the root of stiffness and gravity [s/m]."""
@@ -228,7 +228,12 @@ def nuisances_of(
 
 
 def plausible(
-    model: TravelModel, trials: Sequence[Trial], values: Start, nuisances: Sequence[str]
+    model: TravelModel,
+    trials: Sequence[Trial],
+    values: Start,
+    nuisances: Sequence[str],
+    *,
+    thorough: bool = False,
 ) -> Array:
     """Return combinations of plausible values of nuisances (d, q), the first with least of each.
 
@@ -241,7 +246,8 @@ def plausible(
     force, speed = _force_and_speed(model, trials, values)
     known = fields_of(type(model.law))
     law = model.with_values(values)
-    count = SLOW_DRAWS if law.states else FEW_DRAWS if under_cycles(trials) else DRAWS
+    slow = law.states and not thorough
+    count = SLOW_DRAWS if slow else FEW_DRAWS if under_cycles(trials) else DRAWS
     shares = qmc.Sobol(len(nuisances), rng=np.random.default_rng(0)).random(count)
     shares[0] = 0.0
     drawn: Array = np.zeros(shares.shape)
