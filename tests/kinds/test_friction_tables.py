@@ -7,7 +7,7 @@ from tools.structure import TABLE, watched
 from stickslip import Axis, CoulombViscous, Measurement, fit, select
 from stickslip.errors import InputError
 from stickslip.experiments.slicing import without_row
-from stickslip.kinds.friction_tables.single_rows import row_losses, suspects
+from stickslip.kinds.friction_tables.selection import row_losses, suspects
 from stickslip.kinds.registry import kind_of
 
 AXIS = Axis(inertia=1.0)

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from stickslip.experiments import Measurement
 from stickslip.friction import Laws
-from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.estimation.estimates import (
     estimates_of,
     offset_left_out,
     sentences_of,
 )
 from stickslip.identification.estimation.halves import Halves, contradiction
-from stickslip.identification.estimation.jackknife import Inference, effective_size
+from stickslip.identification.estimation.jackknife import Directions, Inference, effective_size
 from stickslip.identification.estimation.parameters import FreeParameters, by_joint
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.force_map.joint_balance import (

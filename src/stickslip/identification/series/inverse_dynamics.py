@@ -12,7 +12,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, as_recorded, between_gaps
 from stickslip.formatting import estimate, percent, quantity
-from stickslip.identification.estimation.directions import Directions
+from stickslip.identification.estimation.jackknife import Directions
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
