@@ -15,13 +15,7 @@ from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.formatting import joined
 from stickslip.formulation import Model, formulate
-from stickslip.friction import (
-    Friction,
-    FrictionLaw,
-    Laws,
-    PrintedForm,
-    is_bound,
-)
+from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm, is_bound
 from stickslip.kernels.state_layout import CAN_STICK, NUMBERS, SLIP
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair

@@ -46,14 +46,7 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair, initial_state
-from stickslip.solver import (
-    Equations,
-    EventDriven,
-    column_units,
-    gather,
-    status_of,
-    within_stops,
-)
+from stickslip.solver import Equations, EventDriven, column_units, gather, status_of, within_stops
 from stickslip.trajectory import Status
 
 if TYPE_CHECKING:

@@ -29,14 +29,7 @@ from stickslip.plots.runs.validation import plot_validation
 from stickslip.plots.selection.fits import plot_fit, plot_verdict
 from stickslip.plots.sweep_maps import plot_sweep
 from stickslip.selection import Verdict
-from stickslip.sweep import (
-    Band,
-    Basins,
-    Bifurcation,
-    SensitivityIndices,
-    Validation,
-    VelocityMap,
-)
+from stickslip.sweep import Band, Basins, Bifurcation, SensitivityIndices, Validation, VelocityMap
 from stickslip.trajectory import Ensemble, Trajectory
 
 PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(

@@ -17,13 +17,7 @@ from stickslip.described import Described
 from stickslip.display import InPanels, Summary
 from stickslip.drives import SampledSwing
 from stickslip.errors import InputError
-from stickslip.experiments import (
-    QUANTITIES,
-    LawEstimates,
-    Measurement,
-    noise_of,
-    step_of,
-)
+from stickslip.experiments import QUANTITIES, LawEstimates, Measurement, noise_of, step_of
 from stickslip.formatting import joined, number, parameter_words, percent, quantity
 from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw

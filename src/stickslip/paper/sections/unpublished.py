@@ -4,16 +4,7 @@ from stickslip.formatting import fixed, in_words, joined, significant
 from stickslip.friction import FrictionLaw
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.unpublished import Requirement
-from stickslip.report import (
-    Caption,
-    Column,
-    Name,
-    Paragraph,
-    Row,
-    Section,
-    Subheading,
-    Table,
-)
+from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Subheading, Table
 
 
 def unpublished_section(found: PaperAudit) -> Section:

@@ -13,12 +13,7 @@ from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
-from stickslip.plots.selection.fit_data import (
-    MapPoints,
-    map_points,
-    residual_panels,
-    sampled,
-)
+from stickslip.plots.selection.fit_data import MapPoints, map_points, residual_panels, sampled
 from stickslip.plots.selection.intervals import INTERVAL_SIZE, Interval, draw_intervals
 from stickslip.plots.selection.joints import refuse_joints
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes

@@ -8,13 +8,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import HARD, LawEstimates, equated, unit_on
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
-from stickslip.report.core.blocks import (
-    Block,
-    Caption,
-    KeyValues,
-    Math,
-    Note,
-)
+from stickslip.report.core.blocks import Block, Caption, KeyValues, Math, Note
 from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.shared_sections import evidence, reproduce
 from stickslip.report.core.tables import Column, Row, Table

@@ -168,10 +168,7 @@ def _cycle_table(about: RunReport) -> Table:
     heads += [f"mean velocity\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
     heads.append("lowest normal force\nN")
     columns = [Column(head="")]
-    columns += [
-        Column(head=head, numeric=True, phone="label", label=head.replace("\n", ", "))
-        for head in heads
-    ]
+    columns += [Column(head=head, numeric=True, phone="label") for head in heads]
     cycles = about.cycles
     shown = list(range(len(cycles)))
     if len(cycles) > FIRST_ROWS + LAST_ROWS:

@@ -11,13 +11,7 @@ from typing_extensions import override
 
 from stickslip.errors import CompilationError
 from stickslip.formulation import Model
-from stickslip.kernels.equations import (
-    CALLED,
-    LAW,
-    LAW_MARGIN_SLOPES,
-    LAW_MARGINS,
-    LAW_SLOPES_OF,
-)
+from stickslip.kernels.equations import CALLED, LAW, LAW_MARGIN_SLOPES, LAW_MARGINS, LAW_SLOPES_OF
 from stickslip.solver.compile.image_cache import name_of
 from stickslip.solver.compile.object_code import ObjectCode, maker
 from stickslip.solver.compile.translation import (
