@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Axis, SpringBlock, TowedBlock, check, load_measurement, load_rig
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.readers.unit_conversion import load_stated
+from stickslip.mechanisms import load_stated
 
 NEWTONS = [-1.0, 2.0, 3.5]
 

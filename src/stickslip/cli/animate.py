@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +11,12 @@ from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import (
     ChosenLaw,
     ChosenLaws,
-    LawAsked,
     friction_content,
     friction_of,
     friction_title,
     rig_and_friction,
 )
+from stickslip.cli.options import AnimationOptions, LawOptions
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document
 from stickslip.errors import InputError
@@ -28,26 +27,12 @@ from stickslip.trajectory import Trajectory
 SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 
-@dataclass(frozen=True, kw_only=True)
-class AnimationStyle:
-    """What the animation looks like."""
-
-    fps: float
-    """Frames per second of the animation [1/s]."""
-    speed: float
-    """Seconds of the run per second of the animation; 0.1 is slow motion."""
-    size: str
-    """Width and height as ``WIDTHxHEIGHT`` [CSS px]."""
-    dpi: float
-    """Resolution; 72 makes one pixel of each CSS pixel."""
-
-
 def run(
     path: Path | None,
     changes: Sequence[str],
-    asked: LawAsked,
+    asked: LawOptions,
     t_end: float | None,
-    look: AnimationStyle,
+    look: AnimationOptions,
     output: Path,
     *,
     allow_import: bool,

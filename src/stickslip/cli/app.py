@@ -10,54 +10,33 @@ from stickslip.cli.help import CONTEXT, Panels, command
 from stickslip.cli.options import (
     DEMO,
     AllowImport,
-    BackSlip,
+    AnimationOptions,
+    ApplyOptions,
     Columns,
-    Conditions,
     Data,
-    Effort,
     EndTime,
     Enforce,
-    Evaluations,
+    EstimationOptions,
     ExecutorAt,
+    ExportOptions,
     FittedLaw,
-    Fixed,
     Folder,
     Force,
-    FrictionDelay,
-    FrictionLag,
     Gain,
-    Goal,
-    Hold,
-    Horizon,
-    Interval,
     Json,
-    Kind,
-    Knots,
-    Law,
     LawFile,
-    LawLoad,
-    LawOfFile,
+    LawOptions,
     Laws,
-    LoadShare,
-    MotorConstant,
+    ParameterOptions,
     PlannedLaws,
-    Position,
-    PositionZeros,
+    ProfileOptions,
     Purpose,
-    Quiet,
-    Rate,
+    ReadingOptions,
     Record,
-    Repair,
-    Resume,
     Rig,
-    Route,
-    Seed,
-    Segment,
+    RunOptions,
     Set,
-    Starts,
     Units,
-    Validate,
-    Vary,
     Workers,
 )
 from stickslip.errors import InputError
@@ -100,37 +79,22 @@ def options(
 
 @command(app, "select")
 def select(
+    *,
     rig: Rig = None,
     data: Data = None,
-    columns: Columns = None,
-    units: Units = None,
-    gain: Gain = None,
-    repair: Repair = None,
-    conditions: Conditions = None,
-    motor_constant: MotorConstant = None,
+    reading: ReadingOptions,
     changes: Set = None,
     allow_import: AllowImport = False,
     laws: Laws = None,
-    validate: Validate = None,
-    vary: Vary = None,
-    fixed: Fixed = None,
+    parameters: ParameterOptions,
     purpose: Purpose = None,
-    horizon: Horizon = None,
-    route: Route = None,
-    segment: Segment = None,
-    hold: Hold = None,
-    starts: Starts = None,
-    seed: Seed = None,
-    position_zeros: PositionZeros = None,
-    friction_delay: FrictionDelay = None,
-    friction_lag: FrictionLag = None,
+    estimation: EstimationOptions,
     count: Workers = None,
     executor: ExecutorAt = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Fit and compare friction laws; write a report.
 
@@ -143,19 +107,8 @@ def select(
     from stickslip.cli.inputs import measured
     from stickslip.cli.select import run
 
-    reading = reading_of(
-        columns=columns,
-        units=units,
-        gain=gain,
-        repair=repair,
-        conditions=conditions,
-        motor_constant=motor_constant,
-    )
-    settings = {"segment": segment, "hold": hold, "starts": starts, "seed": seed}
-    settings |= {"position_zeros": position_zeros, "friction_delay": friction_delay}
-    settings["friction_lag"] = friction_lag
-    ask = partial(measured, data=data or [], reading=reading, validate=validate, settings=settings)
-    ask = partial(ask, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
+    ask = partial(measured, data=data or [], reading=reading_of(reading))
+    ask = partial(ask, parameters=parameters, estimation=estimation)
     ask = partial(ask, purpose=cast("PurposeName | None", purpose))  # checked where it is used
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, ask, changes or [], laws, output, count=count, executor=executor)
@@ -170,7 +123,6 @@ def demo(
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Select a law for the rig that comes with the package; write a report.
 
@@ -181,7 +133,7 @@ def demo(
     from stickslip.cli.inputs import measured
     from stickslip.cli.select import run
 
-    reading = reading_of(columns=None, units=None, gain=None, repair=None)
+    reading = reading_of(ReadingOptions())
     start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
     start(
         None, partial(measured, reading=reading), [], laws, output, count=count, executor=executor
@@ -211,7 +163,6 @@ def init(
     ] = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Write a rig file for a data file: what it seems to hold, and why.
 
@@ -225,39 +176,24 @@ def init(
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
-    reading = reading_of(columns=columns, units=units, gain=gain, repair=None)
+    reading = reading_of(ReadingOptions(columns=columns, units=units, gain=gain))
     run(file, reading, output, urdf=urdf, force=force, as_json=as_json)
 
 
 @command(app, "fit")
 def fit(
+    *,
     rig: Rig = None,
     law: FittedLaw = None,
     data: Data = None,
-    columns: Columns = None,
-    units: Units = None,
-    gain: Gain = None,
-    repair: Repair = None,
-    conditions: Conditions = None,
-    motor_constant: MotorConstant = None,
+    reading: ReadingOptions,
     changes: Set = None,
     allow_import: AllowImport = False,
-    validate: Validate = None,
-    vary: Vary = None,
-    fixed: Fixed = None,
-    horizon: Horizon = None,
-    route: Route = None,
-    segment: Segment = None,
-    hold: Hold = None,
-    starts: Starts = None,
-    seed: Seed = None,
-    position_zeros: PositionZeros = None,
-    friction_delay: FrictionDelay = None,
-    friction_lag: FrictionLag = None,
+    parameters: ParameterOptions,
+    estimation: EstimationOptions,
     output: LawFile = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Fit one friction law to measurements.
 
@@ -269,25 +205,15 @@ def fit(
     from stickslip.cli.fit import run
     from stickslip.cli.inputs import measured
 
-    reading = reading_of(
-        columns=columns,
-        units=units,
-        gain=gain,
-        repair=repair,
-        conditions=conditions,
-        motor_constant=motor_constant,
-    )
-    settings = {"segment": segment, "hold": hold, "starts": starts, "seed": seed}
-    settings |= {"position_zeros": position_zeros, "friction_delay": friction_delay}
-    settings["friction_lag"] = friction_lag
-    ask = partial(measured, data=data or [], reading=reading, validate=validate, settings=settings)
-    ask = partial(ask, vary=vary or [], fixed=fixed or [], horizon=horizon, route=route)
+    ask = partial(measured, data=data or [], reading=reading_of(reading))
+    ask = partial(ask, parameters=parameters, estimation=estimation)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, law, ask, changes or [], output)
 
 
 @command(app, "check")
 def check(
+    *,
     files: Annotated[
         list[Path],
         typer.Argument(
@@ -296,12 +222,7 @@ def check(
             " The mechanism of the rig file allows more checks; its [data] is read too.",
         ),
     ],
-    columns: Columns = None,
-    units: Units = None,
-    gain: Gain = None,
-    repair: Repair = None,
-    conditions: Conditions = None,
-    motor_constant: MotorConstant = None,
+    reading: ReadingOptions,
     allow_import: AllowImport = False,
     output: Annotated[
         Path | None,
@@ -309,7 +230,6 @@ def check(
     ] = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Check the quality of a measurement.
 
@@ -318,103 +238,20 @@ def check(
     from stickslip.cli.check import run
     from stickslip.cli.file_options import reading_of
 
-    reading = reading_of(
-        columns=columns,
-        units=units,
-        gain=gain,
-        repair=repair,
-        conditions=conditions,
-        motor_constant=motor_constant,
-    )
-    run(files, reading, output, allow_import=allow_import, force=force, as_json=as_json)
+    run(files, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "simulate")
 def simulate(
+    *,
     rig: Rig = None,
-    law: Law = None,
-    law_load: LawLoad = None,
+    law: LawOptions,
     changes: Set = None,
     allow_import: AllowImport = False,
-    t_end: EndTime = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Write the run to this CSV or Parquet file."),
-    ] = None,
-    samples: Annotated[
-        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows of the run.")
-    ] = 1001,
-    fixed_step: Annotated[
-        float | None,
-        typer.Option(
-            "--fixed-step",
-            help="Simulate with a fixed step of this size [s], as a block diagram does.",
-        ),
-    ] = None,
-    method: Annotated[
-        str,
-        typer.Option(
-            "--method",
-            help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
-        ),
-    ] = "euler",
-    no_stick_rule: Annotated[
-        bool,
-        typer.Option(
-            "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
-        ),
-    ] = False,
-    zero_velocity_band: Annotated[
-        float,
-        typer.Option(
-            "--zero-velocity-band",
-            metavar="SPEED",
-            help="With --fixed-step: hold the body where a step ends within this speed [m/s], as"
-            " Karnopp (1985) does.",
-        ),
-    ] = 0.0,
-    program: Annotated[
-        str | None,
-        typer.Option(
-            "--as",
-            metavar="PROGRAM",
-            help="Simulate as another program does, and compare that with the exact run: mujoco,"
-            " mujoco-dcmotor, drake, simscape or karnopp, with settings such as"
-            " mujoco:timestep=0.001,impedance=0.99.",
-        ),
-    ] = None,
-    ensemble: Annotated[
-        int | None,
-        typer.Option(
-            "--ensemble",
-            metavar="N",
-            min=2,
-            help="Also simulate N samples of the uncertain parameters: of the law, drawn from the"
-            " estimates in its file, and of the mechanism.",
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")] = 0,
-    refit: Annotated[
-        bool,
-        typer.Option(
-            "--refit",
-            help="Also fit the law to what was measured on this rig, and compare the intervals.",
-        ),
-    ] = False,
-    report: Annotated[
-        bool,
-        typer.Option("--report", help="Write a report of the run to stickslip-run/index.html."),
-    ] = False,
-    report_to: Annotated[
-        Path | None,
-        typer.Option(
-            "--report-to", metavar="FOLDER", help="Write the report to this folder instead."
-        ),
-    ] = None,
+    settings: RunOptions,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Simulate the rig with one friction law, or with an equation of the source paper as printed.
 
@@ -425,30 +262,15 @@ def simulate(
     --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
     take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
     """
-    from stickslip.cli.law_choice import LawAsked
-    from stickslip.cli.simulate import Settings, run
+    from stickslip.cli.simulate import run
 
-    folder = report_to if report_to is not None else Path("stickslip-run") if report else None
-    settings = Settings(
-        law=LawAsked(law=law, load=law_load),
-        t_end=t_end,
-        samples=samples,
-        fixed_step=fixed_step,
-        method=method,
-        stick_rule=not no_stick_rule,
-        zero_velocity_band=zero_velocity_band,
-        program=program,
-        ensemble=ensemble,
-        refit=refit,
-        seed=seed,
-        report=folder,
-    )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
-    start(rig, changes or [], settings, output)
+    start(rig, changes or [], law, settings)
 
 
 @command(app, "export")
 def export(
+    *,
     file: Annotated[
         Path,
         typer.Argument(
@@ -466,96 +288,27 @@ def export(
             " csv (lookup table) or json; fmu (the whole rig with its law).",
         ),
     ],
-    law: LawOfFile = None,
-    contact: Annotated[
-        str | None,
-        typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
-    ] = None,
-    name: Annotated[
-        str | None,
-        typer.Option("--name", help="Name of the program. Default: that of the law."),
-    ] = None,
-    rig: Annotated[
-        Path | None,
-        typer.Option(
-            "--rig",
-            metavar="FILE",
-            help="Rig file (TOML) on which the law is used: an fmu is of that rig with the law;"
-            " mjcf and urdf say what their simplified friction changes of its motion.",
-        ),
-    ] = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            "--load",
-            metavar="FORCE",
-            help="Normal force for mjcf, urdf and csv. Default: that of the mechanism at rest.",
-        ),
-    ] = None,
-    law_load: LawLoad = None,
-    largest_speed: Annotated[
-        str | None,
-        typer.Option(
-            "--largest-speed",
-            metavar="SPEED",
-            help="End of the range of speeds for mjcf, urdf and csv. Default: that of the motion of"
-            " --rig, or of the fit.",
-        ),
-    ] = None,
-    fmi: Annotated[
-        int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
-    ] = 3,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="INPUT=VALUE",
-            help="Contact input of the law at which tables and joints have their friction, such"
-            ' as "temperature=35 degC"; may be repeated.',
-        ),
-    ] = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="DRIVE",
-            help="Drive of the rig that becomes an input of the fmu (repeatable).",
-        ),
-    ] = None,
-    t_end: EndTime = None,
+    wanted: ExportOptions,
     allow_import: AllowImport = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")] = Path(
         "stickslip-export"
     ),
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Export a friction law to another program, or a rig with its law as an FMU.
 
     Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
     the solver inside and needs no Python; making one takes Linux and a C compiler.
     """
-    from stickslip.cli.export import Wanted, run
+    from stickslip.cli.export import run
 
-    wanted = Wanted(
-        law=law,
-        contact=contact,
-        name=name,
-        rig=rig,
-        load=load,
-        law_load=law_load,
-        largest_speed=largest_speed,
-        fmi=fmi,
-        at=tuple(at or ()),
-        inputs=tuple(inputs or ()),
-        t_end=t_end,
-    )
     run(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "apply")
 def apply(
+    *,
     file: Annotated[
         Path,
         typer.Argument(
@@ -577,159 +330,51 @@ def apply(
         Path,
         typer.Option("-o", "--output", help="File to write: MODEL, but for the joints' friction."),
     ],
-    joints: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--joint",
-            metavar="[CONTACT=]JOINT",
-            help="Joint that gets the law, or the law of a contact; may be repeated. Default:"
-            " joints with the names of the contacts, or the only joint.",
-        ),
-    ] = None,
-    law: LawOfFile = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            "--load",
-            metavar="FORCE",
-            help="Normal force at which joints have their friction. Default: that of the mechanism"
-            " at rest.",
-        ),
-    ] = None,
-    law_load: LawLoad = None,
-    largest_speed: Annotated[
-        str | None,
-        typer.Option(
-            "--largest-speed",
-            metavar="SPEED",
-            help="End of the range of speeds over which level and damping come closest to the law."
-            " Default: that of the fit.",
-        ),
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="INPUT=VALUE",
-            help="Contact input of the law at which joints have their friction, such as"
-            ' "temperature=35 degC"; may be repeated.',
-        ),
-    ] = None,
-    to: Annotated[
-        str | None,
-        typer.Option(
-            "--to",
-            metavar="PROGRAM",
-            help="What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which"
-            " PhysX (Isaac Sim) and Newton read.",
-        ),
-    ] = None,
-    polynomial: Annotated[
-        bool,
-        typer.Option(
-            "--polynomial",
-            help="Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later).",
-        ),
-    ] = False,
-    holds: Annotated[
-        bool,
-        typer.Option(
-            "--holds",
-            help="Give joints the level of break-away, so that they hold what the law holds."
-            " Default: the level that comes closest to the law while sliding.",
-        ),
-    ] = False,
-    run: Annotated[
-        bool,
-        typer.Option(
-            "--run/--no-run",
-            help="Run the joints in MuJoCo, if it is installed, and compare that with the laws.",
-        ),
-    ] = True,
-    record: Annotated[
-        Path | None,
-        typer.Option(
-            "--record",
-            metavar="FILE",
-            help="Record of the joints, positions and forces in time, on which the law, its"
-            " simplification and the file in MuJoCo are compared: a data file or log, or the rig"
-            " file (TOML) that says how it is read.",
-        ),
-    ] = None,
+    wanted: ApplyOptions,
     allow_import: AllowImport = False,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints what the file cannot have of the laws and what that costs: the error of the friction
     force, of the motion in MuJoCo, and, with --record, on a measured record.
     """
-    from stickslip.cli.apply import Wanted
-    from stickslip.cli.apply import run as run_command
+    from stickslip.cli.apply import run
 
-    wanted = Wanted(
-        joints=tuple(joints or ()),
-        law=law,
-        load=load,
-        law_load=law_load,
-        largest_speed=largest_speed,
-        at=tuple(at or ()),
-        to=to,
-        polynomial=polynomial,
-        holds=holds,
-        run=run,
-        record=record,
-    )
-    run_command(
-        file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json
-    )
+    run(file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "animate")
 def animate(
+    *,
     rig: Rig = None,
-    law: Law = None,
-    law_load: LawLoad = None,
+    law: LawOptions,
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: EndTime = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="GIF or MP4 file; MP4 needs ffmpeg.")
     ] = Path("stickslip.gif"),
-    fps: Annotated[float, typer.Option("--fps", help="Frames per second.")] = 25.0,
-    speed: Annotated[
-        float, typer.Option("--speed", help="Playback speed; 1 is real time, 0.1 is slow motion.")
-    ] = 1.0,
-    size: Annotated[
-        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="Size in CSS pixels.")
-    ] = "880x400",
-    dpi: Annotated[
-        float,
-        typer.Option("--dpi", help="Resolution in dots per inch; 72 is one pixel per CSS pixel."),
-    ] = 72.0,
+    look: AnimationOptions,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Animate the rig, simulated with one law.
 
     The mechanism is drawn to scale beside its time plots.
     """
-    from stickslip.cli.animate import AnimationStyle, run
-    from stickslip.cli.law_choice import LawAsked
+    from stickslip.cli.animate import run
 
-    look = AnimationStyle(fps=fps, speed=speed, size=size, dpi=dpi)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], LawAsked(law=law, load=law_load), t_end, look, output)
+    start(rig, changes or [], law, t_end, look, output)
 
 
 @command(app, "sweep")
 def sweep(
+    *,
     rig: Rig = None,
-    law: Law = None,
-    law_load: LawLoad = None,
+    law: LawOptions,
     changes: Set = None,
     allow_import: AllowImport = False,
     vary: Annotated[
@@ -771,7 +416,6 @@ def sweep(
     ] = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Run a campaign, or the mean velocity over a parameter grid.
 
@@ -780,20 +424,18 @@ def sweep(
     on where a campaign was ended.
     """
     if vary:
-        from stickslip.cli.law_choice import LawAsked
         from stickslip.cli.sweep import run
 
         if dry_run:
             raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
         start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
         start = partial(start, count=count, executor=executor)
-        asked = LawAsked(law=law, load=law_load)
         table = output or Path("stickslip-sweep.csv")
-        start(rig, changes or [], asked, vary, cycles, settle, coordinate, table)
+        start(rig, changes or [], law, vary, cycles, settle, coordinate, table)
         return
     from stickslip.cli.campaign import run as run_campaign
 
-    given = {"--law": law, "--law-load": law_load, "--set": changes, "--coordinate": coordinate}
+    given = {"--law": law.law, "--law-load": law.load, "--set": changes, "--coordinate": coordinate}
     if unused := [option for option, value in given.items() if value]:
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
@@ -838,7 +480,6 @@ def plan(
     ] = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Plan travel measurements.
 
@@ -857,7 +498,6 @@ def models(
         bool, typer.Option("--published", help="Show the equations as printed in the source paper.")
     ] = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """List friction laws and mechanisms, or show one in full.
 
@@ -921,7 +561,6 @@ def characterize(
     ] = None,
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Test friction laws on a virtual bench.
 
@@ -941,7 +580,6 @@ def paper(
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Recompute the results of the source paper, or ask its questions of your own rig.
 
@@ -974,7 +612,6 @@ def benchmark(
     executor: ExecutorAt = None,
     listed: Annotated[bool, typer.Option("--list", help="Only list the tasks.")] = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Run the friction benchmark: public records, our laws, other libraries.
 
@@ -1002,7 +639,6 @@ def warmup(
     laws: Laws = None,
     allow_import: AllowImport = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Compile equations ahead of time.
 
@@ -1019,7 +655,7 @@ def warmup(
 
 
 @command(app, "schema")
-def schema(_quiet: Quiet = False) -> None:
+def schema() -> None:
     """Print the JSON schema of rig files."""
     from stickslip.cli.console import print_json
     from stickslip.documents import document
@@ -1034,7 +670,6 @@ def cite(
         list[str] | None, typer.Argument(help="Laws whose sources are printed; default: all.")
     ] = None,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
     from stickslip.cli.models import cite
@@ -1050,7 +685,7 @@ data_commands = typer.Typer(
 
 
 @command(data_commands, "list", group="data")
-def data_list(as_json: Json = False, _quiet: Quiet = False) -> None:
+def data_list(as_json: Json = False) -> None:
     """List the records of the catalogue and where their files are."""
     from stickslip.cli.data import run_list
 
@@ -1058,7 +693,7 @@ def data_list(as_json: Json = False, _quiet: Quiet = False) -> None:
 
 
 @command(data_commands, "show", group="data")
-def data_show(name: Record, as_json: Json = False, _quiet: Quiet = False) -> None:
+def data_show(name: Record, as_json: Json = False) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
@@ -1072,7 +707,6 @@ def data_path(
         str | None, typer.Option("--file", help="One of its files; default: the first.")
     ] = None,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
     from stickslip.cli.data import run_path
@@ -1089,57 +723,21 @@ profile_commands = typer.Typer(
 
 @command(profile_commands, "optimise", group="profile")
 def profile_optimise(
+    *,
     rig: Annotated[Path, typer.Argument(help="Rig file (TOML) with a prescribed motion.")],
-    angle: Position,
-    rate: Rate,
-    torque: Effort = None,
-    load_share: LoadShare = "0 %",
-    back_slip: BackSlip = None,
-    goal: Goal = "travel",
-    kind: Kind = "spline",
-    law: Law = None,
-    law_load: LawLoad = None,
-    interval: Interval = None,
-    changes: Set = None,
-    knots: Knots = 12,
-    evaluations: Evaluations = 2000,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed.")] = 0,
-    resume: Resume = None,
-    count: Workers = None,
-    executor: ExecutorAt = None,
+    settings: ProfileOptions,
     output: Folder = Path("stickslip-profile"),
     force: Force = False,
     as_json: Json = False,
-    _quiet: Quiet = False,
 ) -> None:
     """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 
     Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
     search.
     """
-    from stickslip.cli.law_choice import LawAsked
-    from stickslip.cli.profile import Settings, run
+    from stickslip.cli.profile import run
 
-    settings = Settings(
-        limits={
-            "position": angle,
-            "rate": rate,
-            "effort": torque,
-            "load_share": load_share,
-            "back_slip": back_slip,
-        },
-        goal=goal,
-        kind=kind,
-        law=LawAsked(law=law, load=law_load),
-        interval=interval or [],
-        knots=knots,
-        evaluations=evaluations,
-        seed=seed,
-        resume=resume,
-        count=count,
-        executor=executor,
-    )
-    run(rig, changes or [], settings, output, force=force, as_json=as_json)
+    run(rig, settings, output, force=force, as_json=as_json)
 
 
 app.add_typer(data_commands, name="data")

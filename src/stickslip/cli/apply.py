@@ -1,12 +1,12 @@
 """``stickslip apply``."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cli.console import print_json, show_table, stdout
 from stickslip.cli.export import by_option, law_source, loads, stated
 from stickslip.cli.law_choice import check_named
+from stickslip.cli.options import ApplyOptions
 from stickslip.documents import document
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, Reading, Rig, load_rig, read_data
@@ -19,38 +19,10 @@ BESIDE = "law.toml"
 """What `select` and `fit` write beside a document about a law."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Wanted:
-    """What the options say of the laws and their joints."""
-
-    joints: tuple[str, ...]
-    """Joints, or contacts with their joints."""
-    law: str | None
-    """Which of the laws of the file."""
-    load: str | None
-    """Normal force at which joints have their friction."""
-    law_load: str | None
-    """Normal force at which levels that are forces were fitted."""
-    largest_speed: str | None
-    """End of the range of speeds."""
-    at: tuple[str, ...]
-    """Contact inputs with their values."""
-    to: str | None
-    """What reads the file."""
-    polynomial: bool
-    """Whether the damping changes with the speed."""
-    holds: bool
-    """Whether the level is that of break-away."""
-    run: bool
-    """Whether MuJoCo runs the joints."""
-    record: Path | None = None
-    """Data file or rig file of a record of the joints."""
-
-
 def run(
     path: Path,
     model: Path,
-    wanted: Wanted,
+    wanted: ApplyOptions,
     output: Path,
     *,
     allow_import: bool,
@@ -67,12 +39,12 @@ def run(
         found = apply(
             source,
             model,
-            joints=_paired(wanted.joints),
+            joints=_paired(wanted.joints or ()),
             law=wanted.law if isinstance(source, Rig) else None,
             load=load,
             largest_speed=wanted.largest_speed,
             law_load=law_load,
-            at=stated(wanted.at),
+            at=stated(wanted.at or ()),
             to=wanted.to,
             polynomial=wanted.polynomial,
             holds=wanted.holds,

@@ -10,7 +10,8 @@ from typing import Any, Final, cast
 import typer
 
 from stickslip.cli.console import note, print_json, show_table, stdout
-from stickslip.cli.law_choice import FILE, LawAsked, friction_of, friction_title, rig_and_friction
+from stickslip.cli.law_choice import FILE, friction_of, friction_title, rig_and_friction
+from stickslip.cli.options import LawOptions
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing, Interrupts
 from stickslip.documents import document, write_files
@@ -217,7 +218,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
         for law_name, law_text in laws.items():
             source = None if rig_text == "demo" else path.parent / rig_text
             law = str(path.parent / law_text) if FILE.fullmatch(law_text) else law_text
-            asked = LawAsked(law=law or None)
+            asked = LawOptions(law=law or None)
             rig, chosen = rig_and_friction(source, [], asked, allow_import=allow_import)
             friction = friction_of(chosen)
             labels = {"rig": rig_name} if len(rigs) > 1 else {}

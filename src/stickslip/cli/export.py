@@ -3,17 +3,16 @@
 import contextlib
 import tomllib
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import (
-    LawAsked,
     check_named,
     friction_of,
     friction_title,
     rig_and_friction,
 )
+from stickslip.cli.options import ExportOptions, LawOptions
 from stickslip.documents import document
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, Rig, load_rig, read_number
@@ -31,38 +30,10 @@ BESIDE = (".json", ".html", ".csv")
 """Of a report, none of which is a rig file."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Wanted:
-    """What the options say of the law and its use."""
-
-    law: str | None
-    """Which of the laws of the file."""
-    contact: str | None
-    """Whose law, where contacts have their own."""
-    name: str | None
-    """Name of the program."""
-    rig: Path | None
-    """Rig on which the law is used; of an FMU, the rig that it is of."""
-    load: str | None
-    """Normal force at which tables and joints have their friction."""
-    law_load: str | None
-    """Normal force at which levels that are forces were fitted."""
-    largest_speed: str | None
-    """End of the range of speeds."""
-    at: tuple[str, ...] = ()
-    """Contact inputs with their values, at which tables and joints have their friction."""
-    fmi: int = 3
-    """Version of the standard of an FMU."""
-    inputs: tuple[str, ...] = ()
-    """Drives that become inputs of an FMU."""
-    t_end: float | None = None
-    """End of the simulation of an FMU [s]; that of the rig if None."""
-
-
 def run(
     path: Path,
     to: str,
-    wanted: Wanted,
+    wanted: ExportOptions,
     output: Path,
     *,
     allow_import: bool,
@@ -97,7 +68,7 @@ def run(
             law_load=law_load,
             largest_speed=wanted.largest_speed,
             rig=rig,
-            at=stated(wanted.at),
+            at=stated(wanted.at or ()),
         )
     files = found.save(output, force=force)
     if as_json:
@@ -126,7 +97,7 @@ def law_source(path: Path, law: str | None, *, allow_import: bool) -> Rig | Fric
     return found
 
 
-def _refuse_foreign(to: str, wanted: Wanted) -> None:
+def _refuse_foreign(to: str, wanted: ExportOptions) -> None:
     """Refuse options that the target has no use for."""
     if to == FMU:
         named_alone: dict[str, object] = {
@@ -140,7 +111,7 @@ def _refuse_foreign(to: str, wanted: Wanted) -> None:
         named_alone = {
             "--input": wanted.inputs or None,
             "--t-end": wanted.t_end,
-            "--fmi": None if wanted.fmi == Wanted.fmi else wanted.fmi,
+            "--fmi": None if wanted.fmi == ExportOptions.fmi else wanted.fmi,
         }
         cure = "such options are of --to fmu."
     given = [option for option, value in named_alone.items() if value is not None]
@@ -149,7 +120,13 @@ def _refuse_foreign(to: str, wanted: Wanted) -> None:
 
 
 def _export_fmu(
-    path: Path, wanted: Wanted, output: Path, *, allow_import: bool, force: bool, as_json: bool
+    path: Path,
+    wanted: ExportOptions,
+    output: Path,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Export a rig with its law as an FMU: into a file, or into a folder."""
     of, law_named = path, wanted.law
@@ -158,7 +135,7 @@ def _export_fmu(
     name = wanted.name if wanted.name is not None else of.stem
     file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
     refuse_overwriting(output, file.parent, force=force)
-    asked = LawAsked(law=law_named, load=wanted.law_load)
+    asked = LawOptions(law=law_named, load=wanted.law_load)
     rig, chosen = rig_and_friction(of, (), asked, allow_import=allow_import)
     law = friction_of(chosen)
     export_fmu(
@@ -167,7 +144,7 @@ def _export_fmu(
         file,
         t_end=rig.t_end if wanted.t_end is None else wanted.t_end,
         y0=rig.start(law),
-        inputs=wanted.inputs,
+        inputs=tuple(wanted.inputs or ()),
         fmi=2 if wanted.fmi == 2 else 3,
         name=name,
         title=f"{rig.heading}: {friction_title(chosen)}",

@@ -2,29 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 
+from stickslip.cli.options import ReadingOptions
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Column, Reading, column_of, motor_constants, read_gain
 
 
-def reading_of(
-    *,
-    columns: Sequence[str] | None,
-    units: Sequence[str] | None,
-    gain: Sequence[str] | None,
-    repair: Sequence[str] | None,
-    conditions: Sequence[str] | None = None,
-    motor_constant: str | None = None,
-) -> Reading:
+def reading_of(asked: ReadingOptions) -> Reading:
     """Return what the options of that name say together."""
-    texts = [part.strip() for given in repair or () for part in given.split(",")]
-    names = [part.strip() for given in conditions or () for part in given.split(",")]
+    texts = [part.strip() for given in asked.repair or () for part in given.split(",")]
+    names = [part.strip() for given in asked.conditions or () for part in given.split(",")]
+    constant = asked.motor_constant
     return Reading(
-        columns=_columns(columns),
-        units=_pairs("--unit", "position=mm", units),
-        gain=_gains(_pairs("--gain", "force=35.15", gain)),
+        columns=_columns(asked.columns),
+        units=_pairs("--unit", "position=mm", asked.units),
+        gain=_gains(_pairs("--gain", "force=35.15", asked.gain)),
         repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
         conditions=tuple(names),
-        motor_constant={} if motor_constant is None else motor_constants(motor_constant),
+        motor_constant={} if constant is None else motor_constants(constant),
         by="options",
     )
 

@@ -1,13 +1,19 @@
-"""How commands are listed and what their help ends with."""
+"""How commands are listed, take their options, and what their help ends with."""
 
-from collections.abc import Callable
-from typing import Any, Final
+import functools
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, fields, is_dataclass
+from typing import Any, Final, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typing_extensions import override
 
+from stickslip.cli.options import Quiet
 from stickslip.errors import InputError
+
+KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
 CONTEXT: Final = {"help_option_names": ["-h", "--help"]}
 """Settings of all commands."""
@@ -110,4 +116,39 @@ def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], 
     heading = "Example:" if len(examples) == 1 else "Examples:"
     # \b keeps the lines as they are
     epilog = "\n".join(("\b", heading, *(f"  $ {line}" for line in examples)))
-    return app.command(name, cls=_Command, epilog=epilog, context_settings=dict(CONTEXT))
+    add = app.command(name, cls=_Command, epilog=epilog, context_settings=dict(CONTEXT))
+    return lambda function: add(_with_single_options(function))
+
+
+def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Return a command with an option for each field of its arguments that are dataclasses.
+
+    It has `--quiet` as well, which nobody else has to heed.
+    """
+    own = inspect.signature(function, eval_str=True).parameters.values()
+    groups: dict[str, Any] = {
+        one.name: one.annotation for one in own if is_dataclass(one.annotation)
+    }
+    single = [
+        parameter
+        for one in own
+        for parameter in (_options_of(groups[one.name]) if one.name in groups else [one])
+    ]
+    single.append(inspect.Parameter("_quiet", KEYWORD, default=False, annotation=Quiet))
+
+    @functools.wraps(function)
+    def called(*, _quiet: bool, **given: Any) -> None:
+        for name, kind in groups.items():
+            given[name] = kind(**{one.name: given.pop(one.name) for one in fields(kind)})
+        function(**given)
+
+    called.__signature__ = inspect.Signature([one.replace(kind=KEYWORD) for one in single])  # type: ignore[attr-defined]  # what typer reads
+    called.__annotations__ = {one.name: one.annotation for one in single}
+    return called
+
+
+def _options_of(kind: Any) -> Iterator[inspect.Parameter]:
+    hints = get_type_hints(kind, include_extras=True)
+    for one in fields(kind):
+        default = inspect.Parameter.empty if one.default is MISSING else one.default
+        yield inspect.Parameter(one.name, KEYWORD, default=default, annotation=hints[one.name])

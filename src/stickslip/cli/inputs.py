@@ -5,9 +5,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from stickslip.cli.console import note, plain, show_table, stdout
+from stickslip.cli.numbers import number_of
+from stickslip.cli.options import EstimationOptions, ParameterOptions
 from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import (
@@ -16,7 +18,6 @@ from stickslip.experiments import (
     Rig,
     condition_name,
     read_data,
-    read_number,
 )
 from stickslip.formatting import number, significant, unit_text, within
 from stickslip.friction import FrictionLaw, specification
@@ -25,7 +26,6 @@ from stickslip.identification import (
     AnyLaw,
     Estimate,
     RecordSettings,
-    RouteName,
     TrialComparison,
     covers,
     law_quantities,
@@ -44,6 +44,9 @@ from stickslip.selection import (
     Wording,
 )
 
+ALL_PARAMETERS: Final = ParameterOptions()
+"""Without a word of options."""
+USUAL: Final = EstimationOptions()
 Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
 """`measured` with what the options say."""
 
@@ -53,22 +56,19 @@ def measured(
     *,
     reading: Reading,
     data: Sequence[Path] = (),
-    validate: Path | None = None,
-    vary: Sequence[str] = (),
-    fixed: Sequence[str] = (),
+    parameters: ParameterOptions = ALL_PARAMETERS,
+    estimation: EstimationOptions = USUAL,
     purpose: PurposeName | None = None,
-    horizon: float | None = None,
-    route: RouteName | None = None,
-    settings: Mapping[str, Any] | None = None,
     given: bool,
     law: Callable[[AnyKind], Law] | None = None,
 ) -> tuple[AnyKind, Request, list[Path]]:
     """Return what fits such a measurement, what it is asked, and the data files of the options.
 
-    Options for files add to what the rig says of its own; None says nothing. `settings` are those
-    of `RecordSettings`, `given` is whether a rig file was, `law` the law of a kind.
+    Options for files add to what the rig says of its own; None says nothing. `given` is
+    whether a rig file was, `law` the law of a kind.
     """
-    said = {name: value for name, value in (settings or {}).items() if value is not None}
+    said, horizon, validate = estimation.settings, estimation.horizon, parameters.validate
+    route = estimation.route
     for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
@@ -96,7 +96,7 @@ def measured(
     kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
-    varied, held = _parameters(rig, vary, fixed, owner)
+    varied, held = _parameters(rig, parameters.vary or (), parameters.fixed or (), owner)
     numerics = RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
@@ -177,7 +177,7 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
             refuse_of_laws([name.strip()], known)
         path = full_path(name.strip(), known, "parameter in --fixed")
         try:
-            found[path] = read_number(_number(value.strip()), known[path])
+            found[path] = number_of(value.strip(), known[path])
         except ParameterError as error:
             raise ParameterError(f"--fixed {path} {error}") from None
     return found
@@ -194,14 +194,6 @@ def _law_quantities(law: Any) -> Mapping[str, Quantity]:
             specification(one).law if isinstance(one, str) else one
         ).items()
     }
-
-
-def _number(text: str) -> float | str:
-    """Return a number in SI as such, so that only one with a unit is read as a text."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import note, overrides, plain
+from stickslip.cli.options import LawOptions
 from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
 from stickslip.experiments import (
     LOAD,
@@ -42,16 +43,6 @@ FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 OTHER_FILES = (".json", ".html", ".csv")
 """Of a report, none of which is a rig file."""
 FRICTION = "friction."
-
-
-@dataclass(frozen=True, kw_only=True)
-class LawAsked:
-    """What the options say of the law."""
-
-    law: str | None
-    """A name, or a file that has the law."""
-    load: str | None = None
-    """Normal force at which the levels in the file are forces, with its unit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +124,7 @@ def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
 
 
 def rig_and_form(
-    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
+    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenForm]:
     """Return the rig and an equation as printed, with the values that the rig has for its law."""
     assert asked.law is not None
@@ -258,7 +249,7 @@ def names_by_contact(text: str) -> dict[str, str]:
 
 
 def rig_and_friction(
-    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
+    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: laws of its contacts, or one."""
     given = overrides(changes)
@@ -277,7 +268,7 @@ def rig_and_friction(
     return _rig_and_law(path, changes, asked, allow_import=allow_import)
 
 
-def _by_contact(rig: Rig, asked: LawAsked) -> Laws:
+def _by_contact(rig: Rig, asked: LawOptions) -> Laws:
     """Return the laws of a rig whose contacts have tables of their own."""
     text = asked.law
     if asked.load is not None:
@@ -302,7 +293,7 @@ def _check_all_used(given: Collection[str], laws: Laws) -> None:
 def _rig_and_law(
     path: Path | None,
     changes: Sequence[str],
-    asked: LawAsked,
+    asked: LawOptions,
     *,
     allow_import: bool,
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:

@@ -1,7 +1,8 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options of commands, and groups of them that are handed on together."""
 
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, final
 
 import typer
 
@@ -352,3 +353,343 @@ Resume = Annotated[
         help="Save the state of the search to this file, and resume from it if it exists.",
     ),
 ]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LawOptions:
+    """Which law, and the load that its levels refer to."""
+
+    law: Law = None
+    load: LawLoad = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ReadingOptions:
+    """How the files of a measurement are read."""
+
+    columns: Columns = None
+    units: Units = None
+    gain: Gain = None
+    repair: Repair = None
+    conditions: Conditions = None
+    motor_constant: MotorConstant = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ParameterOptions:
+    """What is fitted, and on what it is tried."""
+
+    validate: Validate = None
+    vary: Vary = None
+    fixed: Fixed = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EstimationOptions:
+    """How parameters are estimated."""
+
+    horizon: Horizon = None
+    route: Route = None
+    segment: Segment = None
+    hold: Hold = None
+    starts: Starts = None
+    seed: Seed = None
+    position_zeros: PositionZeros = None
+    friction_delay: FrictionDelay = None
+    friction_lag: FrictionLag = None
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What is said of the settings of estimates, by their fields."""
+        apart = ("horizon", "route")
+        given = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in apart}
+        return {name: value for name, value in given.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """What to run and how."""
+
+    t_end: EndTime = None
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Write the run to this CSV or Parquet file."),
+    ] = None
+    samples: Annotated[
+        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows of the run.")
+    ] = 1001
+    fixed_step: Annotated[
+        float | None,
+        typer.Option(
+            "--fixed-step",
+            help="Simulate with a fixed step of this size [s], as a block diagram does.",
+        ),
+    ] = None
+    method: Annotated[
+        str,
+        typer.Option(
+            "--method",
+            help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
+        ),
+    ] = "euler"
+    no_stick_rule: Annotated[
+        bool,
+        typer.Option(
+            "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
+        ),
+    ] = False
+    zero_velocity_band: Annotated[
+        float,
+        typer.Option(
+            "--zero-velocity-band",
+            metavar="SPEED",
+            help="With --fixed-step: hold the body where a step ends within this speed [m/s], as"
+            " Karnopp (1985) does.",
+        ),
+    ] = 0.0
+    program: Annotated[
+        str | None,
+        typer.Option(
+            "--as",
+            metavar="PROGRAM",
+            help="Simulate as another program does, and compare that with the exact run: mujoco,"
+            " mujoco-dcmotor, drake, simscape or karnopp, with settings such as"
+            " mujoco:timestep=0.001,impedance=0.99.",
+        ),
+    ] = None
+    ensemble: Annotated[
+        int | None,
+        typer.Option(
+            "--ensemble",
+            metavar="N",
+            min=2,
+            help="Also simulate N samples of the uncertain parameters: of the law, drawn from the"
+            " estimates in its file, and of the mechanism.",
+        ),
+    ] = None
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")] = 0
+    refit: Annotated[
+        bool,
+        typer.Option(
+            "--refit",
+            help="Also fit the law to what was measured on this rig, and compare the intervals.",
+        ),
+    ] = False
+    report_asked: Annotated[
+        bool,
+        typer.Option("--report", help="Write a report of the run to stickslip-run/index.html."),
+    ] = False
+    report_to: Annotated[
+        Path | None,
+        typer.Option(
+            "--report-to", metavar="FOLDER", help="Write the report to this folder instead."
+        ),
+    ] = None
+
+    @property
+    def report(self) -> Path | None:
+        """Folder of the report; none is written if None."""
+        given = self.report_to
+        return given if given is not None else Path("stickslip-run") if self.report_asked else None
+
+    @property
+    def exact(self) -> bool:
+        """Whether events are located, so that the run can be certified."""
+        return self.fixed_step is None and self.program is None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions:
+    """The law to export, and its use."""
+
+    law: LawOfFile = None
+    contact: Annotated[
+        str | None,
+        typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
+    ] = None
+    name: Annotated[
+        str | None,
+        typer.Option("--name", help="Name of the program. Default: that of the law."),
+    ] = None
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            "--rig",
+            metavar="FILE",
+            help="Rig file (TOML) on which the law is used: an fmu is of that rig with the law;"
+            " mjcf and urdf say what their simplified friction changes of its motion.",
+        ),
+    ] = None
+    load: Annotated[
+        str | None,
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help="Normal force for mjcf, urdf and csv. Default: that of the mechanism at rest.",
+        ),
+    ] = None
+    law_load: LawLoad = None
+    largest_speed: Annotated[
+        str | None,
+        typer.Option(
+            "--largest-speed",
+            metavar="SPEED",
+            help="End of the range of speeds for mjcf, urdf and csv. Default: that of the motion of"
+            " --rig, or of the fit.",
+        ),
+    ] = None
+    fmi: Annotated[
+        int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
+    ] = 3
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="INPUT=VALUE",
+            help="Contact input of the law at which tables and joints have their friction, such"
+            ' as "temperature=35 degC"; may be repeated.',
+        ),
+    ] = None
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="DRIVE",
+            help="Drive of the rig that becomes an input of the fmu (repeatable).",
+        ),
+    ] = None
+    t_end: EndTime = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ApplyOptions:
+    """The laws to apply, and their joints."""
+
+    joints: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--joint",
+            metavar="[CONTACT=]JOINT",
+            help="Joint that gets the law, or the law of a contact; may be repeated. Default:"
+            " joints with the names of the contacts, or the only joint.",
+        ),
+    ] = None
+    law: LawOfFile = None
+    load: Annotated[
+        str | None,
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help="Normal force at which joints have their friction. Default: that of the mechanism"
+            " at rest.",
+        ),
+    ] = None
+    law_load: LawLoad = None
+    largest_speed: Annotated[
+        str | None,
+        typer.Option(
+            "--largest-speed",
+            metavar="SPEED",
+            help="End of the range of speeds over which level and damping come closest to the law."
+            " Default: that of the fit.",
+        ),
+    ] = None
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="INPUT=VALUE",
+            help="Contact input of the law at which joints have their friction, such as"
+            ' "temperature=35 degC"; may be repeated.',
+        ),
+    ] = None
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="PROGRAM",
+            help="What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which"
+            " PhysX (Isaac Sim) and Newton read.",
+        ),
+    ] = None
+    polynomial: Annotated[
+        bool,
+        typer.Option(
+            "--polynomial",
+            help="Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later).",
+        ),
+    ] = False
+    holds: Annotated[
+        bool,
+        typer.Option(
+            "--holds",
+            help="Give joints the level of break-away, so that they hold what the law holds."
+            " Default: the level that comes closest to the law while sliding.",
+        ),
+    ] = False
+    run: Annotated[
+        bool,
+        typer.Option(
+            "--run/--no-run",
+            help="Run the joints in MuJoCo, if it is installed, and compare that with the laws.",
+        ),
+    ] = True
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            "--record",
+            metavar="FILE",
+            help="Record of the joints, positions and forces in time, on which the law, its"
+            " simplification and the file in MuJoCo are compared: a data file or log, or the rig"
+            " file (TOML) that says how it is read.",
+        ),
+    ] = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class AnimationOptions:
+    """What the animation looks like."""
+
+    fps: Annotated[float, typer.Option("--fps", help="Frames per second.")] = 25.0
+    speed: Annotated[
+        float, typer.Option("--speed", help="Playback speed; 1 is real time, 0.1 is slow motion.")
+    ] = 1.0
+    size: Annotated[
+        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="Size in CSS pixels.")
+    ] = "880x400"
+    dpi: Annotated[
+        float,
+        typer.Option("--dpi", help="Resolution in dots per inch; 72 is one pixel per CSS pixel."),
+    ] = 72.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ProfileOptions:
+    """What motion to look for and how."""
+
+    position: Position
+    rate: Rate
+    effort: Effort = None
+    load_share: LoadShare = "0 %"
+    back_slip: BackSlip = None
+    goal: Goal = "travel"
+    kind: Kind = "spline"
+    law: Law = None
+    load: LawLoad = None
+    interval: Interval = None
+    changes: Set = None
+    knots: Knots = 12
+    evaluations: Evaluations = 2000
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed.")] = 0
+    resume: Resume = None
+    count: Workers = None
+    executor: ExecutorAt = None

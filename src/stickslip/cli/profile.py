@@ -1,13 +1,13 @@
 """``stickslip profile optimise``."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from stickslip.cli.console import note, print_json, refuse_overwriting, show_table, stdout
-from stickslip.cli.law_choice import LawAsked, friction_content, friction_of, rig_and_friction
+from stickslip.cli.law_choice import friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
+from stickslip.cli.options import LawOptions, ProfileOptions
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Improving, Interrupts
 from stickslip.documents import document, json_text, write_folder
@@ -40,38 +40,9 @@ OPTIONS = {
 FILES = {"rig.toml", "profile.svg", "optimum.json"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """What to look for and how."""
-
-    limits: Mapping[str, str | None]
-    """Limits of the motion as text with a unit, by field of `Limits`; None where there is none."""
-    goal: str
-    """Name of the quantity to maximise."""
-    kind: str
-    """Name of the family of motions."""
-    law: LawAsked
-    """The friction law, and the load its levels refer to."""
-    interval: Sequence[str]
-    """Ranges of uncertain parameters, each as ``PATH=LOW..HIGH``."""
-    knots: int
-    """Number of knots of the motion."""
-    evaluations: int
-    """Number of runs that the search may use."""
-    seed: int
-    """Seed of the random numbers."""
-    resume: Path | None
-    """File with the state of an earlier search."""
-    count: int | None
-    """Number of processes that share the work."""
-    executor: str | None
-    """Address of a cluster that does it."""
-
-
 def run(
     path: Path,
-    changes: Sequence[str],
-    settings: Settings,
+    settings: ProfileOptions,
     output: Path,
     *,
     force: bool,
@@ -80,7 +51,8 @@ def run(
     """Search, write rig file, figure and numbers, print what was found."""
     if not as_json:
         refuse_overwriting(output, output, force=force, files=FILES)
-    rig, chosen = rig_and_friction(path, changes, settings.law)
+    asked = LawOptions(law=settings.law, load=settings.load)
+    rig, chosen = rig_and_friction(path, settings.changes or [], asked)
     found = _found(rig, friction_of(chosen), settings)
     head = {"rig": rig.heading, "digest": rig.digest}
     head |= friction_content(chosen, rig.mechanism)
@@ -95,11 +67,11 @@ def run(
         note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(rig: Rig, law: FrictionLaw | Laws, settings: Settings) -> Optimum:
+def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
     goal = named(GOALS, settings.goal, "goal")
-    limits = _limits(rig.mechanism, settings.limits)
-    interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval)
+    limits = _limits(rig.mechanism, settings)
+    interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval or ())
     with (
         Interrupts() as interrupts,
         Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
@@ -121,11 +93,11 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: Settings) -> Optimum:
         )
 
 
-def _limits(mechanism: Mechanism, given: Mapping[str, str | None]) -> Limits:
+def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:
     """Read the limits, each in its unit."""
     units, values = units_of_limits(mechanism), {}
     for name, quantity in fields_of(Limits).items():
-        text = given[name]
+        text: str | None = getattr(settings, name)
         if text is None:
             continue
         own = Quantity(

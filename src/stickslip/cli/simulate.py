@@ -24,7 +24,6 @@ from stickslip.cli.law_choice import (
     ChosenForm,
     ChosenLaw,
     ChosenLaws,
-    LawAsked,
     friction_content,
     friction_of,
     friction_title,
@@ -32,6 +31,7 @@ from stickslip.cli.law_choice import (
     rig_and_friction,
 )
 from stickslip.cli.numbers import number_of
+from stickslip.cli.options import LawOptions, RunOptions
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_file, write_folder
@@ -82,42 +82,6 @@ MOST_STATES = 12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
-    """What to run and how."""
-
-    law: LawAsked
-    """The friction law, and the load its levels refer to."""
-    t_end: float | None
-    """Last time [s]; that of the rig if None."""
-    samples: int
-    """Number of evenly spaced rows of the run's file."""
-    fixed_step: float | None
-    """Step of a fixed-step integrator [s]; events are located exactly if None."""
-    method: str
-    """Integrator of the fixed step: ``euler``, ``semi-implicit``, ``heun`` or ``rk4``."""
-    stick_rule: bool
-    """Whether fixed steps hold the body at rest by a rule."""
-    zero_velocity_band: float = 0.0
-    """Speed [m/s] within which fixed steps hold the body; none if 0."""
-    program: str | None = None
-    """Another program with its settings, as ``NAME:SETTING=VALUE,...``, that is run in its way."""
-
-    @property
-    def exact(self) -> bool:
-        """Whether events are located, so that the run can be certified."""
-        return self.fixed_step is None and self.program is None
-
-    ensemble: int | None = None
-    """Number of draws of uncertain parameters; none if None."""
-    refit: bool = False
-    """Whether the law is fitted to what was measured on the rig, too."""
-    seed: int = 0
-    """Seed of these draws."""
-    report: Path | None = None
-    """Folder of the report; none is written if None."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Ran:
     """What was run, and what came of it."""
 
@@ -142,8 +106,8 @@ class Ran:
 def run(
     path: Path | None,
     changes: Sequence[str],
-    settings: Settings,
-    output: Path | None,
+    law: LawOptions,
+    settings: RunOptions,
     *,
     allow_import: bool,
     force: bool,
@@ -151,6 +115,7 @@ def run(
     enforce: bool,
 ) -> None:
     """Simulate, write the run, show; then draw the page."""
+    output = settings.output
     if output is not None:
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
@@ -158,8 +123,8 @@ def run(
         page = settings.report / PAGE
         option = "--report-to FOLDER"
         refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
-    choose = rig_and_form if settings.law.law in PRINTED_FORMS else rig_and_friction
-    rig, chosen = choose(path, changes, settings.law, allow_import=allow_import)
+    choose = rig_and_form if law.law in PRINTED_FORMS else rig_and_friction
+    rig, chosen = choose(path, changes, law, allow_import=allow_import)
     if output is not None:
         refuse_inputs(output, rig.files)
     ran = _ran(rig, chosen, settings, enforce=enforce)
@@ -198,7 +163,7 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 
 def _ran(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings, *, enforce: bool
+    rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: RunOptions, *, enforce: bool
 ) -> Ran:
     """Make the run, in the way of what was chosen."""
     if settings.program is not None:
@@ -215,7 +180,7 @@ def _has_criteria(ran: Ran) -> bool:
     return has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
 
 
-def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
+def _ran_law(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Ran:
     """Make the run, the ensemble if one was asked for, and what was measured beside it."""
     _refuse_impossible(rig, chosen, settings)
     rig = _told(rig, chosen.law)
@@ -268,7 +233,7 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     return replace(rig, mechanism=with_inputs(rig.mechanism, record, times))
 
 
-def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings) -> Ran:
+def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: RunOptions) -> Ran:
     """Make the run as another program does."""
     from stickslip.exports import PROGRAMS, Program, twin
 
@@ -301,7 +266,7 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Set
     return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)
 
 
-def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
+def _ran_form(rig: Rig, chosen: ChosenForm, settings: RunOptions) -> Ran:
     """Make the run of an equation as printed, which only fixed steps do."""
     if settings.fixed_step is None:
         raise InputError(
@@ -324,7 +289,7 @@ def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
     return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=())
 
 
-def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings) -> None:
+def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions) -> None:
     if settings.ensemble is not None and settings.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
     if settings.refit and settings.fixed_step is not None:
@@ -340,7 +305,7 @@ def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Setti
         )
 
 
-def _validated(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Validation | None:
+def _validated(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Validation | None:
     """Return what was measured beside the prediction; None, with a note, if that cannot be."""
     if rig.measurement is None:
         return None
@@ -381,7 +346,7 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
 
 
 def _band(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings, run: Trajectory, *, t_end: float
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions, run: Trajectory, *, t_end: float
 ) -> Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
@@ -407,7 +372,7 @@ def _band(
 
 
 def _ran_by_contact(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings, *, enforce: bool
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions, *, enforce: bool
 ) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
     names = ", ".join(one.name for one in rig.mechanism.contacts())
@@ -479,7 +444,7 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
     return frame
 
 
-def _page(ran: Ran, settings: Settings) -> str:
+def _page(ran: Ran, settings: RunOptions) -> str:
     """Return the page of a run."""
     from stickslip.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
@@ -519,13 +484,13 @@ def _page(ran: Ran, settings: Settings) -> str:
     )
 
 
-def _solver(settings: Settings) -> Solver | None:
+def _solver(settings: RunOptions) -> Solver | None:
     if settings.fixed_step is None:
         return None
     return FixedStep(
         dt=settings.fixed_step,
         method=settings.method,  # type: ignore[arg-type]  # checked by FixedStep itself
-        stick_rule=settings.stick_rule,
+        stick_rule=not settings.no_stick_rule,
         zero_velocity_band=settings.zero_velocity_band,
     )
 
@@ -557,7 +522,7 @@ def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -
     return buffer.getvalue()
 
 
-def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
+def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
     run = ran.run
     ends = run.at(run.span)
     unchecked = () if settings.exact else EVENT_CHECKS
@@ -591,7 +556,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     return content
 
 
-def _show(ran: Ran, settings: Settings) -> None:
+def _show(ran: Ran, settings: RunOptions) -> None:
     console, run = stdout(), ran.run
     console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
     console.print(f", {friction_title(ran.chosen)} friction", markup=False)

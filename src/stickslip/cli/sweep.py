@@ -8,12 +8,12 @@ import numpy as np
 
 from stickslip.cli.console import print_json, refuse_inputs, refuse_overwriting, show_table, stdout
 from stickslip.cli.law_choice import (
-    LawAsked,
     friction_content,
     friction_of,
     friction_title,
     rig_and_friction,
 )
+from stickslip.cli.options import LawOptions
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
@@ -30,7 +30,7 @@ MOST_AXES = 2
 def run(
     path: Path | None,
     changes: Sequence[str],
-    asked: LawAsked,
+    asked: LawOptions,
     vary: Sequence[str],
     cycles: int,
     settle: int,

@@ -35,10 +35,9 @@ from stickslip.experiments.readers.time_stamps import Repair, repaired, repairs
 from stickslip.experiments.readers.unit_conversion import (
     Scaling,
     gains_of,
-    load_stated,
     with_motors,
 )
-from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.mechanisms import Mechanism, load_stated, motor_of
 from stickslip.quantities import Numbers
 from stickslip.units import shown
 

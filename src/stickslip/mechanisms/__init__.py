@@ -74,6 +74,7 @@ INSIDE = {
     "input_field": "told_inputs",
     "input_names": "told_inputs",
     "joint_places": "rigid_bodies",
+    "load_stated": "contacts",
     "motor_of": "electric_motor",
     "normal_of": "contacts",
     "of_contact": "told_inputs",

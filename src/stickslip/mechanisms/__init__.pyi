@@ -33,6 +33,7 @@ from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
 from stickslip.mechanisms.clutch_train import Rotor as _Rotor
 from stickslip.mechanisms.contacts import checked_contacts as checked_contacts
 from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
+from stickslip.mechanisms.contacts import load_stated as load_stated
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_among as slip_among

@@ -4,10 +4,13 @@ import math
 from collections.abc import Mapping
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import PREFIX, Contact, Mechanism
+from stickslip.quantities import vary
 
 MOST = 1000
 """Contacts for which equations are derived: the time grows with their square, to half a minute."""
+PRESSING = ("load", "mass", "gravity")
+"""Parameters of a mechanism that its load may come from."""
 
 
 def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
@@ -233,6 +236,29 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
             f"the weight of {type(mechanism).__name__} does not tell what {names} carry."
         )
     return found | dict(zip((one.name for one in carried), forces.tolist(), strict=True))
+
+
+def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
+    """Return the load that a mechanism states [N], or None where it has one only by default.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> load_stated(Axis(inertia=1.0, load=50.0), {}), load_stated(Axis(inertia=1.0), {})
+    (50.0, None)
+    """
+    if mechanism is None:
+        return None
+    fields = mechanism.__dataclass_fields__
+    pressing = {f"{PREFIX}.{name}" for name in PRESSING if name in fields}
+    own = {path: value for path, value in overrides.items() if path in pressing}
+    varied = vary(mechanism, PREFIX, own)
+    loads = [contact.load for contact in varied.contacts()]
+    if len(loads) != 1 or not isinstance(loads[0], int | float) or loads[0] <= 0.0:
+        return None
+    # A default of 1 N stands for levels that are forces, and is no load that anybody stated.
+    usual = "load" in fields and fields["load"].default == loads[0]
+    return None if usual and f"{PREFIX}.load" not in own else float(loads[0])
 
 
 def _factor(contact: Contact, name: str) -> float:

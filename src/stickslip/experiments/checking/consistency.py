@@ -9,9 +9,8 @@ from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import acceleration_of, smooth
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.readers.unit_conversion import load_stated
 from stickslip.formatting import number, percent, quantity
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, load_stated
 from stickslip.quantities import turned
 
 ALIKE: Final = 0.9

@@ -11,8 +11,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Array, quantity_called
 from stickslip.experiments.units import gain_factor, read_gain, read_number
 from stickslip.formatting import number
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, vary
+from stickslip.quantities import Quantity
 from stickslip.units import factor, is_of
 
 if TYPE_CHECKING:
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
 
 RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
-PRESSING: Final = ("load", "mass", "gravity")
-"""Parameters of a mechanism that its load may come from."""
 TWICE: Final = 0.01
 """Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
 
@@ -91,29 +88,6 @@ def with_motors(
             gains[force] = constant * factor_of * factor(unit, "A")
         units[force] = unit
     return replace(frame, names=names, units=units), gains
-
-
-def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
-    """Return the load that a mechanism states [N], or None where it has one only by default.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> load_stated(Axis(inertia=1.0, load=50.0), {}), load_stated(Axis(inertia=1.0), {})
-    (50.0, None)
-    """
-    if mechanism is None:
-        return None
-    fields = mechanism.__dataclass_fields__
-    pressing = {f"mechanism.{name}" for name in PRESSING if name in fields}
-    own = {path: value for path, value in overrides.items() if path in pressing}
-    varied = vary(mechanism, "mechanism", own)
-    loads = [contact.load for contact in varied.contacts()]
-    if len(loads) != 1 or not isinstance(loads[0], int | float) or loads[0] <= 0.0:
-        return None
-    # A default of 1 N stands for levels that are forces, and is no load that anybody stated.
-    usual = "load" in fields and fields["load"].default == loads[0]
-    return None if usual and "mechanism.load" not in own else float(loads[0])
 
 
 @dataclass(frozen=True, kw_only=True)
