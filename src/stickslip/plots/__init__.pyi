@@ -68,7 +68,10 @@ from stickslip.plots.laws.curves import plot_law as plot_law
 from stickslip.plots.laws.curves import plot_presliding as plot_presliding
 from stickslip.plots.laws.curves import presliding_sizes as presliding_sizes
 from stickslip.plots.laws.friction_map import MAP_SIZES as MAP_SIZES
+from stickslip.plots.laws.friction_map import MapSplit as MapSplit
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
+from stickslip.plots.laws.friction_map import draw_split_map as draw_split_map
+from stickslip.plots.laws.friction_map import split_sizes as split_sizes
 from stickslip.plots.laws.hysteresis import Loop as Loop
 from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
 from stickslip.plots.laws.hysteresis import loop_sizes as loop_sizes

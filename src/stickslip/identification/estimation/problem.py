@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol, Self, final
 
 import numpy as np
@@ -140,6 +141,8 @@ class FrictionSamples(NamedTuple):
     """Friction forces (n,) [N]."""
     load: Array
     """Normal forces (n,) [N]."""
+    beside: Mapping[str, Array] = MappingProxyType({})
+    """What else friction may depend on (n,), by the name of the contact input [SI]."""
 
 
 class RecordProblem(Problem):

@@ -177,9 +177,17 @@ class ForceMap(RecordProblem):
                 velocity=one.path.velocity,
                 friction=one.friction,
                 load=one.path.load,
+                beside=self._beside(one),
             )
             for one in self.stretches
         )
+
+    def _beside(self, one: MotionSegment) -> dict[str, Array]:
+        """Return the temperature, and the force through a gear where friction is a part of it."""
+        found = {name: x for name, x in one.path.inputs.items() if name == "temperature"}
+        if self.of_applied and one.applied is not None:
+            found["transmitted"] = np.abs(one.applied - one.friction)
+        return found
 
     @property
     @override

@@ -57,7 +57,16 @@ from stickslip.kinds.records.page.validation_record import (
 from stickslip.kinds.records.verdict import (
     RecordVerdict,
 )
-from stickslip.plots import inline_svg, joint_figure, joint_sizes
+from stickslip.plots import (
+    MapSplit,
+    draw_split_map,
+    inline_svg,
+    joint_figure,
+    joint_sizes,
+    map_points,
+    sampled,
+    split_sizes,
+)
 from stickslip.report import (
     Block,
     Column,
@@ -87,16 +96,8 @@ from stickslip.selection import (
 
 MOST: Final = 30
 """Combinations of laws in the table at most."""
-OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (
-    map_section,
-    scores_section,
-    second_section,
-    trials_section,
-    parameters_section,
-    residuals_section,
-    dropped_section,
-)
-"""Sections of the page of one contact that stand in the section of a joint."""
+LOADED: Final = 0.5
+"""Range of the force through the gear over the friction from which maps are split by it."""
 
 
 def joint_sections(
@@ -190,6 +191,51 @@ def joint_section(
         nav=joint_label(name),
         heading=plain(short_verdict(name, verdict)),
         blocks=tuple(_apart(block, number) for block in blocks),
+    )
+
+
+def split_section(verdict: RecordVerdict) -> Section | None:
+    """Return the friction map by thirds of load and temperature, None where neither varies."""
+    fit = verdict.closest.fit
+    points = map_points(fit) if fit else None
+    if fit is None or points is None:
+        return None
+    velocity, force = (fit.measurement.unit(name) for name in ("velocity", "force"))
+    friction = float(np.median(np.abs(points.friction)))
+    splits = []
+    for name, x in points.beside.items():
+        low, high = np.percentile(x, [5.0, 95.0])
+        if not high - low > (LOADED * friction if name == "transmitted" else 0.0):
+            continue
+        gear = name == "transmitted"
+        shown, unit = scale_of(x, force) if gear else (1.0, "°C")
+        what = "torque" if force == "N m" else "force"
+        label = f"by {what} through the gear" if gear else f"by {name}"
+        splits.append(MapSplit(label, shown * x, unit))
+    if not splits:
+        return None
+    svg = inline_svg(
+        draw_split_map(
+            points.velocity,
+            points.friction,
+            splits,
+            shown=sampled(len(points.velocity)),
+            units=(velocity, force),
+        ),
+        alt=f"Friction against velocity, {joined([one.label for one in splits])}",
+        prefix="split-figure",
+        **split_sizes(len(splits)),
+    )
+    caption = (
+        "**Friction map** in thirds of the record; lines are medians. What goes through the gear is"
+        " what the motion takes: weight, inertia and the other joints. Lines that lie apart are"
+        " friction that depends on it, or an error of the links, which looks alike."
+    )
+    return Section(
+        id="split",
+        nav="By load",
+        heading=f"Friction {joined([one.label for one in splits])}",
+        blocks=(Figure(svg=svg, caption=caption),),
     )
 
 
@@ -294,3 +340,16 @@ def _lines(verdict: JointVerdict, rig: str) -> str:
     """Return the lines of Python that make the selection again."""
     first = next(iter(verdict.joints.values()))
     return lines_of(verdict, [one.name for one in first.candidates], (), rig)
+
+
+OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (
+    map_section,
+    split_section,
+    scores_section,
+    second_section,
+    trials_section,
+    parameters_section,
+    residuals_section,
+    dropped_section,
+)
+"""Sections of the page of one contact that stand in the section of a joint."""

@@ -1,7 +1,8 @@
 """The numbers behind the figures: what was measured, and what the fits leave of it."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -44,6 +45,8 @@ class MapPoints(NamedTuple):
     """Whether friction was measured; if not, it is from inverse dynamics."""
     trend: Array
     """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
+    beside: Mapping[str, Array] = MappingProxyType({})
+    """What else friction may depend on (n,), by the name of the contact input [SI]."""
 
 
 class Rows(NamedTuple):
@@ -118,6 +121,11 @@ def map_points(fit: RecordFit) -> MapPoints | None:
                     for one in stretches
                 ]
             ),
+            beside={
+                name: np.concatenate([one.beside[name] for one in stretches])
+                for name in stretches[0].beside
+                if all(name in one.beside for one in stretches)
+            },
         )
     try:
         found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
