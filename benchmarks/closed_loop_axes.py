@@ -12,7 +12,8 @@ and Coulomb + viscous friction of a motor that drives half of the mass through b
 Right is the true law, or one whose friction along a fresh motion errs no more than that of the true
 law fitted to the same record (`SAME`); with backlash, that it is named, alone or in its group. A
 false certainty is a law that is recommended without a doubt, an equal or a finding beside it, and
-is not right; or a sound rig of which a fault is said.
+is not right; or a sound rig of which a fault is said. What is neither right nor falsely certain is
+counted where it is in doubt, or no law is named.
 """
 
 import argparse
@@ -407,6 +408,12 @@ def falsely_certain(row: Mapping[str, Any]) -> bool:
     return bool(row["named"]) and not right(row) and not hedged
 
 
+def unsure(row: Mapping[str, Any]) -> bool:
+    """Whether what is said is not right, but is said to be in doubt, or not said at all."""
+    hedged = not row["named"] or row["doubt"] or row["findings"] or row["equals"]
+    return bool(hedged) and not right(row) and not falsely_certain(row)
+
+
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the table: laws named, what was false, coverage by parameter."""
     done = [row for row in rows if "failed" not in row]
@@ -419,6 +426,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f" processor time {processor:.0f} s (median), {most:.0f} s at most",
         f"right or equal law (target {100 * RIGHT:.0f} %): {share([right(row) for row in done])}",
         f"true law named: {share([row['named'] == row['law'] for row in done])}",
+        f"not right, and no law named or in doubt: {sum(map(unsure, done))}",
         f"false certainties (target 0): {sum(map(falsely_certain, done))}",
         *(
             f"  axis {row['rig']}, {row['truth']}: {row['named'] or 'no law'}"

@@ -7,6 +7,7 @@ import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
 from stickslip import GMS, Axis, ElastoPlastic, LuGre, select
+from stickslip.kinds.records import explained
 from stickslip.kinds.records.explained import Explained, begun_from
 
 MAXWELL_SLIP = GMS(
@@ -15,6 +16,14 @@ MAXWELL_SLIP = GMS(
     stribeck_velocity=0.05,
     bristle_stiffness=5e4,
     attraction=1500.0,
+    viscous_coefficient=1.0,
+)
+BRISTLE = LuGre(
+    kinetic_coefficient=6.0,
+    static_coefficient=10.0,
+    stribeck_velocity=0.05,
+    bristle_stiffness=5e4,
+    bristle_damping=100.0,
     viscous_coefficient=1.0,
 )
 
@@ -55,17 +64,27 @@ def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
         assert Explained.errors_of(asked, "gms", MAXWELL_SLIP, left) == ()
 
 
+def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted(monkeypatch):
+    # an elasto-plastic axis: GMS left 1.3 times the noise, its own law would have left the noise
+    monkeypatch.setattr(explained, "noise_left", lambda _: 1.0)
+
+    def fitted(law, rms):
+        values = SimpleNamespace(values={"mechanism.inertia": 2.0})
+        simulates = SimpleNamespace(simulates=False)
+        return SimpleNamespace(law=law, rms=rms, problem=simulates, fitted_law=values)
+
+    asked = SimpleNamespace(asked=SimpleNamespace(explanation=None))
+    fits = [fitted(BRISTLE, 4.0), fitted(MAXWELL_SLIP, 1.3)]
+    spec, start = Explained.relative(asked, fits)
+    assert spec.name == "elasto-plastic"
+    assert start.values["mechanism.inertia"] == 2.0
+    assert Explained.relative(asked, [*fits, fitted(start.law, 1.0)]) is None
+    assert Explained.relative(asked, [fitted(BRISTLE, 1.0)]) is None
+
+
 def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():
-    lugre = LuGre(
-        kinetic_coefficient=6.0,
-        static_coefficient=10.0,
-        stribeck_velocity=0.05,
-        bristle_stiffness=5e4,
-        bristle_damping=100.0,
-        viscous_coefficient=1.0,
-    )
     for kind in (GMS, ElastoPlastic):
-        begun = begun_from(kind, lugre)
+        begun = begun_from(kind, BRISTLE)
         assert isinstance(begun, kind)
         for name in ("kinetic_coefficient", "static_coefficient", "bristle_stiffness"):
-            assert getattr(begun, name) == getattr(lugre, name)
+            assert getattr(begun, name) == getattr(BRISTLE, name)

@@ -37,6 +37,7 @@ INSIDE = {
     "path_units": "base",
     "reasons": "reducers",
     "run_ensemble": "ensembles",
+    "states_along": "compile.states_code",
     "status_of": "event_driven",
     "within_stops": "initial_states",
 }

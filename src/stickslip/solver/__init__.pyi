@@ -12,6 +12,7 @@ from stickslip.solver.compile.modules import object_files as object_files
 from stickslip.solver.compile.precompile import Progress as Progress
 from stickslip.solver.compile.precompile import WarmUp as WarmUp
 from stickslip.solver.compile.precompile import warm_up as warm_up
+from stickslip.solver.compile.states_code import states_along as states_along
 from stickslip.solver.drive_schedule import gather as gather
 from stickslip.solver.ensembles import as_numbers as as_numbers
 from stickslip.solver.ensembles import check_columns as check_columns

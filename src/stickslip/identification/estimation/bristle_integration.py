@@ -1,8 +1,9 @@
 """Bristle states along a measured motion, for many copies of a law at once.
 
-The motion is cut into chunks that are integrated side by side, so that one NumPy step serves all
-chunks and all copies. Each chunk begins where the one before ended: the states at the joints are
-found by Newton's method, so that what bristles remember passes through the whole record.
+Machine code takes one step after the other. For laws that have none, the motion is cut into chunks
+that are integrated side by side, so that one NumPy step serves all chunks and all copies. Each
+chunk begins where the one before ended: the states at the joints are found by Newton's method, so
+that what bristles remember passes through the whole record.
 """
 
 import math
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
+from stickslip.solver import states_along
 
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
@@ -71,20 +73,24 @@ class Path:
         """Return a law that sees the contact inputs of some samples (k, 1)."""
         return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
 
+    def steps(self) -> Array:
+        """Return durations, velocities, loads and inputs of the steps (3 + inputs, n - 1)."""
+        duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
+        means = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        return np.array([duration, self.travel / duration, *means])
+
     def chunks(self) -> tuple[Array, ...]:
         """Return durations, velocities, loads and inputs of the steps (steps, chunks, 1).
 
         A step costs much the same for one chunk and for a hundred, so that many short chunks are
         quick. The last one is filled up with steps of no duration.
         """
-        count = len(self.travel)
+        found = self.steps()
+        count = found.shape[1]
         steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
         chunks = -(-count // steps)
-        duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
-        padded = np.zeros((2 + len(beside), steps * chunks))
-        padded[0, :count] = duration
-        padded[1, :count] = self.travel / duration
-        padded[2:, :count] = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        padded = np.zeros((len(found), steps * chunks))
+        padded[:, :count] = found
         padded[2:, count:] = padded[2:, count - 1 : count]
         return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
@@ -113,7 +119,11 @@ def follow(
     1.0
     """
     inputs = {name: path.inputs[name] for name in law.inputs}
-    motion = replace(path, inputs=inputs).chunks()
+    path = replace(path, inputs=inputs)
+    known = None if _power(law) is not None else _stepwise(law, path, start)
+    if known is not None:
+        return known
+    motion = path.chunks()
     bristles, copies = start.shape
     steps, chunks = motion[0].shape[:2]
     starts = np.repeat(start[:, None, :], chunks, axis=1)
@@ -269,14 +279,10 @@ def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
 
     With the exponent 1 its rates are linear in the deflection, and a step is exact without.
     """
-    made = getattr(law, "made_of", None)
-    leaf = None if made is None else made.memory
-    if leaf is None or leaf.part.name != "dahl":
+    power = _power(law)
+    if power is None:
         return None
-    rates, names = _rates(law, v, n), leaf.names
-    power = getattr(law, names.get("yield_exponent", "yield_exponent"))
-    if np.all(power == 1.0):
-        return None
+    rates, names = _rates(law, v, n), law.made_of.memory.names
     probe = law.break_away(1.0) / getattr(law, names.get("bristle_stiffness", "bristle_stiffness"))
     probe = np.broadcast_to(probe, z.shape)
     moves = v != 0.0
@@ -292,6 +298,22 @@ def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
     kept = np.log1p(-np.minimum(spent, 1.0 - LEAST)) / np.where(plain, 1.0, bend)
     size = np.where(spent >= 1.0, 0.0, size * np.exp(np.where(plain, -worn, kept)))
     return np.where(moves, along * (1.0 - np.copysign(size, left)) / curve, z)
+
+
+def _power(law: Any) -> Array | None:
+    """Return the exponents with which a Dahl bristle yields, if any is not 1; None of others."""
+    made = getattr(law, "made_of", None)
+    leaf = None if made is None else made.memory
+    if leaf is None or leaf.part.name != "dahl":
+        return None
+    power = np.asarray(getattr(law, leaf.names.get("yield_exponent", "yield_exponent")))
+    return None if np.all(power == 1.0) else power
+
+
+def _stepwise(law: FrictionLaw, path: Path, start: Array) -> Array | None:
+    """Return bristle states along a path by machine code; None of a law that has none."""
+    found = states_along(law, path.steps().T, tuple(path.inputs), start)
+    return None if found is None else np.asarray(found)
 
 
 def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:

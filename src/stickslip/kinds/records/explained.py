@@ -115,16 +115,18 @@ class Explained:
     def relative(self, fits: Sequence[RecordFit]) -> tuple[CandidateSpec, FittedLaw] | None:
         """Return the next law that no structure is, begun from the closest law with a bristle.
 
-        None where that leaves no more than noise, or where motion is simulated: along the measured
-        one a fit of theirs takes seconds, and there minutes.
+        None where the closest structure leaves no more than noise, or where motion is simulated:
+        along the measured one a fit of theirs takes seconds, and there minutes. That one of them
+        leaves little does not tell that another one leaves more.
         """
         closest = min(fits, key=lambda one: one.rms, default=None)
         tried = {one.law.name for one in fits}
         name = next((one for one in RELATIVES if one not in tried), None)
         if closest is None or name is None or closest.problem.simulates or not closest.law.states:
             return None
-        several = len(closest.law.states) > 1 and closest.law.name not in RELATIVES
-        if not several and closest.rms <= WHITE * noise_left(self.asked.explanation):
+        composed = [one for one in fits if one.law.name not in RELATIVES]
+        left = min(composed, key=lambda one: one.rms, default=closest)
+        if len(left.law.states) < 2 and left.rms <= WHITE * noise_left(self.asked.explanation):
             return None
         spec = specification(name)
         assert isinstance(spec.law, type)

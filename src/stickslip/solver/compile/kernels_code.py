@@ -78,16 +78,16 @@ class KernelsCode(ObjectCode):
 
     @override
     def text(self) -> str:
-        functions = [_function(one) for one in _reached()]
-        called = [call_by_address(_signature(one), order) for one, order in CALLED.items()]
-        outside = [exported(name, _signature(getattr(entries, name))) for name in self.symbols]
+        functions = [function_of(one) for one in _reached()]
+        called = [call_by_address(signature_of(one), order) for one, order in CALLED.items()]
+        outside = [exported(name, signature_of(getattr(entries, name))) for name in self.symbols]
         return "\n".join([translated(functions), *called, *outside])
 
     def functions(self) -> SimpleNamespace:
         """Return the entries as Python functions of arrays, once they are ready."""
         return SimpleNamespace(
             **{
-                name: _callable(address, _signature(getattr(entries, name)))
+                name: as_function(address, signature_of(getattr(entries, name)))
                 for name, address in self.addresses.items()
             }
         )
@@ -136,7 +136,7 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
 
 
 @functools.cache
-def _signature(function: FunctionType) -> Signature:
+def signature_of(function: FunctionType) -> Signature:
     """Return how a kernel is called, from its annotations."""
     node = _definition(function)
     place = function.__module__.removeprefix(f"{kernels.__name__}.")
@@ -163,18 +163,20 @@ def _kind(node: ast.expr | None, function: FunctionType) -> str:
     )
 
 
-def _function(function: FunctionType) -> Function:
+def function_of(function: FunctionType) -> Function:
+    """Return a kernel as it is translated, with what the names in it stand for."""
+
     def meaning(name: str) -> Meaning | None:
         found = function.__globals__.get(name)
         if isinstance(found, FunctionType):
-            return _signature(found)
+            return signature_of(found)
         return found if isinstance(found, bool | int | float | tuple) else None
 
     title = f"{function.__module__}.{function.__name__}"
-    return Function(_definition(function), _signature(function), meaning, title)
+    return Function(_definition(function), signature_of(function), meaning, title)
 
 
-def _callable(address: int, signature: Signature) -> Callable[..., Any]:
+def as_function(address: int, signature: Signature) -> Callable[..., Any]:
     """Return machine code as a function of arrays and numbers, which are checked."""
     kinds = [kind for _, kind in signature.parameters]
     types: list[Any] = []
