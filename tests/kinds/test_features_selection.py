@@ -318,3 +318,10 @@ def test_bristles_of_a_stiffness_that_nobody_gave_leave_the_static_level_open():
     assert "lugre" in row["ties"]
     assert [one["path"] for one in row["intervals"]] == ["friction.kinetic_coefficient"]
     assert all(one["held"] for one in row["intervals"])
+
+
+def test_other_values_with_the_same_features_are_searched_for():
+    # Stribeck friction: its three numbers give these features at kinetic levels from 0.09 to 0.19
+    row = pulled_sliders.pulled(7902, 1)
+    assert row["named"] == row["truth"] == "stribeck"
+    assert all(one["held"] for one in row["intervals"])
