@@ -156,7 +156,7 @@ def pulled(seed: int, number: int) -> dict[str, Any]:
         )
     return _rated(
         row, best.name, ties, hedged=bool(best.doubt or best.dropped), error=error,
-        stated=best.score, intervals=[*_missed(best.fit.estimates, law)],
+        stated=best.score, intervals=[*_missed(() if best.dropped else best.fit.estimates, law)],
     ) | {"verdict": verdict.sentence, "seconds": seconds}  # fmt: skip
 
 
