@@ -27,6 +27,7 @@ from benchmarks import (
     force_maps,
     friction_tables,
     joints,
+    pulled_sliders,
     structures,
     travel_truth,
     whole_verdicts,
@@ -82,6 +83,11 @@ def _table(row: Row) -> Outcome:
     return Outcome(row["right"], row["false"])
 
 
+def _slider(row: Row) -> Outcome:
+    held = [one["held"] for one in row["intervals"]]
+    return Outcome(row["right"], row["false"], sum(held), len(held))
+
+
 def _axis(row: Row) -> Outcome:
     held = [one["covered"] for one in row["intervals"] if one["bounded"]]
     return Outcome(
@@ -126,6 +132,8 @@ STUDIES: Mapping[str, Study] = {
         judge=lambda seed, number: friction_tables.judged(number, seed, 0.02),
         outcome=_table,
     ),
+    "features": Study(count=20, judge=pulled_sliders.pulled, outcome=_slider),
+    "velocity steps": Study(count=20, judge=pulled_sliders.stepped, outcome=_slider),
     "axes": Study(
         count=40,
         judge=lambda seed, number: closed_loop_axes.judge(

@@ -43,7 +43,9 @@ Progress: TypeAlias = Callable[[int, int], object]
 ALIKE = 2e-3
 """Ends whose features differ by no more than this are equally good: features are read to that."""
 MASS = "mechanism.mass"
-LOCAL = 4
+AS_WELL = 7.8
+"""Chi-square of three features up to which an end explains the observed ones: 95 %."""
+LOCAL = 12
 """Points of the global search from which the search goes on locally."""
 
 
@@ -366,7 +368,12 @@ def _searched(
             " and speed of the block."
         )
     best = min(ends, key=lambda end: end.cost)
-    alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
+    inverse = np.linalg.inv(problem.observed.covariance)
+    alike = [
+        end.values
+        for end in ends
+        if end.cost <= best.cost + ALIKE**2 or end.residual @ inverse @ end.residual <= AS_WELL
+    ]
     runs = len(places) + counter.count * (1 + len(problem.free_parameters))
     best.memory = np.array(alike)
     return _End(best, runs, cancelled)

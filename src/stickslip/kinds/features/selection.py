@@ -1,7 +1,7 @@
 """Selection by features of stick-slip: every law fitted to one half, judged on the other."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -12,7 +12,7 @@ from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import joined, ratio, signed_percent
 from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Stribeck
-from stickslip.identification import LAW, FittedLaw, Parameters, RecordSettings
+from stickslip.identification import LAW, Estimate, FittedLaw, Parameters, RecordSettings
 from stickslip.kinds.features.features import (
     COMPARED,
     STEADY,
@@ -100,6 +100,8 @@ def select_features(
     tried = fitted_side_by_side(looked, chosen, progress, executor)
     judged = sorted((_judged(one, validate) for one in tried), key=lambda one: one.score)
     best = _best(judged)
+    ties = [one for one in judged if one is not best and _tied(one, best)]
+    best = _reaching(best, ties, {one.name for one in chosen if isinstance(one.law, type)})
     control = None
     if parameters.unknown:
         own = next(one for one in chosen if one.name == best.name)
@@ -141,7 +143,7 @@ def _verdict(
         candidates=tuple(ordered),
         best=best,
         control=control,
-        ranked=len(others) > 0 and not any(as_good(c.fit, best.fit) for c in rivals if c.fit),
+        ranked=len(others) > 0 and not any(_tied(one, best) for one in rivals),
         features=features,
         checks=checks,
         room=room_of(best.fit),
@@ -221,6 +223,53 @@ def _best(judged: Sequence[FeatureCandidate]) -> FeatureCandidate:
     assert least.fit is not None
     near = [one for one in held if one.fit and as_good(one.fit, least.fit)]
     return min(near, key=lambda one: (bool(one.doubt), one.parameters, one.score))
+
+
+def _tied(one: FeatureCandidate, best: FeatureCandidate) -> bool:
+    """Whether the features do not tell a law from the one that is named."""
+    assert best.fit is not None
+    return one.fit is not None and not one.dropped and as_good(one.fit, best.fit)
+
+
+def _reaching(
+    best: FeatureCandidate, ties: Sequence[FeatureCandidate], usual: Collection[str]
+) -> FeatureCandidate:
+    """Return the law that is named with intervals that hold those of all that are not told from it.
+
+    Three features determine three numbers: which ones, only the law says. What one of these laws
+    leaves open has no interval: bristles of a stiffness that nobody gave leave the static level and
+    the speed up to which it acts open. `usual` names the laws whose values nobody gave.
+    """
+    assert best.fit is not None
+    fits = [one.fit for one in ties if one.fit is not None]
+    if not fits or best.dropped:
+        return best
+    found = []
+    for one in best.fit.estimates:
+        same = [other for fit in fits for other in fit.estimates if other.path == one.path]
+        open_ = [
+            c.title
+            for c in ties
+            if c.fit
+            and any(
+                e.path == one.path and not (e.bounded and _told(e, c, usual))
+                for e in c.fit.estimates
+            )
+        ]
+        if open_ and one.bounded:
+            said = f"{joined(open_)} friction, which has the same features, leaves it open"
+            found.append(replace(one, low=-math.inf, high=math.inf, reason=said))
+        else:
+            low, high = (min(e.low for e in [one, *same]), max(e.high for e in [one, *same]))
+            found.append(replace(one, low=low, high=high))
+    fit = replace(best.fit, estimates=tuple(found))
+    return replace(best, fit=fit, alone=best.fit.estimates)
+
+
+def _told(one: Estimate, candidate: FeatureCandidate, usual: Collection[str]) -> bool:
+    """Whether an estimate of a law does not rest on bristles of which nobody gave the stiffness."""
+    guessed = candidate.name in usual and candidate.law is not None and candidate.law.states
+    return not guessed or (one.quantity.at_least is None and one.quantity.scale != "speed")
 
 
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0)

@@ -11,6 +11,7 @@ from stickslip.described import Described
 from stickslip.experiments import Checks
 from stickslip.formatting import EstimateText, Scale, percent, signed_percent
 from stickslip.friction import FrictionLaw
+from stickslip.identification import Estimate
 from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.features.features import COMPARED, FEATURES, StickSlipFeatures
 from stickslip.kinds.features.result import FeatureFit
@@ -45,6 +46,9 @@ class FeatureCandidate(Candidate[FeatureFit]):
 
     score_error: float = math.nan
     """Standard error of the score."""
+    alone: tuple[Estimate, ...] = ()
+    """Estimates that hold if this law does, where those of `fit` hold whichever law does of those
+    that the features do not tell from it; empty for other candidates."""
     second: Mapping[str, float] = field(default_factory=dict)
     """Relative errors on the record given to validate, if there is one."""
 
@@ -82,6 +86,7 @@ class FeatureCandidate(Candidate[FeatureFit]):
             "doubt": plain(self.doubt),
             "outcome": plain(self.outcome),
             "fit": self.fit.to_dict() if self.fit else None,
+            "alone": [estimate.to_dict() for estimate in self.alone],
         }
 
 

@@ -90,7 +90,7 @@ def feature_wording(
     return Wording(
         verdict=_verdict(ordered, fit, equal),
         lede=_lede(ordered, fit, control),
-        settles=_settles(fit) if not best.dropped else _seen(features),
+        settles=_settles(best) if not best.dropped else _seen(features),
         cannot_tell=_cannot_tell(fit, equal, features),
         measure_next=_measure_next([best, *equal], features, checks, speeds),
         no_score=_no_score(ordered, equal),
@@ -108,7 +108,8 @@ def _verdict(
         return f"No candidate reproduces the features of this record; {said}."
     mass = next((one for one in fit.estimates if one.path == MASS and one.bounded), None)
     if mass is not None:
-        name += f" with an effective mass of {mass.plus_minus}"
+        known = with_unit(mass.range, mass.quantity.unit) if best.alone else mass.plus_minus
+        name += f" with an effective mass of {known}"
     if best.doubt:
         return to_predict(name, best.doubt)
     if equal:
@@ -147,10 +148,28 @@ def _lede(
     return text
 
 
-def _settles(fit: FeatureFit) -> tuple[str, ...]:
-    known = [one for one in fit.estimates if one.bounded]
-    known.sort(key=lambda one: (one.high - one.low) / max(abs(one.value), 1e-300))
-    return tuple(f"${one.quantity.symbol}$ = {one.plus_minus}." for one in known[:MOST])
+def _settles(best: FeatureCandidate) -> tuple[str, ...]:
+    assert best.fit is not None
+    pairs = [*zip(best.alone or best.fit.estimates, best.fit.estimates, strict=True)]
+    known = [(one, whole) for one, whole in pairs if one.bounded]
+    known.sort(key=lambda pair: (pair[0].high - pair[0].low) / max(abs(pair[0].value), 1e-300))
+    lines = []
+    for one, whole in known[:MOST]:
+        symbol = f"${one.quantity.symbol}$"
+        if not best.alone:
+            lines.append(f"{symbol} = {one.plus_minus}.")
+        elif whole.bounded:
+            between = with_unit(whole.range.replace(" to ", " and "), one.quantity.unit)
+            lines.append(
+                f"{symbol} lies between {between}, whichever of these laws holds;"
+                f" {one.plus_minus} if {in_sentence(best.title)} friction does."
+            )
+        else:
+            lines.append(
+                f"{symbol} = {one.plus_minus} if {in_sentence(best.title)} friction holds;"
+                f" {whole.reason}."
+            )
+    return tuple(lines)
 
 
 def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
