@@ -12,7 +12,7 @@ from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import rig_toml
-from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, VelocityLoop
+from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, SampledLoop, VelocityLoop
 from stickslip.plots.animation.animation_frame import moments_of
 
 MOTOR = DCMotor(
@@ -207,7 +207,11 @@ def test_a_rig_file_has_a_motor_with_unknown_and_uncertain_parameters(tmp_path):
     ("old", "new", "said"),
     [
         ('"3 ohm"', '"3 V"', r"mechanism\.drive\.resistance.*ohm"),
-        ('"position"', '"torque"', r"mechanism\.drive\.loop\.type.*position, velocity"),
+        (
+            '"position"',
+            '"torque"',
+            r"mechanism\.drive\.loop\.type.*position, sampled-position, velocity",
+        ),
         ('"dc-motor"', '"dc-moter"', r"mechanism\.drive\.type.*Did you mean 'dc-motor'"),
         ("gear_ratio", "gear_ration", r"\[mechanism\.drive\].*Did you mean 'gear_ratio'"),
         ('torque_constant = "20 +- 1 mN m/A"', "", r"mechanism\.drive\.torque_constant.*missing"),
@@ -219,6 +223,22 @@ def test_a_rig_file_says_what_is_wrong_with_a_motor(tmp_path, old, new, said):
     file.write_text(FILE.replace(old, new))
     with pytest.raises(InputError, match=said):
         load_rig(file)
+
+
+def test_a_rig_file_has_the_loop_of_firmware(tmp_path):
+    file = tmp_path / "servo.toml"
+    loop = """type = "sampled-position", gain = "40 V/rad", integral_gain = "3 V/rad/s",
+    period = "4 ms", delay = "2 ms", duty_limit = 0.8, step = "8 mV" """
+    old = next(line for line in FILE.splitlines() if line.startswith("loop"))
+    text = FILE.replace(old, f"loop = {{ {' '.join(loop.split())} }}")
+    file.write_text(text)
+    rig = load_rig(file)
+    assert rig.mechanism.drive.loop == SampledLoop(
+        gain=40.0, integral_gain=3.0, period=4e-3, delay=2e-3, duty_limit=0.8, step=8e-3
+    )
+    again = tmp_path / "again.toml"
+    again.write_text(rig_toml(rig.mechanism, LAW))
+    assert load_rig(again).mechanism == rig.mechanism
 
 
 def test_a_motor_stands_alone_in_a_list_of_drives(tmp_path):

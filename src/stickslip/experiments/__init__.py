@@ -37,6 +37,7 @@ INSIDE = {
     "HARD": "estimates",
     "LOAD": "estimates",
     "Levels": "estimates",
+    "LoopSamples": "recorded_drive",
     "MainsLine": "checking.mains",
     "Reading": "readers.reader_options",
     "all_paths": "parameter_paths",
@@ -60,6 +61,7 @@ INSIDE = {
     "levels_at": "estimates",
     "lines_of": "checking.mains",
     "log_files": "readers.formats",
+    "loop_samples": "recorded_drive",
     "motion_of": "checking.motion",
     "motor_constants": "readers.reader_options",
     "noise_of": "differentiation",
@@ -87,6 +89,7 @@ INSIDE = {
     "whole_cycles": "travels",
     "with_doubts": "preconditions",
     "with_files": "hashing",
+    "with_voltage": "recorded_drive",
     "without_row": "slicing",
     "words_of": "checking.mains",
 }

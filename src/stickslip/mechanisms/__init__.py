@@ -42,6 +42,7 @@ HOMES = {
     "RobotDescription": "urdf",
     "RobotJoint": "robot",
     "Rotor": "clutch_train",
+    "SampledLoop": "electric_motor",
     "Stop": "base",
     "Torque": "actuators",
     "VelocityLoop": "electric_motor",
@@ -59,6 +60,7 @@ HOMES = {
 INSIDE = {
     "LINKS": "base",
     "LinearOrRotary": "base",
+    "LoopMemory": "electric_motor",
     "Mechanism": "base",
     "WHOLE": "drive_period",
     "as_rotary": "base",
@@ -77,6 +79,7 @@ INSIDE = {
     "normal_of": "contacts",
     "of_contact": "told_inputs",
     "only_contact": "contacts",
+    "refuse_sampling": "electric_motor",
     "repeats": "drive_period",
     "slip_among": "contacts",
     "slip_of": "contacts",
@@ -85,6 +88,7 @@ INSIDE = {
     "stops_of": "base",
     "told_fields": "told_inputs",
     "urdf_joints": "urdf",
+    "within_limit": "electric_motor",
     "without_given": "told_inputs",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -46,12 +46,16 @@ from stickslip.mechanisms.drive_period import repeats as repeats
 from stickslip.mechanisms.electric_motor import CurrentLoop as CurrentLoop
 from stickslip.mechanisms.electric_motor import DCMotor as _DCMotor
 from stickslip.mechanisms.electric_motor import LOOPS as LOOPS
+from stickslip.mechanisms.electric_motor import LoopMemory as LoopMemory
 from stickslip.mechanisms.electric_motor import MotorLoop as MotorLoop
 from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
 from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
+from stickslip.mechanisms.electric_motor import SampledLoop as _SampledLoop
 from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
 from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
+from stickslip.mechanisms.electric_motor import refuse_sampling as refuse_sampling
+from stickslip.mechanisms.electric_motor import within_limit as within_limit
 from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
@@ -319,6 +323,22 @@ class Rotor(_Rotor):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class SampledLoop(_SampledLoop):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        gain: _Given,
+        integral_gain: _Given = ...,
+        rate_gain: _Given = ...,
+        period: _Given,
+        delay: _Given = ...,
+        duty_limit: _Given = ...,
+        step: _Given | None = ...,
+        encoder_step: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
     links: tuple[Link, ...]
     def __init__(
@@ -462,6 +482,7 @@ __all__ = [
     "RobotDescription",
     "RobotJoint",
     "Rotor",
+    "SampledLoop",
     "SerialArm",
     "SpringBlock",
     "Stop",

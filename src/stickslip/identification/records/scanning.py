@@ -1,4 +1,4 @@
-"""Values that are tried one by one before a search: no regression tells them, or no slope leads there.
+"""Values that are tried one by one before a search, as no regression tells them.
 
 Without a force there is nothing for a regression to start from, but the drive is known, and a run
 takes milliseconds.
