@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Axis, BamM1, BamM4, CoulombViscous, Pendulum, load_rig, simulate
+from stickslip import Axis, BamM1, BamM4, CoulombViscous, Pendulum, TwoMassAxis, load_rig, simulate
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
@@ -223,6 +223,33 @@ def test_a_rig_file_says_what_is_wrong_with_a_motor(tmp_path, old, new, said):
     file.write_text(FILE.replace(old, new))
     with pytest.raises(InputError, match=said):
         load_rig(file)
+
+
+@pytest.mark.parametrize("rubs", ["load", "motor"])
+def test_a_motor_drives_its_side_of_a_shaft_that_gives(rubs):
+    rig = TwoMassAxis(
+        motor_inertia=INERTIA,
+        load_inertia=0.01,
+        stiffness=50.0,
+        damping=0.05,
+        rubs=rubs,
+        rotary=True,
+        drive=replace(MOTOR, drive=constant(6.0)),
+    )
+    law = CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.01)
+    run = simulate(rig, law, t_end=20.0)
+    # both turn at the speed of the rigid axis, after forty of its time constants of 0.2 s at least
+    wanted = (20.0 * 0.02 * 6.0 / 3.0 - 0.05) / (0.01 + 400.0 * 0.02 * 0.021 / 3.0)
+    last = run.at(20.0)
+    np.testing.assert_allclose([last["v"], last["other_dot"]], wanted, rtol=1e-9)
+    # a shaft at rest holds nothing of the motor, whose rotor takes most of the torque
+    motor = "v" if rubs == "motor" else "other_dot"
+    start = simulate(rig, law, t_end=1e-5).at(1e-5)[motor]
+    torque = 20.0 * 0.02 * 6.0 / 3.0 - (0.05 if rubs == "motor" else 0.0)
+    # back-EMF and damper take off 1e-4 of it by then
+    assert start == pytest.approx(1e-5 * torque / (INERTIA + 400.0 * 5e-6), rel=1e-3)
+    (moment,) = moments_of(run, rig, np.array([20.0]))
+    assert moment["drive"] == pytest.approx(0.05 + 0.01 * wanted, rel=1e-9)
 
 
 def test_a_rig_file_has_the_loop_of_firmware(tmp_path):

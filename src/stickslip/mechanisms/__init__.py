@@ -68,6 +68,7 @@ INSIDE = {
     "coordinate_of": "robot",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "driven_by_motor": "electric_motor",
     "driving_inertia": "electric_motor",
     "given_names": "told_inputs",
     "has_macros": "urdf",

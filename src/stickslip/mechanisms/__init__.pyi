@@ -52,6 +52,7 @@ from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
 from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
 from stickslip.mechanisms.electric_motor import SampledLoop as _SampledLoop
 from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
+from stickslip.mechanisms.electric_motor import driven_by_motor as driven_by_motor
 from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
 from stickslip.mechanisms.electric_motor import refuse_sampling as refuse_sampling
@@ -430,6 +431,7 @@ class TwoLinkArm(_TwoLinkArm):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
+    drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
@@ -438,7 +440,7 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
         load_inertia: _Given,
         stiffness: _Given,
         damping: _Given = ...,
-        drive: _Drive | None = ...,
+        drive: _Drive | _DCMotor | None = ...,
         rubs: _Literal['load', 'motor', 'both'] = ...,
         load: _Given = ...,
         offset: _Given = ...,

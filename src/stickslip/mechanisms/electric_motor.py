@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, TypeAlias, final
+from typing import Annotated, Any, ClassVar, TypeAlias, final
 
 from typing_extensions import override
 
@@ -402,6 +402,11 @@ def motor_of(mechanism: object) -> DCMotor | None:
     """
     driver = getattr(mechanism, "drive", None)
     return driver if isinstance(driver, DCMotor) else None
+
+
+def driven_by_motor(mechanism: Any) -> str:
+    """Return the coordinate that a motor drives."""
+    return str(getattr(mechanism, "motor_side", mechanism.coordinates[0]))
 
 
 def refuse_sampling(mechanism: object) -> None:
