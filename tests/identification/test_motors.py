@@ -16,9 +16,13 @@ from stickslip import (
     load_rig,
     simulate,
 )
+from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
-from stickslip.mechanisms import DCMotor, PositionLoop
+from stickslip.experiments import loop_samples, with_voltage
+from stickslip.identification.shooting.sampled_loops import LoopInSegment, run_through
+from stickslip.mechanisms import DCMotor, PositionLoop, SampledLoop
+from stickslip.solver import EventDriven
 
 GAIN, SUPPLY = 25.0, 7.4
 M1 = BamM1(kinetic_coefficient=0.05, viscous_coefficient=0.02)
@@ -221,3 +225,99 @@ gain = { voltage = 0.01 }
     np.testing.assert_allclose(record.values("voltage"), np.arange(5.0), rtol=1e-12)
     with pytest.raises(InputError, match=r"voltage is not a quantity.*force with a gain"):
         load_measurement(tmp_path / "log.csv", columns={"voltage": "pwm"})
+
+
+LOOP = SampledLoop(
+    gain=25.0,
+    integral_gain=40.0,
+    rate_gain=0.3,
+    period=5e-3,
+    delay=2e-3,
+    duty_limit=0.9,
+    step=SUPPLY / 885,
+    encoder_step=2.0 * np.pi / 4096,
+)
+FIRMWARE = replace(SERVO, drive=replace(TRUE, loop=LOOP))
+
+
+def goal_at(t):
+    return 0.9 * np.sin(2.0 * np.pi * 0.45 * t) + 0.5 * np.sin(2.0 * np.pi * 1.3 * t + 1.0)
+
+
+@pytest.fixture(scope="module")
+def sampled():
+    """Return a run of the firmware's loop by a controller, and its record without a voltage."""
+    pid = PID(
+        proportional=25.0,
+        integral=40.0,
+        derivative=0.3,
+        reference=goal_at,
+        state="theta",
+        rate=None,
+        limit=0.9 * SUPPLY,
+    )
+    run = closed_loop(
+        replace(SERVO, drive=replace(TRUE, loop=None)),
+        M3,
+        pid,
+        period=5e-3,
+        delay=2e-3,
+        t_end=1.5,
+        limit=0.9 * SUPPLY,
+        step=SUPPLY / 885,
+        quantisation={"theta": 2.0 * np.pi / 4096},
+        y0={"theta": 0.3},
+    )
+    seen = run.measured["theta"]
+    record = Measurement(time=run.t, position=seen, reference=goal_at(run.t), turning=True)
+    return run, record
+
+
+def test_the_voltage_of_a_loop_follows_from_the_recorded_goal_and_position(sampled):
+    run, record = sampled
+    assert np.abs(run.commands).max() == pytest.approx(0.9 * SUPPLY, rel=1e-3)
+    told = with_voltage(FIRMWARE, record, "zero").values("voltage")
+    # at a sample the command of the one before acts still, 2 ms long
+    np.testing.assert_allclose(told, [0.0, *run.commands[:-1]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.4])
+def test_a_run_through_a_sampled_loop_is_that_of_the_controller(sampled, cut):
+    run, record = sampled
+    segment = LoopInSegment(samples=loop_samples(FIRMWARE, record, "zero"), start=cut)
+    start = run.run.at(cut)
+    again, _ = run_through(
+        EventDriven(),
+        FIRMWARE,
+        M3,
+        segment,
+        y0=[start["theta"].item(), start["omega"].item()],
+        t_end=1.0,
+    )
+    times = np.linspace(0.0, 1.0, 101)
+    # the same commands to the bit; states at the cut come from a step's polynomial
+    wanted = run.run.at(cut + times)["theta"]
+    np.testing.assert_allclose(again.at(times)[:, 0], wanted, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_goal_is_fitted_through_a_sampled_loop(sampled):
+    _, record = sampled
+    guess = replace(FIRMWARE, drive=replace(FIRMWARE.drive, torque_constant=0.3))
+    found = fit(
+        guess,
+        BamM3,
+        record,
+        vary=["friction.*", K],
+        route="shooting",
+        settings=RecordSettings(hold="zero", starts=1, segment=0.5),
+    )
+    # rounding of the encoder, and nothing else
+    assert found.rms < 1.2 * 2.0 * np.pi / 4096 / 12.0**0.5
+    one = by(found)[K]
+    assert one.value == pytest.approx(0.35, abs=2.0 * (one.high - one.low))
+
+
+def test_equations_of_a_loop_that_samples_are_refused():
+    with pytest.raises(InputError, match=r"no equations between its samples.*closed_loop"):
+        simulate(FIRMWARE, M3, t_end=0.1)

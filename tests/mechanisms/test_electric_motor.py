@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Axis, BamM1, BamM4, CoulombViscous, Pendulum, load_rig, simulate
+from stickslip import Axis, BamM1, BamM4, CoulombViscous, Pendulum, TwoMassAxis, load_rig, simulate
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import rig_toml
-from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, VelocityLoop
+from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, SampledLoop, VelocityLoop
 from stickslip.plots.animation.animation_frame import moments_of
 
 MOTOR = DCMotor(
@@ -207,7 +207,11 @@ def test_a_rig_file_has_a_motor_with_unknown_and_uncertain_parameters(tmp_path):
     ("old", "new", "said"),
     [
         ('"3 ohm"', '"3 V"', r"mechanism\.drive\.resistance.*ohm"),
-        ('"position"', '"torque"', r"mechanism\.drive\.loop\.type.*position, velocity"),
+        (
+            '"position"',
+            '"torque"',
+            r"mechanism\.drive\.loop\.type.*position, sampled-position, velocity",
+        ),
         ('"dc-motor"', '"dc-moter"', r"mechanism\.drive\.type.*Did you mean 'dc-motor'"),
         ("gear_ratio", "gear_ration", r"\[mechanism\.drive\].*Did you mean 'gear_ratio'"),
         ('torque_constant = "20 +- 1 mN m/A"', "", r"mechanism\.drive\.torque_constant.*missing"),
@@ -219,6 +223,49 @@ def test_a_rig_file_says_what_is_wrong_with_a_motor(tmp_path, old, new, said):
     file.write_text(FILE.replace(old, new))
     with pytest.raises(InputError, match=said):
         load_rig(file)
+
+
+@pytest.mark.parametrize("rubs", ["load", "motor"])
+def test_a_motor_drives_its_side_of_a_shaft_that_gives(rubs):
+    rig = TwoMassAxis(
+        motor_inertia=INERTIA,
+        load_inertia=0.01,
+        stiffness=50.0,
+        damping=0.05,
+        rubs=rubs,
+        rotary=True,
+        drive=replace(MOTOR, drive=constant(6.0)),
+    )
+    law = CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.01)
+    run = simulate(rig, law, t_end=20.0)
+    # both turn at the speed of the rigid axis, after forty of its time constants of 0.2 s at least
+    wanted = (20.0 * 0.02 * 6.0 / 3.0 - 0.05) / (0.01 + 400.0 * 0.02 * 0.021 / 3.0)
+    last = run.at(20.0)
+    np.testing.assert_allclose([last["v"], last["other_dot"]], wanted, rtol=1e-9)
+    # a shaft at rest holds nothing of the motor, whose rotor takes most of the torque
+    motor = "v" if rubs == "motor" else "other_dot"
+    start = simulate(rig, law, t_end=1e-5).at(1e-5)[motor]
+    torque = 20.0 * 0.02 * 6.0 / 3.0 - (0.05 if rubs == "motor" else 0.0)
+    # back-EMF and damper take off 1e-4 of it by then
+    assert start == pytest.approx(1e-5 * torque / (INERTIA + 400.0 * 5e-6), rel=1e-3)
+    (moment,) = moments_of(run, rig, np.array([20.0]))
+    assert moment["drive"] == pytest.approx(0.05 + 0.01 * wanted, rel=1e-9)
+
+
+def test_a_rig_file_has_the_loop_of_firmware(tmp_path):
+    file = tmp_path / "servo.toml"
+    loop = """type = "sampled-position", gain = "40 V/rad", integral_gain = "3 V/rad/s",
+    period = "4 ms", delay = "2 ms", duty_limit = 0.8, step = "8 mV" """
+    old = next(line for line in FILE.splitlines() if line.startswith("loop"))
+    text = FILE.replace(old, f"loop = {{ {' '.join(loop.split())} }}")
+    file.write_text(text)
+    rig = load_rig(file)
+    assert rig.mechanism.drive.loop == SampledLoop(
+        gain=40.0, integral_gain=3.0, period=4e-3, delay=2e-3, duty_limit=0.8, step=8e-3
+    )
+    again = tmp_path / "again.toml"
+    again.write_text(rig_toml(rig.mechanism, LAW))
+    assert load_rig(again).mechanism == rig.mechanism
 
 
 def test_a_motor_stands_alone_in_a_list_of_drives(tmp_path):

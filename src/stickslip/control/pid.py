@@ -1,5 +1,6 @@
 """PID control with a bounded integral part."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias, final
@@ -8,6 +9,7 @@ from typing_extensions import override
 
 from stickslip.control.feedback_loop import Controller
 from stickslip.errors import InputError, ParameterError
+from stickslip.mechanisms import within_limit
 from stickslip.quantities import Parametrised, Quantity
 
 Signal: TypeAlias = float | Callable[[float], float]
@@ -126,15 +128,12 @@ class PID(Parametrised):
         """Return the whole command within the limit, and the integral part to remember."""
         before = self._memory.integral
         grown = before + self.integral * error * since
-        asked = command + grown
-        if self.limit is None or abs(asked) <= self.limit:
-            return asked, grown
-        found = self.limit if asked > 0.0 else -self.limit
+        limit = math.inf if self.limit is None else self.limit
+        found, integral = within_limit(command, before, grown, limit)
         if self.tracking_time is not None:
             share = min(since / self.tracking_time, 1.0)
-            return found, grown + share * (found - asked)
-        outwards = (grown - before) * asked > 0.0
-        return found, before if outwards else grown
+            return found, grown + share * (found - (command + grown))
+        return found, integral
 
 
 def _seen(measured: Mapping[str, float], name: str) -> float:

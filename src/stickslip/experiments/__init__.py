@@ -37,6 +37,7 @@ INSIDE = {
     "HARD": "estimates",
     "LOAD": "estimates",
     "Levels": "estimates",
+    "LoopSamples": "recorded_drive",
     "MainsLine": "checking.mains",
     "Reading": "readers.reader_options",
     "as_recorded": "recorded_drive",
@@ -58,6 +59,7 @@ INSIDE = {
     "levels_at": "estimates",
     "lines_of": "checking.mains",
     "log_files": "readers.formats",
+    "loop_samples": "recorded_drive",
     "motion_of": "checking.motion",
     "motor_constants": "readers.reader_options",
     "noise_of": "differentiation",
@@ -83,6 +85,7 @@ INSIDE = {
     "velocity_of": "differentiation",
     "whole_cycles": "travels",
     "with_doubts": "preconditions",
+    "with_voltage": "recorded_drive",
     "without_row": "slicing",
     "words_of": "checking.mains",
 }

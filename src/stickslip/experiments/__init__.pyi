@@ -59,8 +59,11 @@ from stickslip.experiments.readers.robot_guess import guess_robot as guess_robot
 from stickslip.experiments.readers.table_reader import is_data_file as is_data_file
 from stickslip.experiments.readers.toml import parse as parse
 from stickslip.experiments.readers.toml import read_bytes as read_bytes
+from stickslip.experiments.recorded_drive import LoopSamples as LoopSamples
 from stickslip.experiments.recorded_drive import as_recorded as as_recorded
 from stickslip.experiments.recorded_drive import command_of as command_of
+from stickslip.experiments.recorded_drive import loop_samples as loop_samples
+from stickslip.experiments.recorded_drive import with_voltage as with_voltage
 from stickslip.experiments.records import load_measurement as load_measurement
 from stickslip.experiments.records import read_data as read_data
 from stickslip.experiments.rig import KnownLaws as KnownLaws

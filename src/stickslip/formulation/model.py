@@ -16,7 +16,7 @@ from stickslip.formulation.trace import Switchboard, Symbols, Traced, symbols_of
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism, of_contact
+from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling
 from stickslip.quantities import parameters, shadow, structure
 
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
@@ -62,6 +62,7 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
 
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
+    refuse_sampling(mechanism)
     if _is_of_parts(mechanism, law):
         return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts

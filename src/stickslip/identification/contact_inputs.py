@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input
+from stickslip.experiments import (
+    Measurement,
+    as_recorded,
+    command_of,
+    unit_of_input,
+    with_voltage,
+)
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
@@ -323,7 +329,8 @@ def typical_inputs(
     if not law.inputs:
         return {}
     every: dict[str, list[Array]] = {name: [] for name in law.inputs}
-    for record in measurement.records():
+    for given in measurement.records():
+        record = with_voltage(mechanism, given, "zero")
         set_up = as_recorded(mechanism, record)
         names = {"position": "position", "velocity": "velocity", "force": command_of(record)}
         signals: dict[str, Any] = {

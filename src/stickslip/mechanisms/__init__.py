@@ -42,6 +42,7 @@ HOMES = {
     "RobotDescription": "urdf",
     "RobotJoint": "robot",
     "Rotor": "clutch_train",
+    "SampledLoop": "electric_motor",
     "Stop": "base",
     "Torque": "actuators",
     "VelocityLoop": "electric_motor",
@@ -59,6 +60,7 @@ HOMES = {
 INSIDE = {
     "LINKS": "base",
     "LinearOrRotary": "base",
+    "LoopMemory": "electric_motor",
     "PREFIX": "base",
     "WHOLE": "drive_period",
     "as_rotary": "base",
@@ -67,6 +69,7 @@ INSIDE = {
     "coordinate_of": "robot",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "driven_by_motor": "electric_motor",
     "driving_inertia": "electric_motor",
     "given_names": "told_inputs",
     "has_macros": "urdf",
@@ -80,6 +83,7 @@ INSIDE = {
     "of_contact": "told_inputs",
     "only_contact": "contacts",
     "quantity_at": "base",
+    "refuse_sampling": "electric_motor",
     "repeats": "drive_period",
     "slip_among": "contacts",
     "slip_of": "contacts",
@@ -87,6 +91,7 @@ INSIDE = {
     "slips_by_angle": "contacts",
     "told_fields": "told_inputs",
     "urdf_joints": "urdf",
+    "within_limit": "electric_motor",
     "without_given": "told_inputs",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -51,12 +51,17 @@ from stickslip.mechanisms.drive_period import repeats as repeats
 from stickslip.mechanisms.electric_motor import CurrentLoop as CurrentLoop
 from stickslip.mechanisms.electric_motor import DCMotor as _DCMotor
 from stickslip.mechanisms.electric_motor import LOOPS as LOOPS
+from stickslip.mechanisms.electric_motor import LoopMemory as LoopMemory
 from stickslip.mechanisms.electric_motor import MotorLoop as MotorLoop
 from stickslip.mechanisms.electric_motor import MotorLoop as _MotorLoop
 from stickslip.mechanisms.electric_motor import PositionLoop as _PositionLoop
+from stickslip.mechanisms.electric_motor import SampledLoop as _SampledLoop
 from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
+from stickslip.mechanisms.electric_motor import driven_by_motor as driven_by_motor
 from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
+from stickslip.mechanisms.electric_motor import refuse_sampling as refuse_sampling
+from stickslip.mechanisms.electric_motor import within_limit as within_limit
 from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as _PendulumCart
@@ -323,6 +328,22 @@ class Rotor(_Rotor):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class SampledLoop(_SampledLoop):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        gain: _Given,
+        integral_gain: _Given = ...,
+        rate_gain: _Given = ...,
+        period: _Given,
+        delay: _Given = ...,
+        duty_limit: _Given = ...,
+        step: _Given | None = ...,
+        encoder_step: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
     links: tuple[Link, ...]
     def __init__(
@@ -414,6 +435,7 @@ class TwoLinkArm(_TwoLinkArm):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
+    drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
@@ -422,7 +444,7 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
         load_inertia: _Given,
         stiffness: _Given,
         damping: _Given = ...,
-        drive: _Drive | None = ...,
+        drive: _Drive | _DCMotor | None = ...,
         rubs: _Literal['load', 'motor', 'both'] = ...,
         load: _Given = ...,
         offset: _Given = ...,
@@ -466,6 +488,7 @@ __all__ = [
     "RobotDescription",
     "RobotJoint",
     "Rotor",
+    "SampledLoop",
     "SerialArm",
     "SpringBlock",
     "Stop",

@@ -1,14 +1,15 @@
 """An electric motor behind a gear: what it gives of a voltage, and the loop that commands it."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, Any, ClassVar, TypeAlias, final
 
 from typing_extensions import override
 
 from stickslip.drives import Drive
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.maths import Scalar, where
 from stickslip.quantities import Parametrised, Quantity
 
@@ -19,7 +20,9 @@ class MotorLoop(Parametrised, ABC):
 
     name: ClassVar[str]
     """``type`` in rig files."""
-    wanted: ClassVar[str] = "a loop, PositionLoop(...), VelocityLoop(...) or CurrentLoop()"
+    wanted: ClassVar[str] = (
+        "a loop, PositionLoop(...), SampledLoop(...), VelocityLoop(...) or CurrentLoop()"
+    )
 
     @abstractmethod
     def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
@@ -66,6 +69,108 @@ class PositionLoop(MotorLoop):
     @override
     def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
         return self.gain * (goal - position) - self.rate_gain * rate
+
+
+LoopMemory: TypeAlias = tuple[float, float] | None
+"""Integral part of the command [V] and the position at the sample before; None at the first."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SampledLoop(MotorLoop):
+    """A PID loop of firmware on the position: it samples, and holds the voltage in between.
+
+    At each sample ``u = K_p e + K_i * sum(e) T_s - K_d (x - x_before) / T_s``, where ``e`` is the
+    goal less x, in whole steps and within the duty limit. At the limit the integral part does not
+    grow further beyond it (conditional integration).
+
+    Fits take it: they simulate motor and loop under the recorded goal, or balance torques under the
+    voltage that it makes of the recorded goal and position. A run of its own is one of
+    `stickslip.control.closed_loop` with a `PID` of the same gains.
+
+    Examples
+    --------
+    >>> loop = SampledLoop(gain=20.0, integral_gain=10.0, period=0.01)
+    >>> voltage, memory = loop.sampled(0.5, 0.25, None, limit=7.4)
+    >>> voltage, loop.sampled(0.5, 0.25, memory, limit=7.4)[0]
+    (5.0, 5.025)
+    """
+
+    name: ClassVar[str] = "sampled-position"
+
+    gain: Annotated[float, Quantity("K_p", "V/m", low=0, or_unit="V/rad")]
+    """Voltage per error of the position."""
+    integral_gain: Annotated[float, Quantity("K_i", "V/m/s", low=0, or_unit="V/rad/s")] = 0.0
+    """Voltage per error and second."""
+    rate_gain: Annotated[float, Quantity("K_d", "V s/m", low=0, or_unit="V s/rad")] = 0.0
+    """Voltage per rate of the measured position, against the motion."""
+    period: Annotated[float, Quantity("T_s", "s", above=0)]
+    """Time between samples."""
+    delay: Annotated[float, Quantity("tau", "s", low=0)] = 0.0
+    """Time from a sample to the moment at which its voltage acts."""
+    duty_limit: Annotated[float, Quantity("d_max", above=0, high=1)] = 1.0
+    """Largest duty: voltage over that of the supply."""
+    step: Annotated[float, Quantity("u_q", "V", above=0)] | None = None
+    """Voltage of one count of the PWM; none if commands are not rounded."""
+    encoder_step: Annotated[float, Quantity("q", "m", above=0, or_unit="rad")] | None = None
+    """Step of the position that it sees; none if that is not rounded. Slopes of fits leave both
+    roundings out."""
+
+    @override
+    def voltage(self, goal: Scalar, position: Scalar, rate: Scalar, motor: "DCMotor") -> Scalar:
+        return self.gain * (goal - position) - self.rate_gain * rate  # what it samples tends to
+
+    def sampled(
+        self, goal: float, position: float, memory: LoopMemory, *, limit: float
+    ) -> tuple[float, LoopMemory]:
+        """Return the voltage [V] that a sample asks for, and what the loop remembers of it.
+
+        Parameters
+        ----------
+        goal : float
+            What the loop is asked for [m or rad].
+        position : float
+            Measured position [m or rad].
+        memory : tuple of float, optional
+            What it remembers of the sample before; None at the first.
+        limit : float
+            Largest voltage [V], infinity if there is none.
+
+        Returns
+        -------
+        tuple
+            Voltage and memory.
+        """
+        if self.encoder_step is not None:
+            position = self.encoder_step * round(position / self.encoder_step)
+        error = goal - position
+        asked = self.gain * error
+        before = grown = 0.0
+        if memory is not None:
+            before, last = memory
+            asked -= self.rate_gain * ((position - last) / self.period)
+            grown = before + self.integral_gain * error * self.period
+        found, integral = within_limit(asked, before, grown, limit)
+        if self.step is not None:
+            found = min(max(self.step * round(found / self.step), -limit), limit)
+        return found, (integral, position)
+
+
+def within_limit(asked: float, before: float, grown: float, limit: float) -> tuple[float, float]:
+    """Return a command with its integral part within a limit, and the part to remember.
+
+    Where the command is at its limit, the part does not grow further beyond it.
+
+    Examples
+    --------
+    >>> within_limit(5.0, 1.0, 1.5, 6.0), within_limit(5.0, 1.0, 0.5, 6.0)
+    ((6.0, 1.0), (5.5, 0.5))
+    """
+    whole = asked + grown
+    if abs(whole) <= limit:
+        return whole, grown
+    outwards = (grown - before) * whole > 0.0
+    return (limit if whole > 0.0 else -limit), before if outwards else grown
 
 
 @final
@@ -129,7 +234,7 @@ class DCMotor(Parametrised):
     (`BamM3` to `BamM6`, or a part with ``[transmitted]``).
 
     `drive` is the command: a voltage [V], or with a `loop` the position, velocity or current that
-    it is asked for. For a loop that samples, see `stickslip.control.closed_loop`.
+    it is asked for.
 
     Examples
     --------
@@ -170,8 +275,8 @@ class DCMotor(Parametrised):
     current_limit: Annotated[float, Quantity("i_max", "A", low=0)] | None = None
     """Largest current; 0 is an open winding. No limit if not given."""
     loop: MotorLoop | None = None
-    """`PositionLoop`, `VelocityLoop` or `CurrentLoop`, to which `drive` is the goal; none if that
-    is a voltage."""
+    """`PositionLoop`, `SampledLoop`, `VelocityLoop` or `CurrentLoop`, to which `drive` is the goal;
+    none if that is a voltage."""
     drive: Drive | None = None
     """Voltage [V], or the goal of the loop; 0 if not given."""
 
@@ -189,6 +294,12 @@ class DCMotor(Parametrised):
                 "DCMotor.supply_resistance (R_s) is that of a supply: give supply, its voltage"
                 " without current, too."
             )
+
+    @property
+    def largest_voltage(self) -> float:
+        """Largest voltage [V] that its loop asks for; infinity if there is no supply."""
+        share = self.loop.duty_limit if isinstance(self.loop, SampledLoop) else 1.0
+        return math.inf if self.supply is None else share * self.supply
 
     @property
     def inertia(self) -> Scalar:
@@ -276,7 +387,7 @@ def _within(value: Scalar, most: Scalar, what: str) -> Scalar:
 
 
 LOOPS: Mapping[str, type[MotorLoop]] = {
-    loop.name: loop for loop in (PositionLoop, VelocityLoop, CurrentLoop)
+    loop.name: loop for loop in (PositionLoop, SampledLoop, VelocityLoop, CurrentLoop)
 }
 """The loops by the ``type`` they have in rig files."""
 
@@ -291,6 +402,21 @@ def motor_of(mechanism: object) -> DCMotor | None:
     """
     driver = getattr(mechanism, "drive", None)
     return driver if isinstance(driver, DCMotor) else None
+
+
+def driven_by_motor(mechanism: Any) -> str:
+    """Return the coordinate that a motor drives."""
+    return str(getattr(mechanism, "motor_side", mechanism.coordinates[0]))
+
+
+def refuse_sampling(mechanism: object) -> None:
+    """Refuse equations of a motor whose voltage between samples is none of its state."""
+    motor = motor_of(mechanism)
+    if motor is not None and isinstance(motor.loop, SampledLoop):
+        raise InputError(
+            "a SampledLoop has no equations between its samples: simulate it by"
+            " control.closed_loop with a PID of its gains and a motor without a loop, or fit."
+        )
 
 
 def driving_force(

@@ -10,6 +10,12 @@ from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, ContactInputs, LinearOrRotary, gear_inputs
+from stickslip.mechanisms.electric_motor import (
+    DCMotor,
+    driving,
+    driving_force,
+    driving_inertia,
+)
 from stickslip.quantities import Quantity
 
 
@@ -53,8 +59,9 @@ class TwoMassAxis(LinearOrRotary):
     """Stiffness of what joins them."""
     damping: Annotated[float, Quantity("c", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
     """Damper beside it."""
-    drive: Drive | None = None
-    """Force [N] or torque [N m] on the motor."""
+    drive: Drive | DCMotor | None = None
+    """Force [N] or torque [N m] on the motor's side, or a `DCMotor` there, whose rotor adds to its
+    inertia."""
     rubs: Literal["load", "motor", "both"] = "load"
     """Which side has the friction."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
@@ -76,10 +83,16 @@ class TwoMassAxis(LinearOrRotary):
         """Coordinates of motor and load."""
         return ("x", "other") if self.rubs == "motor" else ("other", "x")
 
+    @property
+    def motor_side(self) -> str:
+        """Coordinate of the motor."""
+        return self._sides[0]
+
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         motor, load = (q_dot[side] for side in self._sides)
-        return 0.5 * (self.motor_inertia * motor * motor + self.load_inertia * load * load)
+        inertia = self.motor_inertia + driving_inertia(self.drive)
+        return 0.5 * (inertia * motor * motor + self.load_inertia * load * load)
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
@@ -96,7 +109,8 @@ class TwoMassAxis(LinearOrRotary):
     ) -> Mapping[str, Scalar]:
         motor, load = self._sides
         damped = self.damping * (q_dot[motor] - q_dot[load])
-        return {motor: drives.get("drive", 0.0) - damped, load: damped - self.offset}
+        force = driving_force(self.drive, drives, q[motor], q_dot[motor])
+        return {motor: force - damped, load: damped - self.offset}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -120,10 +134,14 @@ class TwoMassAxis(LinearOrRotary):
         wound = wound + self.damping * (q_dot[motor] - q_dot[load])
         sides = {
             "load": gear_inputs(wound, -self.offset, position=q[load]),
-            "motor": gear_inputs(drives.get("drive", 0.0), -wound, position=q[motor]),
+            "motor": gear_inputs(
+                driving_force(self.drive, drives, q[motor], q_dot[motor]),
+                -wound,
+                position=q[motor],
+            ),
         }
         return sides if self.rubs == "both" else sides[self.rubs]
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        return {} if self.drive is None else {"drive": self.drive}
+        return driving(self.drive)

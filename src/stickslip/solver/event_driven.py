@@ -162,13 +162,7 @@ class EventDriven(Solver):
         """
         model = formulate(mechanism, law)
         inputs, record = self._executed(mechanism, law, model, y0, t_end)
-        whole = record.whole
-        return BareRun(
-            states=model.states,
-            status=status_of(whole[STATUS], model),
-            playback=Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS]),
-            differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
-        )
+        return bare_run(mechanism, law, model, inputs, record, t_end)
 
     def _executed(
         self,
@@ -209,6 +203,24 @@ class BareRun:
     def at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the states (n, states) at times (n,)."""
         return self.playback.played(t)[0]
+
+
+def bare_run(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    inputs: Inputs,
+    record: Record,
+    t_end: float,
+) -> BareRun:
+    """Wrap what the kernels recorded, without a certificate."""
+    whole = record.whole
+    return BareRun(
+        states=model.states,
+        status=status_of(whole[STATUS], model),
+        playback=Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS]),
+        differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
+    )
 
 
 def _difference(run: Trajectory, other: Trajectory) -> float:

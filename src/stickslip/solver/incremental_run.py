@@ -19,8 +19,8 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of
-from stickslip.solver.drive_schedule import gather
-from stickslip.solver.event_driven import EventDriven, trajectory_of
+from stickslip.solver.drive_schedule import Inputs, gather
+from stickslip.solver.event_driven import BareRun, EventDriven, bare_run, trajectory_of
 from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS, STRETCH, Record, work_of
 from stickslip.trajectory import Trajectory
@@ -125,9 +125,18 @@ class IncrementalRun:
 
     def finished(self, mechanism: Mechanism) -> Trajectory:
         """Return the run, of the mechanism with the drives that were told."""
+        inputs, record = self._recorded(mechanism)
+        tolerance = self.solver.tolerance_for(self.law)
+        return trajectory_of(mechanism, self.law, self.model, inputs, record, tolerance, self.t_end)
+
+    def bare(self, mechanism: Mechanism) -> BareRun:
+        """Return the run as `finished` does, without a certificate."""
+        inputs, record = self._recorded(mechanism)
+        return bare_run(mechanism, self.law, self.model, inputs, record, self.t_end)
+
+    def _recorded(self, mechanism: Mechanism) -> tuple[Inputs, Record]:
+        """Return the numbers of the run, and what the kernels wrote down of it."""
         inputs = gather(mechanism, self.law, self.model, self.t_end)
         whole = [int(x) for x in self._whole]
         spent = self._spent if self.solver.tier == "auto" else None
-        record = Record(self.runner, self._log, self._events, self._w, whole, spent)
-        tolerance = self.solver.tolerance_for(self.law)
-        return trajectory_of(mechanism, self.law, self.model, inputs, record, tolerance, self.t_end)
+        return inputs, Record(self.runner, self._log, self._events, self._w, whole, spent)

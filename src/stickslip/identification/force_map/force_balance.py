@@ -23,6 +23,7 @@ from stickslip.experiments import (
     noise_of,
     step_of,
     usual_top_speed,
+    with_voltage,
 )
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
@@ -109,8 +110,9 @@ def balanced(
     """
     check_loads(measurement)
     found: list[MotionSegment] = []
-    for number, record in enumerate(measurement.records()):
-        t = times_of(record)
+    for number, given in enumerate(measurement.records()):
+        t = times_of(given)
+        record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
         length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):

@@ -756,14 +756,17 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
 
     What a sampled motion hides of a bristle between samples is an error that repeats from block to
     block, which these do not show: bands and steps do. Noise of positions deflects bristles in all
-    blocks: as much again moves estimates about as far once more (simulation extrapolation). Empty
-    where no bristle is resolved.
+    blocks: as much again moves estimates about as far once more (simulation extrapolation). So it
+    is with the back-EMF of a motor, which tells R from k_t by little. Empty where no bristle is
+    resolved, and no motor looked for.
 
     Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
     measurement error models", 1994.
     """
     build = fit.build
-    if not isinstance(build, BalanceProblemBuilder) or not build.resolved or not fit.law.states:
+    if not isinstance(build, BalanceProblemBuilder):
+        return []
+    if not (build.resolved and fit.law.states) and build.problem.rederived is None:
         return []
     if not all("position" in one.quantities() for one in fit.measurement.records()):
         return []

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement, as_recorded, between_gaps
+from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.formatting import estimate, percent, quantity
 from stickslip.identification.estimation.jackknife import Directions
 from stickslip.identification.series.applied_force import applied_force
@@ -180,7 +180,8 @@ def inverse_dynamics(
     check_is_mass(names)
     inertia = bool(names)
     parts = []
-    for record in measurement.records():
+    for given in measurement.records():
+        record = with_voltage(mechanism, given, "zero")
         set_up = as_recorded(mechanism, record)
         for piece in _pieces(record):
             parts.append(_columns(set_up, piece, cutoff, decimate, directional=directional))

@@ -30,6 +30,11 @@ from stickslip.identification.shooting.initial_states import (
     settled,
     worse,
 )
+from stickslip.identification.shooting.sampled_loops import (
+    LoopInSegment,
+    run_through,
+    without_steps,
+)
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
@@ -72,6 +77,8 @@ class Segment:
     """Which of these are known, and no guess (m,)."""
     zero: bool = False
     """Whether positions count from a place that is not known."""
+    loop: LoopInSegment | None = None
+    """The loop that makes a voltage of the motion at its samples; None if none does."""
 
     @property
     def rest(self) -> Array:
@@ -347,6 +354,10 @@ class Shooting(RecordProblem):
             if k in seen.memory:
                 mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
                 start = _start(mechanism, begun[k], seen.memory[k].state)
+                if one.loop is not None:
+                    _, mechanism = run_through(
+                        SOLVER, mechanism, law, one.loop, y0=start, t_end=end
+                    )
                 found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
         return tuple(run for run in found if run.status.complete)
 
@@ -424,9 +435,18 @@ def _bare(
     """Return a segment simulated from a state; None if the run fails."""
     if not np.all(np.isfinite(state)):
         return None
+    return _solved(segment, mechanism, law, _start(mechanism, begun, state))
+
+
+def _solved(
+    segment: Segment, mechanism: Mechanism, law: FrictionLaw, start: Sequence[float]
+) -> BareRun | None:
+    """Return a segment simulated from its first states; None if the run fails."""
     end, steps = float(segment.times[-1]), STEPS_PER_ROW * len(segment.times)
     solver = SOLVER if steps <= SOLVER.max_steps else replace(SOLVER, max_steps=steps)
-    run = solver.bare(mechanism, law, y0=_start(mechanism, begun, state), t_end=end)
+    if segment.loop is not None:
+        return run_through(solver, mechanism, law, segment.loop, y0=start, t_end=end)[0]
+    run = solver.bare(mechanism, law, y0=start, t_end=end)
     return run if run.status.complete else None
 
 
@@ -443,7 +463,12 @@ def _sensed(
     """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
     bristles = [f"initial.{name}" for name in run.states[len(state) :]]
     known = [*paths, *bristles]
-    table = run.differentiate(segment.times, known)[:, column, :]
+    if segment.loop is None:
+        table = run.differentiate(segment.times, known)[:, column, :]
+    else:  # the kernels know nothing of what the loop does about a change
+        table = np.full((len(segment.times), len(known)), np.nan)
+        mechanism = without_steps(mechanism)
+        run = _solved(segment, mechanism, law, _start(mechanism, begun, state)) or run
     for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
         table[:, k] = _differenced(run, segment, mechanism, law, begun, state, column, known[k])
     if segment.zero:
@@ -476,7 +501,8 @@ def _differenced(
         value = next(value for other, _, value in known if other == path)
         size = abs(value) or 1e-3
     ends = []
-    for change in (-SHIFT * size, SHIFT * size):
+    sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
+    for change in (side * SHIFT * size for side in sides):
         try:
             first, rig, own_law = start, mechanism, law
             if root == "initial":
@@ -485,10 +511,10 @@ def _differenced(
                 own_law = vary(law, root, {path: value + change})
             else:
                 rig = vary(mechanism, root, {path: value + change})
-            moved = SOLVER.bare(rig, own_law, y0=first.tolist(), t_end=float(segment.times[-1]))
+            moved = _solved(segment, rig, own_law, first.tolist())
         except InputError:  # out of its range, or beyond a stop
             continue
-        if moved.status.complete:
+        if moved is not None:
             ends.append((change, moved.at(segment.times)[:, column]))
     if len(ends) == 1:
         ends.append((0.0, run.at(segment.times)[:, column]))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement, as_recorded
+from stickslip.experiments import LoopSamples, Measurement, as_recorded, loop_samples
 from stickslip.formatting import joined, number
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.identification.series.applied_force import (
@@ -21,6 +21,7 @@ from stickslip.identification.series.applied_force import (
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, Hold
 from stickslip.identification.shooting.multiple_shooting import Segment
+from stickslip.identification.shooting.sampled_loops import LoopInSegment
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
 
 Array = NDArray[np.float64]
@@ -87,10 +88,10 @@ def segments_of(
     found: list[Segment] = []
     for index, record in enumerate(loaded(mechanism, measurement).records()):
         set_up = as_recorded(mechanism, record)
-        time = np.asarray(record.time)
+        time, loop = np.asarray(record.time), loop_samples(set_up, record, hold)
         for first, last in _stretches(time, length):
             rows = _rows(first, last, resolution)
-            one = _segment(index, record, quantity, set_up, rows, hold, exact=exact)
+            one = _segment(index, record, quantity, set_up, rows, hold, loop, exact=exact)
             free = not (driven(record) or drives_itself(set_up, record))
             found.append(replace(one, zero=zeros and free and quantity == "position"))
     if not found:
@@ -121,6 +122,7 @@ def _segment(
     mechanism: Mechanism,
     rows: NDArray[np.intp],
     hold: Hold,
+    loop: LoopSamples | None,
     *,
     exact: bool,
 ) -> Segment:
@@ -132,7 +134,7 @@ def _segment(
     if drives_itself(mechanism, record):
         told = with_inputs(mechanism, record, np.append(0.0, record.time[record.time > 0.0]))
         return _from_the_start(index, record, quantity, told, rows)
-    force = applied_force(mechanism, record)
+    force = None if loop else applied_force(mechanism, record)
     if force is not None:
         part = slice(first, last + 1)
         joined = goes_straight(record, hold)
@@ -147,6 +149,7 @@ def _segment(
         measured=values[rows],
         guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),
         known=np.zeros(2 * len(mechanism.coordinates), dtype=bool),
+        loop=LoopInSegment(samples=loop, start=float(record.time[first])) if loop else None,
     )
 
 

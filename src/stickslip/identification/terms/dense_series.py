@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.evidence import Series, outliers
-from stickslip.experiments import Measurement, as_recorded
+from stickslip.experiments import Measurement, as_recorded, with_voltage
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
 from stickslip.identification.force_map.data import load_along
@@ -77,6 +77,7 @@ def _forces(mechanism: Mechanism, record: Measurement, unknown: Sequence[str]) -
     An unknown is one if the force balance is linear in it and nothing else depends on it, as for
     a stiffness or a damping; an `InputError` names one that is none.
     """
+    record = with_voltage(mechanism, record, "zero")
     known = record.quantities()
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     v = np.asarray(record.values("velocity")) if "velocity" in known else np.gradient(x, time)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from stickslip.drives import Drive
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import Mechanism, motor_of, slipping
+from stickslip.mechanisms import Mechanism, driven_by_motor, motor_of, slipping
 from stickslip.plots.animation.scenes.bounding_boxes import (
     Extent,
     Scales,
@@ -171,12 +171,15 @@ def moments_of(
     columns = {name: seen[name] for name in run.names}
     drives = {name: drive for name, drive in mechanism.drives().items() if name not in run.names}
     motor = motor_of(mechanism)
+    side = mechanism.coordinates.index(driven_by_motor(mechanism)) if motor else 0
 
     def acting(drive: Drive, t: float, row: int) -> float:
         value = drive.value(t)
         if motor is None or drive is not motor.drive:
             return value
-        place, rate = (columns[n][row] for n in (mechanism.coordinates[0], mechanism.rates[0]))
+        place, rate = (
+            columns[n][row] for n in (mechanism.coordinates[side], mechanism.rates[side])
+        )
         return float(motor.force(value, place, rate))
 
     return [
