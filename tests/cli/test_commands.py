@@ -205,7 +205,6 @@ def test_select_writes_a_report_and_refuses_to_overwrite_it(run, tmp_path):
     assert page.startswith("<!doctype html>")
     json.loads((tmp_path / "stickslip-report" / "verdict.json").read_text(encoding="utf-8"))
     assert "--force" in complaint(run, "select", "demo", "--laws", "coulomb")
-    assert run("select", "demo", "--laws", "coulomb,viscous", "--force")[0] == 0
 
 
 def test_select_takes_trials_from_a_table(run, tmp_path):
