@@ -47,9 +47,7 @@ from stickslip.control import closed_loop
 from stickslip.errors import StickslipError
 from stickslip.friction import bound
 from stickslip.identification import RecordFit, RecordSettings, fit_record
-from stickslip.kinds import (
-    RecordVerdict,
-)
+from stickslip.kinds import RecordVerdict
 
 TRUTHS = ("lugre", "stribeck", "elasto-plastic", "gms", "direction-dependent", "backlash")
 ENCODERS = (1e-7, 1e-5)

@@ -34,9 +34,7 @@ from stickslip import (
 )
 from stickslip.errors import StickslipError
 from stickslip.friction import law
-from stickslip.kinds.records.verdict import (
-    RecordVerdict,
-)
+from stickslip.kinds.records.verdict import RecordVerdict
 
 RESULTS = "friction_tables.jsonl"
 AXIS = Axis(inertia=1.0)

@@ -22,23 +22,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.rigs import FREE, TRUTHS, Array, Random, Rig, draw, record
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    FrictionLaw,
-    Measurement,
-    QuadraticDrag,
-    fit,
-    select,
-)
+from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.settings import RecordSettings
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 

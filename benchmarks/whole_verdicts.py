@@ -22,9 +22,7 @@ from benchmarks.synthetic_truth import share
 from stickslip import FrictionLaw, Measurement, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit, RecordSettings, fit_record
-from stickslip.kinds import (
-    RecordVerdict,
-)
+from stickslip.kinds import RecordVerdict
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.identifiable import settled_estimates

@@ -11,15 +11,7 @@ import pytest
 from stickslip import Axis, Coulomb, LuGre, Stribeck
 from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError, ParameterError, StickslipError, UnknownNameError, nearest
-from stickslip.quantities import (
-    Parametrised,
-    Quantity,
-    fields_of,
-    named,
-    parameters,
-    shadow,
-    vary,
-)
+from stickslip.quantities import Parametrised, Quantity, fields_of, named, parameters, shadow, vary
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

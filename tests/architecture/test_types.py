@@ -23,10 +23,7 @@ import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
 from stickslip.identification.records.route_choice import OwnRouteName
-from stickslip.kinds.kind import (
-    PURPOSES,
-    PurposeName,
-)
+from stickslip.kinds.kind import PURPOSES, PurposeName
 from stickslip.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
 from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName

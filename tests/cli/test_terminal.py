@@ -364,3 +364,16 @@ def test_compiling_without_a_terminal_does_not_tell_the_time_left(capsys, monkey
         "Compiling, once: equations (1 of 50 done, 8 s) ...",
         "Compiling, once: equations (41 of 50 done, 28 s) ...",
     ]
+
+
+def test_init_of_a_place_without_a_name_is_one_sentence(run):
+    for place in ("/", ".", ".."):
+        code, out, err = run("init", place)
+        assert (code, out) == (2, "")
+        assert len(err.splitlines()) == 1, err
+
+
+def test_the_next_command_can_be_pasted_whatever_the_file_is_called(run, tmp_path, measured):
+    (tmp_path / "messung.csv").rename(tmp_path / "lauf 1.csv")
+    _, out, _ = run("init", "lauf 1.csv")
+    assert "stickslip check 'lauf 1.toml'; stickslip select 'lauf 1.toml'" in out

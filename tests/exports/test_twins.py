@@ -23,16 +23,7 @@ from stickslip.cli import main
 from stickslip.drives import PiecewiseLinear, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import Rig
-from stickslip.exports import (
-    PROGRAMS,
-    Drake,
-    Karnopp,
-    MuJoCo,
-    MuJoCoMotor,
-    Simscape,
-    export,
-    twin,
-)
+from stickslip.exports import PROGRAMS, Drake, Karnopp, MuJoCo, MuJoCoMotor, Simscape, export, twin
 from stickslip.solver import SoftConstraint
 
 LAW = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=0.5)

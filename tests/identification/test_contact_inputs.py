@@ -201,13 +201,8 @@ def test_a_law_with_the_transmitted_torque_is_selected_against_those_without(ser
 
 
 def test_what_to_measure_next_is_as_uncertain_as_the_law(servo):
-    from stickslip.kinds.records.design.predictors import (
-        Steady,
-        error_of,
-    )
-    from stickslip.kinds.records.next_measurements import (
-        predictor_of,
-    )
+    from stickslip.kinds.records.design.predictors import Steady, error_of
+    from stickslip.kinds.records.next_measurements import predictor_of
 
     kind = law("level + weight[transmitted] + viscous")
     found = fit(SERVO, kind, servo, route="inverse-dynamics")

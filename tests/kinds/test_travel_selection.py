@@ -232,3 +232,23 @@ def test_a_step_of_one_parameter_keeps_the_law_whatever_the_interval_says(step):
         moved = _step(law, one, step)
         assert 0.0 < abs(moved) <= step
         dataclasses.replace(law, **{name: value + moved})
+
+
+def test_travels_of_which_none_is_above_0_are_refused_by_select_as_by_fit() -> None:
+    still = Measurement(
+        trials=tuple(
+            Measurement(travel=0.0, overrides={"mechanism.compression": c})
+            for c in (0.05, 0.1, 0.15)
+        )
+    )
+    with pytest.raises(InputError, match=r"Every travel is 0: no motion was recorded\."):
+        select(RIG, [Coulomb, Viscous], still)
+
+
+def test_travels_in_wrong_units_are_warned_of_beside_a_verdict() -> None:
+    from stickslip.kinds import kind_of_route
+
+    verdict = select(RIG, [Coulomb], Measurement(travel=105.0, uncertainty=1.0))
+    checks = kind_of_route(verdict.route).comparison(verdict).checks
+    assert checks is not None
+    assert [one.kind for one in checks.findings] == ["units"]

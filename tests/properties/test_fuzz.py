@@ -8,11 +8,7 @@ from dataclasses import replace
 import pytest
 from tests.properties.fuzzing.campaign import Campaign
 from tests.properties.fuzzing.cases import Case, run_case
-from tests.properties.fuzzing.checks import (
-    Evidence,
-    holds_no_more_than_break_away,
-    keeps_its_books,
-)
+from tests.properties.fuzzing.checks import Evidence, holds_no_more_than_break_away, keeps_its_books
 from tests.properties.fuzzing.reports import reproducer
 from tests.properties.fuzzing.workers import outcomes
 

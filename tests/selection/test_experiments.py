@@ -17,15 +17,9 @@ from stickslip import (
     TowedBlock,
     Viscous,
 )
-from stickslip.kinds.records.design.experiments import (
-    design,
-)
-from stickslip.kinds.records.design.predictors import (
-    Predictor,
-)
-from stickslip.kinds.records.next_measurements import (
-    reach_of,
-)
+from stickslip.kinds.records.design.experiments import design
+from stickslip.kinds.records.design.predictors import Predictor
+from stickslip.kinds.records.next_measurements import reach_of
 
 
 def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True, **more):

@@ -6,29 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    Measurement,
-    RecordSettings,
-    Stribeck,
-    fit,
-)
+from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, Stribeck, fit
 from stickslip.friction import law
-from stickslip.kinds.records import (
-    selection as records,
-)
-from stickslip.kinds.records.admissibility import (
-    objection,
-    unidentified,
-)
-from stickslip.kinds.records.simplification import (
-    one_part_less,
-    untold,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-)
+from stickslip.kinds.records import selection as records
+from stickslip.kinds.records.admissibility import objection, unidentified
+from stickslip.kinds.records.simplification import one_part_less, untold
+from stickslip.kinds.records.verdict import RecordCandidate
 from stickslip.selection.cross_validation import CrossValidation
 
 AXIS = Axis(inertia=1.0)

@@ -42,9 +42,7 @@ from stickslip.cli.options import (
 from stickslip.errors import InputError
 
 if TYPE_CHECKING:
-    from stickslip.kinds import (
-        PurposeName,
-    )
+    from stickslip.kinds import PurposeName
 
 app = typer.Typer(
     cls=Panels,

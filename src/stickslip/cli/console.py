@@ -15,11 +15,7 @@ from rich.table import Table
 from rich.text import Text
 from typing_extensions import override
 
-from stickslip.documents import (
-    check_replaceable,
-    json_text,
-    unwritable,
-)
+from stickslip.documents import check_replaceable, json_text, unwritable
 from stickslip.errors import InputError
 from stickslip.formatting import NO_VALUE, printable
 

@@ -6,12 +6,7 @@ from collections.abc import Iterator, Sequence, Set
 from pathlib import Path
 
 from stickslip.cli.console import print_json, refuse_overwriting, stdout
-from stickslip.cli.law_choice import (
-    check_named,
-    friction_of,
-    friction_title,
-    rig_and_friction,
-)
+from stickslip.cli.law_choice import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ExportOptions, LawOptions
 from stickslip.documents import document
 from stickslip.errors import InputError, ParameterError

@@ -1,6 +1,7 @@
 """``stickslip init``."""
 
 import os
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,10 @@ def run(
     as_json: bool,
 ) -> None:
     """Find out what a file holds, write its rig file, and print what was found."""
-    target = file.with_suffix(".toml") if output is None else output
+    named = file if file.name else file.absolute()  # "." is the folder that it stands for
+    if not named.name:
+        raise InputError(f"{str(file)!r} is no data file: give the file, or the folder of a log.")
+    target = named.with_suffix(".toml") if output is None else output
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=force)
     try:
@@ -56,8 +60,9 @@ def run(
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))
         return
+    typed = shlex.quote(str(target))
     stdout().print(
-        f"\nThe rig file is {target}. Next: stickslip check {target}; stickslip select {target}",
+        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}",
         markup=False,
     )
 

@@ -12,13 +12,7 @@ from stickslip.cli.numbers import number_of
 from stickslip.cli.options import EstimationOptions, ParameterOptions
 from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import (
-    Checks,
-    Reading,
-    Rig,
-    condition_name,
-    read_data,
-)
+from stickslip.experiments import Checks, Reading, Rig, condition_name, read_data
 from stickslip.formatting import number, significant, unit_text, within
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
@@ -31,18 +25,9 @@ from stickslip.identification import (
     law_quantities,
     refuse_of_laws,
 )
-from stickslip.kinds import (
-    AnyKind,
-    Law,
-    PurposeName,
-    Request,
-    kind_of,
-    refuse_unused,
-)
+from stickslip.kinds import AnyKind, Law, PurposeName, Request, kind_of, refuse_unused
 from stickslip.quantities import Quantity, all_paths, full_path
-from stickslip.selection import (
-    Wording,
-)
+from stickslip.selection import Wording
 
 ALL_PARAMETERS: Final = ParameterOptions()
 """Without a word of options."""

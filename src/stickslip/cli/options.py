@@ -1,5 +1,6 @@
 """Arguments and options of commands, and groups of them that are handed on together."""
 
+import shlex
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, final
@@ -25,9 +26,9 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
             f" one for a data file; {name} demo takes the rig that comes with the package."
         )
     if is_data_file(given):
-        own = given.with_suffix(".toml")
+        typed, own = (shlex.quote(str(one)) for one in (given, given.with_suffix(".toml")))
         raise InputError(
-            f"{given} is a data file, not a rig file: `stickslip init {given}` writes one for it;"
+            f"{given} is a data file, not a rig file: `stickslip init {typed}` writes one for it;"
             f" then {name} {own}."
         )
     return given

@@ -7,12 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.cli.console import print_json, refuse_inputs, refuse_overwriting, show_table, stdout
-from stickslip.cli.law_choice import (
-    friction_content,
-    friction_of,
-    friction_title,
-    rig_and_friction,
-)
+from stickslip.cli.law_choice import friction_content, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import LawOptions
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing

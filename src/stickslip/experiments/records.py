@@ -32,11 +32,7 @@ from stickslip.experiments.readers.reader_options import (
     spelled,
 )
 from stickslip.experiments.readers.time_stamps import Repair, repaired, repairs
-from stickslip.experiments.readers.unit_conversion import (
-    Scaling,
-    gains_of,
-    with_motors,
-)
+from stickslip.experiments.readers.unit_conversion import Scaling, gains_of, with_motors
 from stickslip.mechanisms import Mechanism, load_stated, motor_of
 from stickslip.quantities import Numbers
 from stickslip.units import shown

@@ -18,11 +18,7 @@ from stickslip.formulation.hard_stops import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.trace import Switchboard, Symbols, Traced, collapsed, symbols_of
-from stickslip.friction import (
-    FrictionLaw,
-    Laws,
-    bristle_names,
-)
+from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.kernels.header import ContactSizes, law_rows
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure

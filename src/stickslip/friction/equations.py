@@ -9,15 +9,7 @@ from stickslip.errors import InputError
 from stickslip.friction.base import BOUND, bound, is_bound
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
-from stickslip.friction.parts.base import (
-    Extra,
-    Flow,
-    Level,
-    Memory,
-    Slip,
-    SmoothLevel,
-    SmoothSign,
-)
+from stickslip.friction.parts.base import Extra, Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
 from stickslip.maths import Scalar, latched, power, sign, where
 from stickslip.quantities import fields_of, unchecked
 

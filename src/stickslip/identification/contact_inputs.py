@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import (
-    Measurement,
-    as_recorded,
-    command_of,
-    unit_of_input,
-    with_voltage,
-)
+from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input, with_voltage
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (

@@ -26,10 +26,7 @@ from stickslip.identification import (
 from stickslip.kinds.columns import Columns, page_table, terminal_table
 from stickslip.mechanisms import Mechanism
 from stickslip.report import Origin, Section, SectionMaker, opening, reproduce
-from stickslip.selection import (
-    Verdict,
-    score_scale,
-)
+from stickslip.selection import Verdict, score_scale
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)

@@ -17,11 +17,7 @@ from stickslip.identification import (
     RouteName,
     check_given,
 )
-from stickslip.kinds.kind import (
-    PurposeName,
-    Request,
-    SeveralLaws,
-)
+from stickslip.kinds.kind import PurposeName, Request, SeveralLaws
 from stickslip.kinds.registry import (
     AnyKind,
     kind_of,
@@ -30,9 +26,7 @@ from stickslip.kinds.registry import (
     refuse_unused,
 )
 from stickslip.mechanisms import Mechanism, as_rotary
-from stickslip.selection import (
-    Verdict,
-)
+from stickslip.selection import Verdict
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""

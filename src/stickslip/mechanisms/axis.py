@@ -17,12 +17,7 @@ from stickslip.mechanisms.base import (
     gear_inputs,
     stops_between,
 )
-from stickslip.mechanisms.electric_motor import (
-    DCMotor,
-    driving,
-    driving_force,
-    driving_inertia,
-)
+from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Quantity
 
 

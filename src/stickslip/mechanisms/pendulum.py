@@ -9,12 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
-from stickslip.mechanisms.electric_motor import (
-    DCMotor,
-    driving,
-    driving_force,
-    driving_inertia,
-)
+from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Quantity
 
 

@@ -10,12 +10,7 @@ from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, ContactInputs, LinearOrRotary, gear_inputs
-from stickslip.mechanisms.electric_motor import (
-    DCMotor,
-    driving,
-    driving_force,
-    driving_inertia,
-)
+from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Quantity
 
 

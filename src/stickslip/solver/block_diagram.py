@@ -12,12 +12,7 @@ from stickslip.drives import Drive, Profile
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
 from stickslip.formulation import formulate
-from stickslip.friction import (
-    Coulomb,
-    FrictionLaw,
-    PrintedForm,
-    bound,
-)
+from stickslip.friction import Coulomb, FrictionLaw, PrintedForm, bound
 from stickslip.kernels.state_layout import SLIP
 from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism, of_contact

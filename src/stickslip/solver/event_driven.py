@@ -25,11 +25,7 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.reducers import reasons
 from stickslip.solver.run import Record, Tier, execute
 from stickslip.solver.sensitivities import Sensing
-from stickslip.solver.step_limits import (
-    cause_of_small_steps,
-    cause_of_step_limit,
-    cause_of_zeno,
-)
+from stickslip.solver.step_limits import cause_of_small_steps, cause_of_step_limit, cause_of_zeno
 from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
 _STATUS = {

@@ -5,13 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import (
-    OTHER_SPEEDS,
-    OTHER_WAY,
-    TURN,
-    Finding,
-    Severity,
-)
+from stickslip.experiments.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.formatting import count, percent, quantities, quantity
 

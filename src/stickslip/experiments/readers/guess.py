@@ -14,12 +14,7 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES, TRAVELS, Array
-from stickslip.experiments.readers.condition_columns import (
-    KELVINS,
-    TRIAL,
-    by_trial,
-    conditions_in,
-)
+from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file

@@ -10,13 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stickslip.errors import (
-    MOST_NUMBERS,
-    InputError,
-    ParameterError,
-    UnknownNameError,
-    check_size,
-)
+from stickslip.errors import MOST_NUMBERS, InputError, ParameterError, UnknownNameError, check_size
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
 from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, format_of
 from stickslip.experiments.readers.layout import Layout

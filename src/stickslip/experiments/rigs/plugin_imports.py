@@ -11,13 +11,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments.rigs.validation_errors import place
-from stickslip.friction import (
-    FrictionLaw,
-    curves_beside,
-    is_composition,
-    law_type,
-    laws,
-)
+from stickslip.friction import FrictionLaw, curves_beside, is_composition, law_type, laws
 from stickslip.mechanisms import Mechanism
 
 _PATH = re.compile(r"(?P<module>[^\W\d]\w*(\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")

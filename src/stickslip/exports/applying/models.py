@@ -12,12 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, nearest
 from stickslip.exports.applying.edits import Edit, edited
-from stickslip.exports.simplification import (
-    Compared,
-    PolynomialFriction,
-    Simplified,
-    simplified,
-)
+from stickslip.exports.simplification import Compared, PolynomialFriction, Simplified, simplified
 from stickslip.exports.subject import Subject
 from stickslip.formatting import percent, quantity
 from stickslip.friction import SetValuedLaw

@@ -12,13 +12,7 @@ from stickslip.errors import InputError
 from stickslip.exports.applying.edits import Edit
 from stickslip.exports.applying.markup import Markup, Tag, markup_of, root_of
 from stickslip.exports.applying.mjcf import HARD
-from stickslip.exports.applying.models import (
-    ONE_DAMPING,
-    Friction,
-    JointModel,
-    ModelJoint,
-    number,
-)
+from stickslip.exports.applying.models import ONE_DAMPING, Friction, JointModel, ModelJoint, number
 from stickslip.exports.joints import SOFT
 from stickslip.mechanisms import has_macros
 

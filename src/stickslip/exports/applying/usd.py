@@ -12,13 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.exports.applying.edits import Edit
-from stickslip.exports.applying.models import (
-    ONE_DAMPING,
-    Friction,
-    JointModel,
-    ModelJoint,
-    number,
-)
+from stickslip.exports.applying.models import ONE_DAMPING, Friction, JointModel, ModelJoint, number
 from stickslip.exports.applying.usd_text import Prim, Stage, stage_of
 
 KINDS: Final = MappingProxyType(

@@ -15,13 +15,7 @@ from stickslip.experiments import Measurement, Rig
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
 from stickslip.exports.applying.replay import JointReplay, replayed
-from stickslip.exports.applying.running import (
-    Compiled,
-    JointMotion,
-    Tested,
-    in_mujoco,
-    motions_of,
-)
+from stickslip.exports.applying.running import Compiled, JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.subject import Subject
 from stickslip.exports.verb import Asked, subject_of
 from stickslip.formatting import quantity

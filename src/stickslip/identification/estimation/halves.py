@@ -9,11 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.formatting import number, with_unit, within
-from stickslip.identification.estimation.jackknife import (
-    BLOCKS,
-    Inference,
-    effective_size,
-)
+from stickslip.identification.estimation.jackknife import BLOCKS, Inference, effective_size
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.quantities import Quantity

@@ -21,15 +21,7 @@ from stickslip.evidence import (
     fit,
     polished,
 )
-from stickslip.friction import (
-    OPTIONAL,
-    CandidateSpec,
-    Composition,
-    FrictionLaw,
-    Leaf,
-    Rung,
-    law,
-)
+from stickslip.friction import OPTIONAL, CandidateSpec, Composition, FrictionLaw, Leaf, Rung, law
 from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")

@@ -11,12 +11,7 @@ they share in proportion to their levels: they reach these together.
 
 from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.loops import (
-    cut_levels,
-    find_followers,
-    scale_cuts,
-    share_in_loops,
-)
+from stickslip.kernels.contacts.loops import cut_levels, find_followers, scale_cuts, share_in_loops
 from stickslip.kernels.contacts.stops import raise_levels
 from stickslip.kernels.directions import slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST

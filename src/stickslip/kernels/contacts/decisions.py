@@ -22,13 +22,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, reconsider, refresh
-from stickslip.kernels.contacts.loops import (
-    close_loops,
-    crossing,
-    cut_levels,
-    is_bound,
-    mass_along,
-)
+from stickslip.kernels.contacts.loops import close_loops, crossing, cut_levels, is_bound, mass_along
 from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.directions import combined
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED

@@ -25,12 +25,7 @@ from stickslip.kernels.contacts.loops import cut_levels
 from stickslip.kernels.contacts.stops import stopped_side
 from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import (
-    LAW_MARGIN_SLOPES,
-    LAW_SLOPES_OF,
-    PART_SLOPES_OF,
-    evaluate,
-)
+from stickslip.kernels.equations import LAW_MARGIN_SLOPES, LAW_SLOPES_OF, PART_SLOPES_OF, evaluate
 from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION_SLOPES,

@@ -10,13 +10,7 @@ import math
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
-from stickslip.kernels.state_layout import (
-    FIRST_WALL,
-    MODES,
-    N_WALLS,
-    WALL_COLUMNS,
-    WALLS,
-)
+from stickslip.kernels.state_layout import FIRST_WALL, MODES, N_WALLS, WALL_COLUMNS, WALLS
 
 
 def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:

@@ -4,15 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from stickslip.experiments import Checks, sentences_of
-from stickslip.formatting import (
-    joined,
-    number,
-    percent,
-    quantity,
-    ratio,
-    signed_percent,
-    with_unit,
-)
+from stickslip.formatting import joined, number, percent, quantity, ratio, signed_percent, with_unit
 from stickslip.identification import far_above_dry
 from stickslip.kinds.features.features import FASTER, StickSlipFeatures
 from stickslip.kinds.features.result import FeatureFit

@@ -7,12 +7,8 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.kinds.friction_tables.selection import ROUTE, select_table
 from stickslip.kinds.kind import Request
-from stickslip.kinds.records.kind import (
-    RecordKind,
-)
-from stickslip.kinds.records.verdict import (
-    RecordVerdict,
-)
+from stickslip.kinds.records.kind import RecordKind
+from stickslip.kinds.records.verdict import RecordVerdict
 
 
 @final

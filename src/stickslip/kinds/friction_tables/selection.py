@@ -26,12 +26,8 @@ from stickslip.identification import (
     refitted,
 )
 from stickslip.kinds.kind import Request
-from stickslip.kinds.records.admissibility import (
-    standard_uncertainty,
-)
-from stickslip.kinds.records.ladder import (
-    climbed,
-)
+from stickslip.kinds.records.admissibility import standard_uncertainty
+from stickslip.kinds.records.ladder import climbed
 from stickslip.kinds.records.selection import (
     ROUNDING,
     aim_of,
@@ -43,18 +39,8 @@ from stickslip.kinds.records.selection import (
     with_contained,
     without_stated,
 )
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
-from stickslip.selection import (
-    APART,
-    NEAR,
-    CrossValidation,
-    apart,
-    checked,
-    errs_more,
-)
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.selection import APART, NEAR, CrossValidation, apart, checked, errs_more
 
 Array = NDArray[np.float64]
 

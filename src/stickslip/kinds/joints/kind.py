@@ -8,33 +8,14 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
-from stickslip.kinds.joints.selection import (
-    joint_specifications,
-    select_joints,
-)
-from stickslip.kinds.joints.verdict import (
-    JointVerdict,
-)
-from stickslip.kinds.kind import (
-    Comparison,
-    FitSummary,
-    Kind,
-    Law,
-    Request,
-    SeveralLaws,
-)
-from stickslip.kinds.records.kind import (
-    title_of,
-)
-from stickslip.kinds.records.wording import (
-    restarts_text,
-)
+from stickslip.kinds.joints.selection import joint_specifications, select_joints
+from stickslip.kinds.joints.verdict import JointVerdict
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
+from stickslip.kinds.records.kind import title_of
+from stickslip.kinds.records.wording import restarts_text
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import (
-    limits_of,
-    score_text,
-)
+from stickslip.selection import limits_of, score_text
 
 
 @final

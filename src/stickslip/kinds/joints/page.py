@@ -11,52 +11,19 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
-from stickslip.kinds.joints.verdict import (
-    JointVerdict,
-    joint_label,
-    short_verdict,
-)
-from stickslip.kinds.records.page.appendix import (
-    dropped_section,
-    record_figure,
-)
-from stickslip.kinds.records.page.certificate import (
-    certificate_section as certificate_of,
-)
-from stickslip.kinds.records.page.friction import (
-    map_section,
-)
-from stickslip.kinds.records.page.parameters import (
-    parameters_section,
-)
-from stickslip.kinds.records.page.reproduce import (
-    laws_as_code,
-    lines_of,
-    reproduced,
-)
-from stickslip.kinds.records.page.residuals import (
-    residuals_section,
-)
-from stickslip.kinds.records.page.scores import (
-    error_column,
-    scores_section,
-)
-from stickslip.kinds.records.page.sections import (
-    trials_section,
-)
-from stickslip.kinds.records.page.summary import (
-    error_fact,
-    law_lines,
-)
-from stickslip.kinds.records.page.texts import (
-    symbols_of,
-)
-from stickslip.kinds.records.page.validation_record import (
-    second_section,
-)
-from stickslip.kinds.records.verdict import (
-    RecordVerdict,
-)
+from stickslip.kinds.joints.verdict import JointVerdict, joint_label, short_verdict
+from stickslip.kinds.records.page.appendix import dropped_section, record_figure
+from stickslip.kinds.records.page.certificate import certificate_section as certificate_of
+from stickslip.kinds.records.page.friction import map_section
+from stickslip.kinds.records.page.parameters import parameters_section
+from stickslip.kinds.records.page.reproduce import laws_as_code, lines_of, reproduced
+from stickslip.kinds.records.page.residuals import residuals_section
+from stickslip.kinds.records.page.scores import error_column, scores_section
+from stickslip.kinds.records.page.sections import trials_section
+from stickslip.kinds.records.page.summary import error_fact, law_lines
+from stickslip.kinds.records.page.texts import symbols_of
+from stickslip.kinds.records.page.validation_record import second_section
+from stickslip.kinds.records.verdict import RecordVerdict
 from stickslip.plots import (
     MapSplit,
     draw_split_map,
@@ -89,10 +56,7 @@ from stickslip.report import (
     record_and_checks,
     typeset,
 )
-from stickslip.selection import (
-    plain,
-    score_text,
-)
+from stickslip.selection import plain, score_text
 
 MOST: Final = 30
 """Combinations of laws in the table at most."""

@@ -22,22 +22,10 @@ from stickslip.identification import (
     joint_view,
     names_of,
 )
-from stickslip.kinds.joints.verdict import (
-    JointVerdict,
-    combination_of,
-    joint_wording,
-)
-from stickslip.kinds.kind import (
-    PURPOSES,
-    PurposeName,
-)
-from stickslip.kinds.records.explained import (
-    Explained,
-    told_to,
-)
-from stickslip.kinds.records.ladder import (
-    climbed,
-)
+from stickslip.kinds.joints.verdict import JointVerdict, combination_of, joint_wording
+from stickslip.kinds.kind import PURPOSES, PurposeName
+from stickslip.kinds.records.explained import Explained, told_to
+from stickslip.kinds.records.ladder import climbed
 from stickslip.kinds.records.selection import (
     unfitted,
     verdict_on,
@@ -47,20 +35,9 @@ from stickslip.kinds.records.selection import (
     with_scores,
     without_spare,
 )
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.mechanisms import Mechanism
-from stickslip.selection import (
-    LEFT_OUT,
-    Plan,
-    Watch,
-    checked,
-    control,
-    plan_of,
-    specifications,
-)
+from stickslip.selection import LEFT_OUT, Plan, Watch, checked, control, plan_of, specifications
 
 SWEEPS = 6
 """Sweeps over the joints at most."""

@@ -9,19 +9,9 @@ from numpy.typing import NDArray
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent, quantity
-from stickslip.identification import (
-    SEPARABLE,
-    Estimate,
-    RecordFit,
-    step_intervals,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-)
-from stickslip.selection import (
-    one_way,
-    traded,
-)
+from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
+from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.selection import one_way, traded
 
 Array = NDArray[np.float64]
 

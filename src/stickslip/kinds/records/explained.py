@@ -22,10 +22,7 @@ from stickslip.identification import (
     noise_left,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.selection import (
-    REFERENCE,
-    Watch,
-)
+from stickslip.selection import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
 """Kinds of terms that only a record which asks for them brings in."""

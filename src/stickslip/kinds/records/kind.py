@@ -23,32 +23,12 @@ from stickslip.identification import (
     fit_records,
     record_route_name,
 )
-from stickslip.kinds.kind import (
-    Comparison,
-    FitSummary,
-    Kind,
-    Request,
-)
-from stickslip.kinds.records.selection import (
-    select_records,
-    way_for,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
-from stickslip.kinds.records.wording import (
-    error_text,
-    restarts_text,
-    route_text,
-)
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.kinds.records.selection import select_records, way_for
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.records.wording import error_text, restarts_text, route_text
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import (
-    CrossValidatedVerdict,
-    limits_of,
-    score_text,
-    specifications,
-)
+from stickslip.selection import CrossValidatedVerdict, limits_of, score_text, specifications
 
 WITHOUT_EFFECT = {
     "shooting": frozenset[str](),

@@ -8,17 +8,8 @@ from typing import final
 
 from stickslip.formatting import count
 from stickslip.friction import CandidateSpec, Rung, rungs
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-)
-from stickslip.selection import (
-    LEAST,
-    LEFT_OUT,
-    Fitted,
-    Watch,
-    fitted_side_by_side,
-    friction_of,
-)
+from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.selection import LEAST, LEFT_OUT, Fitted, Watch, fitted_side_by_side, friction_of
 
 SHOWN = 5.0
 """Akaike's criterion by which a law must be below all that it contains to be built upon."""

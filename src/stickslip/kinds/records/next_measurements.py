@@ -9,21 +9,11 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordFit, driven, inverse_dynamics, load_of
-from stickslip.kinds.records.design.experiments import (
-    Experiment,
-    design,
-)
-from stickslip.kinds.records.design.predictors import (
-    Predictor,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-)
+from stickslip.kinds.records.design.experiments import Experiment, design
+from stickslip.kinds.records.design.predictors import Predictor
+from stickslip.kinds.records.verdict import RecordCandidate
 from stickslip.mechanisms import slip_of, stops_of
-from stickslip.selection import (
-    Plan,
-    one_way,
-)
+from stickslip.selection import Plan, one_way
 
 RIVALS = 3
 """Laws that proposed measurements tell the best from, at most."""

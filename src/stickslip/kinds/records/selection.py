@@ -7,11 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
-from stickslip.experiments import (
-    Checks,
-    Measurement,
-    with_doubts,
-)
+from stickslip.experiments import Checks, Measurement, with_doubts
 from stickslip.formatting import Scale, lower_first, quantity
 from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
@@ -46,32 +42,12 @@ from stickslip.kinds.records.admissibility import (
     unexplained,
     variation_of,
 )
-from stickslip.kinds.records.explained import (
-    Explained,
-    explained,
-)
-from stickslip.kinds.records.ladder import (
-    Climbed,
-    climbed,
-)
-from stickslip.kinds.records.next_measurements import (
-    experiments_after,
-)
-from stickslip.kinds.records.simplification import (
-    one_part_less,
-    untold,
-)
-from stickslip.kinds.records.verdict import (
-    Purpose,
-    RecordCandidate,
-    RecordVerdict,
-    SecondRecord,
-)
-from stickslip.kinds.records.wording import (
-    equals_of,
-    outcomes,
-    record_wording,
-)
+from stickslip.kinds.records.explained import Explained, explained
+from stickslip.kinds.records.ladder import Climbed, climbed
+from stickslip.kinds.records.next_measurements import experiments_after
+from stickslip.kinds.records.simplification import one_part_less, untold
+from stickslip.kinds.records.verdict import Purpose, RecordCandidate, RecordVerdict, SecondRecord
+from stickslip.kinds.records.wording import equals_of, outcomes, record_wording
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 from stickslip.selection import (

@@ -8,9 +8,7 @@ import numpy as np
 
 from stickslip.friction import CandidateSpec, FrictionLaw, containment_of, law, one_step_simpler
 from stickslip.identification import FittedLaw, RecordFit
-from stickslip.kinds.records.admissibility import (
-    unidentified,
-)
+from stickslip.kinds.records.admissibility import unidentified
 
 
 def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:

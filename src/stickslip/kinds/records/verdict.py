@@ -19,9 +19,7 @@ from stickslip.identification import (
     TrialComparison,
     interleaved,
 )
-from stickslip.kinds.records.design.experiments import (
-    Experiment,
-)
+from stickslip.kinds.records.design.experiments import Experiment
 from stickslip.selection import (
     CrossValidated,
     CrossValidatedVerdict,

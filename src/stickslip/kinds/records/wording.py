@@ -27,13 +27,8 @@ from stickslip.identification import (
     difference,
     far_above_dry,
 )
-from stickslip.kinds.records.design.experiments import (
-    Experiment,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    SecondRecord,
-)
+from stickslip.kinds.records.design.experiments import Experiment
+from stickslip.kinds.records.verdict import RecordCandidate, SecondRecord
 from stickslip.quantities import turned
 from stickslip.selection import (
     NOT_DISTINGUISHED,

@@ -1,24 +1,17 @@
 """Travels: distances to rest, or per cycle of a drive."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import final
 
 from typing_extensions import override
 
-from stickslip.experiments import Measurement
-from stickslip.formatting import (
-    quantity,
-)
+from stickslip.experiments import Checks, Measurement, check
+from stickslip.formatting import quantity
 from stickslip.friction import law_type
 from stickslip.identification import AnyLaw, Laws, quantities_read
 from stickslip.kinds.columns import terminal_table
-from stickslip.kinds.kind import (
-    Comparison,
-    FitSummary,
-    Kind,
-    Law,
-    Request,
-)
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request
 from stickslip.kinds.travels.fit import fit_travels
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.selection import PLAIN, select_travels
@@ -79,7 +72,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
         heads, rows = terminal_table(columns_of(verdict), everyone)
-        return Comparison(heads=heads, rows=rows, notes=notes)
+        return Comparison(heads=heads, rows=rows, notes=notes, checks=_of_units(verdict))
 
     @override
     def summary(
@@ -102,3 +95,9 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         )
 
         return sections(verdict, origin, remark)
+
+
+def _of_units(verdict: TravelVerdict) -> Checks:
+    """Return what is doubtful about the units of the readings; the verdict says the rest itself."""
+    found = check(verdict.measurement, mechanism=verdict.mechanism)
+    return replace(found, findings=tuple(one for one in found.findings if one.kind == "units"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, refuse_faults
 from stickslip.formatting import joined, lower_first
 from stickslip.friction import (
     DirectionDependent,
@@ -103,6 +103,7 @@ def select_travels(
             " laws then."
         )
     mechanism = varied.mechanism
+    refuse_faults(measurement, mechanism)
     trials = trials_of(mechanism, measurement, t_end)
     if isinstance(laws, Mapping) and not laws:
         laws = None  # a rig file without friction values: the command tries the usual laws too

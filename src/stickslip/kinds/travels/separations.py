@@ -11,12 +11,7 @@ import numpy as np
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import whole_cycles
-from stickslip.formatting import (
-    joined,
-    number,
-    quantity,
-    scale_of,
-)
+from stickslip.formatting import joined, number, quantity, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelModel, Trial
 from stickslip.mechanisms import Mechanism

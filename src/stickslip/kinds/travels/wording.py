@@ -6,15 +6,7 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from stickslip.formatting import (
-    Scale,
-    capital,
-    count,
-    joined,
-    lower_first,
-    number,
-    quantity,
-)
+from stickslip.formatting import Scale, capital, count, joined, lower_first, number, quantity
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.kinds.travels.admissibility import doubts
 from stickslip.kinds.travels.candidates import turns_back

@@ -12,15 +12,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.formatting import estimate as estimated
-from stickslip.formatting import (
-    fixed,
-    joined,
-    number,
-    quantities,
-    quantity,
-    ratio,
-    signed,
-)
+from stickslip.formatting import fixed, joined, number, quantities, quantity, ratio, signed
 from stickslip.friction import RateState
 from stickslip.identification import (
     BLOCKS,

@@ -9,10 +9,7 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.friction import Viscous
 from stickslip.identification import Estimate, Laws
-from stickslip.kinds import (
-    Kind,
-    Request,
-)
+from stickslip.kinds import Kind, Request
 from stickslip.quantities import fields_of
 from stickslip.selection import Wording
 

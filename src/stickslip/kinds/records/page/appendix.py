@@ -6,33 +6,13 @@ import numpy as np
 
 from stickslip.formatting import Scale, in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
-from stickslip.kinds.records.design.experiments import (
-    Experiment,
-)
-from stickslip.kinds.records.page.scores import (
-    error_column,
-)
-from stickslip.kinds.records.page.texts import (
-    symbols_of,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.design.experiments import Experiment
+from stickslip.kinds.records.page.scores import error_column
+from stickslip.kinds.records.page.texts import symbols_of
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, speeds_of, thinned
-from stickslip.report import (
-    Column,
-    Figure,
-    Number,
-    Row,
-    Section,
-    Table,
-    record_and_checks,
-    typeset,
-)
-from stickslip.selection import (
-    score_text,
-)
+from stickslip.report import Column, Figure, Number, Row, Section, Table, record_and_checks, typeset
+from stickslip.selection import score_text
 
 LINES = 700
 """Points of a line of the record."""

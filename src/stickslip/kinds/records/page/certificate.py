@@ -17,20 +17,10 @@ from stickslip.formatting import (
     significant,
 )
 from stickslip.identification import SEPARABLE, RecordFit
-from stickslip.kinds.records.page.scores import (
-    picks_text,
-)
-from stickslip.kinds.records.verdict import (
-    BlockwiseVerdict,
-)
-from stickslip.kinds.records.wording import (
-    restarts_text,
-)
-from stickslip.report import (
-    KeyValue,
-    Section,
-    certificate,
-)
+from stickslip.kinds.records.page.scores import picks_text
+from stickslip.kinds.records.verdict import BlockwiseVerdict
+from stickslip.kinds.records.wording import restarts_text
+from stickslip.report import KeyValue, Section, certificate
 
 TWICE: Final = 2.0
 """Residuals below this many times the least are said to be so many percent higher."""

@@ -10,13 +10,8 @@ from numpy.typing import NDArray
 from stickslip.formatting import Scale, joined, quantity, significant, with_unit
 from stickslip.friction import DirectionDependent
 from stickslip.identification import RecordFit, inputs_text
-from stickslip.kinds.records.page.texts import (
-    rival_of,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.page.texts import rival_of
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.plots import (
     MAP_SIZES,
     MapPoints,
@@ -26,13 +21,8 @@ from stickslip.plots import (
     map_points,
     sampled,
 )
-from stickslip.report import (
-    Figure,
-    Section,
-)
-from stickslip.selection import (
-    in_sentence,
-)
+from stickslip.report import Figure, Section
+from stickslip.selection import in_sentence
 
 Array: TypeAlias = NDArray[np.float64]
 FELT: Final = 0.02

@@ -15,14 +15,8 @@ from stickslip.identification import (
     reads_as_forces,
     step_intervals,
 )
-from stickslip.kinds.records.page.texts import (
-    symbols_of,
-    to_digits,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.page.texts import symbols_of, to_digits
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.report import (
     Axis,
     Block,
@@ -45,9 +39,7 @@ from stickslip.report import (
     label_of,
     typeset,
 )
-from stickslip.selection import (
-    in_sentence,
-)
+from stickslip.selection import in_sentence
 
 MOST_CORRELATED: Final = 8
 """Parameters of a triangle at most: a larger one is wider than a phone."""

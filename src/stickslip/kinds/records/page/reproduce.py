@@ -9,20 +9,11 @@ import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identification import LAW, RecordSettings
-from stickslip.kinds.records.verdict import (
-    BlockwiseVerdict,
-    RecordVerdict,
-)
+from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordVerdict
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
-from stickslip.report import (
-    Origin,
-    Section,
-    reproduce,
-)
-from stickslip.selection import (
-    specifications,
-)
+from stickslip.report import Origin, Section, reproduce
+from stickslip.selection import specifications
 
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 """Stands for the blanks of names while lines are wrapped."""

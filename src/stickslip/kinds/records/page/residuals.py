@@ -4,13 +4,8 @@ import numpy as np
 
 from stickslip.formatting import joined, number, percent, quantity, significant
 from stickslip.identification import RecordFit, has_trend, ljung_box, noise_floor
-from stickslip.kinds.records.page.texts import (
-    rival_of,
-    symbols_of,
-)
-from stickslip.kinds.records.verdict import (
-    RecordVerdict,
-)
+from stickslip.kinds.records.page.texts import rival_of, symbols_of
+from stickslip.kinds.records.verdict import RecordVerdict
 from stickslip.plots import (
     ERROR_SIZES,
     ResidualPanel,
@@ -24,12 +19,7 @@ from stickslip.plots import (
     residual_sizes,
     rows_of,
 )
-from stickslip.report import (
-    Block,
-    Figure,
-    Section,
-    typeset,
-)
+from stickslip.report import Block, Figure, Section, typeset
 
 FLOOR = 10.0
 """Residuals over what noise would leave from which a missing trend alone says too little."""

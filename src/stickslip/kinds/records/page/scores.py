@@ -4,14 +4,8 @@ import math
 from typing import Final
 
 from stickslip.formatting import Scale, joined, number, percent, quantity
-from stickslip.kinds.records.page.texts import (
-    symbols_of,
-)
-from stickslip.kinds.records.verdict import (
-    BlockwiseVerdict,
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.page.texts import symbols_of
+from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordCandidate, RecordVerdict
 from stickslip.report import (
     Axis,
     Cell,
@@ -28,13 +22,7 @@ from stickslip.report import (
     error_plot,
     typeset,
 )
-from stickslip.selection import (
-    ALIKE,
-    APART,
-    NEAR,
-    in_sentence,
-    score_text,
-)
+from stickslip.selection import ALIKE, APART, NEAR, in_sentence, score_text
 
 NAMES: Final = {
     "held-out blocks": "held-out error",

@@ -7,54 +7,20 @@ from numpy.typing import NDArray
 
 from stickslip.formatting import in_words, joined, percent
 from stickslip.identification import Prediction, RecordFit
-from stickslip.kinds.records.page.appendix import (
-    dropped_section,
-    next_section,
-    record_section,
-)
-from stickslip.kinds.records.page.certificate import (
-    certificate_section,
-)
-from stickslip.kinds.records.page.friction import (
-    map_section,
-)
-from stickslip.kinds.records.page.parameters import (
-    parameters_section,
-)
-from stickslip.kinds.records.page.reproduce import (
-    reproduce_section,
-)
-from stickslip.kinds.records.page.residuals import (
-    residuals_section,
-)
-from stickslip.kinds.records.page.scores import (
-    scores_section,
-)
-from stickslip.kinds.records.page.summary import (
-    opening_section,
-)
-from stickslip.kinds.records.page.texts import (
-    rival_of,
-    symbols_of,
-)
-from stickslip.kinds.records.page.validation_record import (
-    second_section,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.page.appendix import dropped_section, next_section, record_section
+from stickslip.kinds.records.page.certificate import certificate_section
+from stickslip.kinds.records.page.friction import map_section
+from stickslip.kinds.records.page.parameters import parameters_section
+from stickslip.kinds.records.page.reproduce import reproduce_section
+from stickslip.kinds.records.page.residuals import residuals_section
+from stickslip.kinds.records.page.scores import scores_section
+from stickslip.kinds.records.page.summary import opening_section
+from stickslip.kinds.records.page.texts import rival_of, symbols_of
+from stickslip.kinds.records.page.validation_record import second_section
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.plots import Loop, draw_loops, inline_svg, loop_sizes
-from stickslip.report import (
-    Figure,
-    PageSections,
-    Paragraph,
-    Section,
-    typeset,
-)
-from stickslip.selection import (
-    in_sentence,
-)
+from stickslip.report import Figure, PageSections, Paragraph, Section, typeset
+from stickslip.selection import in_sentence
 
 Array: TypeAlias = NDArray[np.float64]
 

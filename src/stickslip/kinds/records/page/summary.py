@@ -8,46 +8,16 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.errors import InputError
-from stickslip.formatting import (
-    number,
-    parameter_words,
-    rounded,
-    signed_percent,
-    with_unit,
-)
-from stickslip.friction import (
-    Coulomb,
-    CoulombViscous,
-    DirectionDependent,
-    QuadraticDrag,
-    Viscous,
-)
+from stickslip.formatting import number, parameter_words, rounded, signed_percent, with_unit
+from stickslip.friction import Coulomb, CoulombViscous, DirectionDependent, QuadraticDrag, Viscous
 from stickslip.identification import Estimate, RecordFit
-from stickslip.kinds.records.design.predictors import (
-    Steady,
-)
-from stickslip.kinds.records.next_measurements import (
-    predictor_of,
-)
-from stickslip.kinds.records.page.texts import (
-    paired,
-    rival_of,
-    symbols_of,
-    to_digits,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
+from stickslip.kinds.records.design.predictors import Steady
+from stickslip.kinds.records.next_measurements import predictor_of
+from stickslip.kinds.records.page.texts import paired, rival_of, symbols_of, to_digits
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.plots import map_points
 from stickslip.quantities import fields_of, turned
-from stickslip.report import (
-    Fact,
-    LawLine,
-    Section,
-    label_of,
-    opening,
-)
+from stickslip.report import Fact, LawLine, Section, label_of, opening
 from stickslip.selection import (
     in_sentence,
     limit_of,

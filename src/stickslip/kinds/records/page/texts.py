@@ -5,13 +5,8 @@ from collections.abc import Iterable
 
 from stickslip.formatting import rounded
 from stickslip.identification import Estimate
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-)
-from stickslip.selection import (
-    apart,
-)
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.selection import apart
 
 
 def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:

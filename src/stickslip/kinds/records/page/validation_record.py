@@ -8,30 +8,11 @@ import numpy as np
 from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, joined, quantity, ratio, with_unit
 from stickslip.identification import Prediction
-from stickslip.kinds.records.page.texts import (
-    rival_of,
-)
-from stickslip.kinds.records.verdict import (
-    RecordCandidate,
-    RecordVerdict,
-    SecondRecord,
-)
+from stickslip.kinds.records.page.texts import rival_of
+from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict, SecondRecord
 from stickslip.plots import Piece, draw_pieces, inline_svg, piece_sizes
-from stickslip.report import (
-    Block,
-    Column,
-    Figure,
-    Name,
-    Number,
-    Paragraph,
-    Row,
-    Section,
-    Table,
-)
-from stickslip.selection import (
-    in_sentence,
-    score_text,
-)
+from stickslip.report import Block, Column, Figure, Name, Number, Paragraph, Row, Section, Table
+from stickslip.selection import in_sentence, score_text
 
 POINTS: Final = 300
 """Points of a piece drawn at most."""

@@ -3,12 +3,7 @@
 from collections.abc import Mapping
 
 from stickslip import formatting
-from stickslip.formatting import (
-    fixed,
-    joined,
-    scale_of,
-    within,
-)
+from stickslip.formatting import fixed, joined, scale_of, within
 from stickslip.kinds.travels.figures import SEPARATION_SIZES
 from stickslip.kinds.travels.separations import Proposal
 from stickslip.kinds.travels.verdict import (

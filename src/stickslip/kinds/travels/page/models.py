@@ -30,16 +30,7 @@ from stickslip.kinds.travels.verdict import (
 from stickslip.mechanisms import slip_names
 from stickslip.plots import inline_svg
 from stickslip.quantities import fields_of
-from stickslip.report import (
-    ERRORS,
-    Axis,
-    Block,
-    Cell,
-    Figure,
-    Name,
-    Section,
-    Table,
-)
+from stickslip.report import ERRORS, Axis, Block, Cell, Figure, Name, Section, Table
 from stickslip.selection import friction_of, score_text
 
 SAMPLES: Final = 4000

@@ -6,13 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.formatting import (
-    fixed,
-    joined,
-    quantities,
-    quantity,
-    significant,
-)
+from stickslip.formatting import fixed, joined, quantities, quantity, significant
 from stickslip.friction import FrictionLaw
 from stickslip.kinds.travels.verdict import TravelVerdict
 from stickslip.mechanisms import slip_names
