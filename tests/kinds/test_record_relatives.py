@@ -75,11 +75,14 @@ def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted
 
     asked = SimpleNamespace(asked=SimpleNamespace(explanation=None))
     fits = [fitted(BRISTLE, 4.0), fitted(MAXWELL_SLIP, 1.3)]
-    spec, start = Explained.relative(asked, fits)
+    spec, start = Explained.relative(asked, fits, {"lugre", "gms"})
     assert spec.name == "elasto-plastic"
     assert start.values["mechanism.inertia"] == 2.0
-    assert Explained.relative(asked, [*fits, fitted(start.law, 1.0)]) is None
-    assert Explained.relative(asked, [fitted(BRISTLE, 1.0)]) is None
+    assert Explained.relative(asked, fits, {"lugre", "gms", "elasto-plastic"}) is None
+    assert Explained.relative(asked, [fitted(BRISTLE, 1.0)], {"lugre"}) is None
+    # one that could not be fitted does not stand in the way of the other
+    spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0)], {"lugre", "gms"})
+    assert spec.name == "elasto-plastic"
 
 
 def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():

@@ -1,7 +1,7 @@
 """Candidates that the force balance of a record asks for, and what it says of them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -109,7 +109,9 @@ class Explained:
         }
         return {name: one for name, one in named.items() if one} | {**self.starts}
 
-    def relative(self, fits: Sequence[RecordFit]) -> tuple[CandidateSpec, FittedLaw] | None:
+    def relative(
+        self, fits: Sequence[RecordFit], tried: Collection[str]
+    ) -> tuple[CandidateSpec, FittedLaw] | None:
         """Return the next law that no structure is, begun from the closest law with a bristle.
 
         None where the closest structure leaves no more than noise, or where motion is simulated:
@@ -117,7 +119,6 @@ class Explained:
         leaves little does not tell that another one leaves more.
         """
         closest = min(fits, key=lambda one: one.rms, default=None)
-        tried = {one.law.name for one in fits}
         name = next((one for one in RELATIVES if one not in tried), None)
         if closest is None or name is None or closest.problem.simulates or not closest.law.states:
             return None

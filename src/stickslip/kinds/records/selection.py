@@ -301,8 +301,8 @@ def _with_relatives(
     """Return candidates with laws that no structure is, where the others leave more than noise."""
     while True:
         fits = [one.fit for one in found.tried if one.fit]
-        new = asked.relative(fits)
-        if new is None or new[0].name in {spec.name for spec in found.specs}:
+        new = asked.relative(fits, {spec.name for spec in found.specs})
+        if new is None:
             return found
         rival = min(fits, key=lambda one: one.rms).fitted_law
         one = fitted(new[0], [new[1]], rival.cost / rival.rows, watch)
