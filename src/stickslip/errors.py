@@ -137,6 +137,17 @@ def check_even_times(count: float) -> None:
     check_size("record at even times", count, "cut the record where its times leap")
 
 
+def not_finite(value: object) -> str:
+    """Return that a number of an equation is none that can be computed with.
+
+    Examples
+    --------
+    >>> not_finite(float("inf"))
+    'an equation contains inf, which is no finite number'
+    """
+    return f"an equation contains {value!r}, which is no finite number"
+
+
 def not_whole(name: str, least: int, value: object) -> str:
     """Return the sentence that refuses what is no whole number, or too small a one.
 

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 import symengine as se
 from typing_extensions import override
 
-from stickslip.errors import TracingError
+from stickslip.errors import TracingError, not_finite
 from stickslip.maths import NO_COMPARISON
 from stickslip.mechanisms import Mechanism
 
@@ -116,7 +116,7 @@ def expression(value: Any) -> se.Expr:
             f"an equation contains {value!r}, which is neither a number nor a symbol"
         )
     if not math.isfinite(value):
-        raise TracingError(f"an equation contains {value!r}, which is no finite number")
+        raise TracingError(not_finite(value))
     top, bottom = float(value).as_integer_ratio()
     # 0.5 and its like stay exact, so that factors from energies cancel instead of piling up
     return (

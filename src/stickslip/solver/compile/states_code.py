@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import CompilationError
+from stickslip.errors import CompilationError, not_finite
 from stickslip.friction import FrictionLaw, bound
 from stickslip.quantities import shadow, structure, unchecked
 from stickslip.solver.compile import state_steps
@@ -204,7 +204,7 @@ class _Lines:
             return value.text
         number = float(value)
         if not np.isfinite(number):
-            raise CompilationError(f"an equation contains {value!r}, which is no finite number")
+            raise CompilationError(not_finite(value))
         return repr(number)
 
     def new(self, text: str) -> "Written":
