@@ -325,13 +325,6 @@ def test_a_rig_without_friction_values_tries_the_usual_laws_and_calls_nothing_gi
     assert not any("given" in line for line in verdict.words.settles)
 
 
-def test_equal_readings_of_zero_do_not_contradict_each_other():
-    stuck = Measurement(trials=(Measurement(travel=0.0), Measurement(travel=0.0)))
-    verdict = select(RIG, None, stuck)
-    assert "contradict" not in verdict.sentence
-    assert verdict.best is not None
-
-
 def test_no_law_is_passed_over_where_none_is_named():
     verdict = select(RIG, PLAIN, readings(COULOMB, scale={2: 10.0}))
     content = verdict.to_dict()
