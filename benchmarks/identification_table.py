@@ -154,7 +154,7 @@ def tribometer() -> Iterator[Row]:
         problem = force_map(law, UNIT, between(record, 12.0, 75.0))
         values = search(problem, starts=1).best.values
         judged = force_map(problem.law, UNIT, between(record, 12.0, 110.0), samples=math.inf)
-        judged = replace(judged, free_parameters_=problem.free_parameters)
+        judged = replace(judged, free_parameters=problem.free_parameters)
         late = judged.times >= 75.0
         residual = (judged.measured - judged.predicted(values))[late]
         error = 100.0 * float(np.sqrt(np.mean(residual**2) / np.mean(judged.measured[late] ** 2)))

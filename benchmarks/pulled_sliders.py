@@ -40,7 +40,7 @@ from stickslip.friction import RATE_STATE_FORMS, HessSoom, RateState
 from stickslip.identification import Estimate
 from stickslip.kinds import FeatureVerdict, RateStateVerdict, simulate_velocity_steps
 from stickslip.kinds.features.problem import cycle_features
-from stickslip.kinds.features.scores import as_good
+from stickslip.kinds.features.result import as_good
 
 NEAR = 0.05
 """Root mean square error of features at other speeds, or share of the variation of friction at

@@ -6,9 +6,12 @@ A law or a mechanism that is added to a registry is met by every test that draws
 import contextlib
 import dataclasses
 import functools
+import importlib.util
 import inspect
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -580,3 +583,13 @@ def sketched() -> Iterator[None]:
             patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", sketch)
         yield
+
+
+def module_at(path: Path) -> ModuleType:
+    """Return the module of a file that no package contains."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -11,11 +11,8 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from docutils import nodes
-from docutils.statemachine import StringList
-from generated import symbol, table
+from generated import Generated, symbol, table
 from sphinx.application import Sphinx
-from sphinx.util.docutils import SphinxDirective
 
 from stickslip.characterization import Characterization, characterize
 from stickslip.characterization.battery import law_with_values
@@ -308,18 +305,10 @@ def thumbnails() -> Iterator[str]:
 CONTENT = {"guide": guide, "thumbnails": thumbnails}
 
 
-class Gallery(SphinxDirective):
+class Gallery(Generated):
     """``{gallery} guide``: the decision guide, or the thumbnails."""
 
-    required_arguments = 1
-
-    def run(self) -> list[nodes.Node]:
-        lines = "\n".join(CONTENT[self.arguments[0]]()).splitlines()
-        parent = nodes.section()
-        parent.document = self.state.document
-        content = StringList(lines, source=self.get_source_info()[0])
-        self.state.nested_parse(content, self.content_offset, parent, match_titles=True)
-        return parent.children
+    written = CONTENT
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

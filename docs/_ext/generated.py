@@ -3,7 +3,7 @@
 import inspect
 import re
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import typer.main
 from docutils import nodes
@@ -294,9 +294,11 @@ class Generated(SphinxDirective):
     """``{generated} laws``: the page content of that name, only sections or none at all."""
 
     required_arguments = 1
+    written: ClassVar = CONTENT
+    """Functions that write each content, by its name."""
 
     def run(self) -> list[nodes.Node]:
-        lines = "\n".join(CONTENT[self.arguments[0]]()).splitlines()
+        lines = "\n".join(self.written[self.arguments[0]]()).splitlines()
         parent = nodes.section()
         parent.document = self.state.document
         content = StringList(lines, source=self.get_source_info()[0])

@@ -1,7 +1,6 @@
 """Environments of Gymnasium: their steps are those of the exact engine."""
 
 import dataclasses
-import importlib.util
 import itertools
 import json
 import math
@@ -14,6 +13,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from tests.support import module_at
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, simulate
 from stickslip.adapters import (
@@ -355,10 +355,7 @@ def test_the_weight_of_the_work_is_what_the_three_phase_motion_reaches(task, mot
 
 
 def trainer():
-    spec = importlib.util.spec_from_file_location("train_cart", FILES / "train_cart.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(FILES / "train_cart.py")
 
 
 @pytest.mark.slow

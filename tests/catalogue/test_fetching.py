@@ -160,7 +160,7 @@ def test_a_cancelled_download_leaves_nothing_behind(upstream, monkeypatch):
     def cancelled(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stickslip.catalogue.cache.sha256_of", cancelled)
+    monkeypatch.setattr("stickslip.catalogue.dataset.sha256_of", cancelled)
     with pytest.raises(KeyboardInterrupt):
         text_record().path()
     assert len(upstream.asked) == 1

@@ -5,8 +5,7 @@ import json
 import pandas as pd
 import pytest
 from PIL import Image
-
-from stickslip.cli import main
+from tests.commands import commands
 
 RIG = """
 title = "Driven axis"
@@ -31,16 +30,7 @@ def run(capsys, monkeypatch, tmp_path):
     """Run a command in a folder with a rig file; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rig.toml").write_text(RIG)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 def test_animate_writes_the_frames_it_tells_of(run, tmp_path):

@@ -4,8 +4,7 @@ import json
 from importlib.resources import files
 
 import pytest
-
-from stickslip.cli import main
+from tests.commands import commands
 
 LAW = """
 title = "Desk arm"
@@ -31,16 +30,7 @@ def called(tmp_path, monkeypatch, capsys):
     (tmp_path / "law.toml").write_text(LAW, encoding="utf-8")
     robot = (files("stickslip.mechanisms") / "desk_arm.urdf").read_bytes()
     (tmp_path / "arm.urdf").write_bytes(robot)
-
-    def call(*arguments):
-        try:
-            code = main(["apply", *map(str, arguments)])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, "apply", one_line=True)
 
 
 def test_the_file_is_written_with_what_it_costs(called, tmp_path):

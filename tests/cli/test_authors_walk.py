@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.commands import commands
 
 from stickslip import (
     Coulomb,
@@ -21,7 +22,6 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.cli import main
 
 pytestmark = pytest.mark.slow
 
@@ -95,16 +95,7 @@ set = {{ "mechanism.compression" = "{compression} mm" }}
 def walk(tmp_path, monkeypatch, capsys):
     """Run commands in a folder of their own; return exit code, JSON or text, and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main([str(one) for one in arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 def write_rig(law, *, velocity, stiffness):

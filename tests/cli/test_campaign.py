@@ -4,8 +4,7 @@ import json
 
 import pandas as pd
 import pytest
-
-from stickslip.cli import main
+from tests.commands import commands
 
 RIG = """
 [mechanism]
@@ -56,16 +55,7 @@ def here(tmp_path, monkeypatch):
 @pytest.fixture
 def called(here, capsys):
     """Run a command; return exit code, stdout and stderr."""
-
-    def call(*arguments):
-        try:
-            code = main([*map(str, arguments)])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 def test_a_campaign_is_made_once(called, here):

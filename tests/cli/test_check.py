@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-
-from stickslip.cli import main
+from tests.commands import commands
 
 TIME = np.arange(2000) / 1000
 
@@ -14,16 +13,7 @@ TIME = np.arange(2000) / 1000
 def run(capsys, monkeypatch, tmp_path):
     """Run a command in an empty folder; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main(["check", *arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, "check", one_line=True)
 
 
 @pytest.fixture

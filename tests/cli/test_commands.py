@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from tests.commands import commands
 
-from stickslip.cli import main
 from stickslip.errors import InputError
 from stickslip.friction import LAWS, PRINTED_FORMS
 
@@ -19,16 +19,7 @@ from stickslip.friction import LAWS, PRINTED_FORMS
 def run(capsys, monkeypatch, tmp_path):
     """Run a command in an empty folder; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 def complaint(run, *arguments):

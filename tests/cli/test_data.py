@@ -4,10 +4,10 @@ import json
 
 import pandas as pd
 import pytest
+from tests.commands import commands
 from tests.upstream import TEXT, Upstream, text_record
 
 from stickslip import catalogue
-from stickslip.cli import main
 
 
 @pytest.fixture
@@ -18,16 +18,7 @@ def run(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("NO_PROXY", "127.0.0.1")
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.delenv("STICKSLIP_DATA", raising=False)
-
-    def call(*arguments):
-        try:
-            code = main(["data", *arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys, "data")
 
 
 @pytest.fixture

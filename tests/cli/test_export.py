@@ -5,8 +5,7 @@ import shutil
 import zipfile
 
 import pytest
-
-from stickslip.cli import main
+from tests.commands import commands
 
 LAW = """
 title = "Slide"
@@ -34,16 +33,7 @@ def called(tmp_path, monkeypatch, capsys):
     """Run commands in a folder with a law; return exit code, stdout and stderr on one line."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "law.toml").write_text(LAW, encoding="utf-8")
-
-    def call(*arguments):
-        try:
-            code = main(["export", *map(str, arguments)])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, "export", one_line=True)
 
 
 def test_files_go_into_a_folder_and_are_named(called, tmp_path):

@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from tests.commands import commands
 
 from stickslip import Coulomb, TowedBlock, load_rig, simulate
-from stickslip.cli import main
 
 RIG = """
 title = "Slider"
@@ -40,16 +40,7 @@ def run(capsys, monkeypatch, tmp_path, table):
     (tmp_path / "slider.toml").write_text(RIG)
     held = RIG.replace('{ value = "30 g", vary = true }', '"30 g"')
     (tmp_path / "held.toml").write_text(held)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):

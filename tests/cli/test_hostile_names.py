@@ -10,9 +10,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from tests.commands import commands
 
 from stickslip import load_rig
-from stickslip.cli import main
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.formatting import printable
 from stickslip.plots import standalone_svg
@@ -37,16 +37,7 @@ STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\u2
 def run(capsys, monkeypatch, tmp_path):
     """Run a command in an empty folder; return exit code, stdout and stderr as they are."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 def is_clean(*texts):

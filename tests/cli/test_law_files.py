@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.commands import commands
 from tests.support import exported
 
 from stickslip import (
@@ -68,16 +69,7 @@ LAW = Coulomb(kinetic_coefficient=0.2)
 def walk(tmp_path, monkeypatch, capsys):
     """Run commands in a folder of their own; return exit code, stdout, stderr on one line."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main([str(one) for one in arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 def write(path, mechanism, law, estimates=None):

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.commands import commands
 
 from stickslip import load_rig
 from stickslip.cli import main
@@ -28,16 +29,7 @@ def polishes_are_short(monkeypatch):
 def run(capsys, monkeypatch, tmp_path):
     """Run the command in an empty folder; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main(["profile", "optimise", str(RIG), *arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys, "profile", "optimise", str(RIG))
 
 
 def test_writes_a_rig_that_simulates_a_figure_and_the_numbers(run, capsys):

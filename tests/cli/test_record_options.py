@@ -7,15 +7,15 @@ import signal
 
 import numpy as np
 import pytest
+from tests.commands import commands
 
 from stickslip import Axis, CoulombViscous, load_rig, simulate
-from stickslip.cli import main
 from stickslip.cli.inputs import measured
 from stickslip.cli.progress import Interrupts
 from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.kinds.records import selection
-from stickslip.solver.compile.messages import notice
+from stickslip.solver.compile.modules import notice
 
 RIG = """
 title = "Axis"
@@ -47,16 +47,7 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
     (tmp_path / "axis.toml").write_text(RIG + DATA)
     (tmp_path / "map.toml").write_text(RIG + '[data]\nfile = "map.csv"\n')
     (tmp_path / "known.toml").write_text(RIG + DATA + VISCOUS)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.commands import commands
 
 from stickslip import CoulombViscous, Pendulum, load_rig, simulate
-from stickslip.cli import main
 from stickslip.cli.progress import Interrupts
 from stickslip.identification.records.fitting import fit_record
 from stickslip.kinds.records import selection
@@ -54,16 +54,7 @@ def run(capsys, monkeypatch, tmp_path, write):
     (tmp_path / "axis.toml").write_text(
         RIG.format(inertia='{ value = "5 kg", vary = true }') + DATA
     )
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 def test_a_rig_file_with_data_is_all_that_select_needs(run, tmp_path):

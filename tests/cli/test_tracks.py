@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-
-from stickslip.cli import main
+from tests.commands import commands
 
 MU = 0.21
 SPEED = 1.4
@@ -27,16 +26,7 @@ def run(capsys, monkeypatch, tmp_path):
     twice = "\n".join(f"{row}\t{row.split(chr(9), 1)[1]}" for row in rows)
     (tmp_path / "two.txt").write_text("\tmass A\t\tmass B\nt\tx\ty\tx\ty\n" + twice)
     (tmp_path / "block.toml").write_text('[mechanism]\ntype = "spring-block"\nmass = 0.82\n')
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 def test_check_says_how_the_motion_lies_in_the_picture(run):

@@ -6,25 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.cli.test_law_files import CART, KNOWN, LAW, write
+from tests.commands import commands
 
 from stickslip import Coulomb, Pendulum, SpringBlock, load_rig, simulate
-from stickslip.cli import main
 
 
 @pytest.fixture
 def walk(tmp_path, monkeypatch, capsys):
     """Run commands in a folder of their own; return exit code, stdout, stderr on one line."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main([str(one) for one in arguments])
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 @pytest.fixture

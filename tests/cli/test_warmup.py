@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.commands import commands
 
 import stickslip.cli.warmup as command
-from stickslip.cli import main
 from stickslip.errors import CompilationError
 from stickslip.friction import listed
 from stickslip.mechanisms import mechanisms
@@ -28,16 +28,7 @@ kinetic_coefficient = 0.25
 def run(capsys, monkeypatch, tmp_path):
     """Run a command in an empty folder; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, " ".join(seen.err.split())
-
-    return call
+    return commands(capsys, one_line=True)
 
 
 @pytest.fixture

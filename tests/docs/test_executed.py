@@ -1,10 +1,10 @@
 """Pages are run again when what they depend on has changed."""
 
-import importlib.util
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.support import module_at
 
 EXTENSION = Path(__file__).parents[2] / "docs/_ext/executed.py"
 
@@ -16,11 +16,7 @@ def executed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     for path in (tmp_path / "src/package/module.py", tmp_path / "docs/_ext/examples.py"):
         path.parent.mkdir(parents=True)
         path.write_text("one = 1\n")
-    spec = importlib.util.spec_from_file_location("executed", EXTENSION)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = module_at(EXTENSION)
     monkeypatch.setattr(module, "ROOT", tmp_path)
     monkeypatch.setattr(module, "EXTENSIONS", tmp_path / "docs/_ext")
     monkeypatch.setattr(module, "KEPT", tmp_path / "kept")

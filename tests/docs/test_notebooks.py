@@ -1,11 +1,11 @@
 """Tutorials can be downloaded as notebooks, which hold their cells and no markup of Sphinx."""
 
-import importlib.util
 import re
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.support import module_at
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = [
@@ -19,12 +19,7 @@ CELL = re.compile(r"^```\{code-cell\}\n((?::[^\n]*\n)*)(.*?)^```$", re.DOTALL | 
 @pytest.fixture(scope="module")
 def notebooks() -> ModuleType:
     pytest.importorskip("myst_nb", reason="documentation is built with the extra dev")
-    spec = importlib.util.spec_from_file_location("notebooks", DOCS / "_ext/notebooks.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(DOCS / "_ext/notebooks.py")
 
 
 def title(name: str) -> str:

@@ -1,7 +1,6 @@
 """The README is pasted by newcomers: what it shows must be what happens."""
 
 import contextlib
-import importlib.util
 import io
 import re
 import shlex
@@ -11,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from tests.support import sketched
+from tests.support import module_at, sketched
 
 from stickslip import load_rig
 from stickslip.cli import main
@@ -123,11 +122,7 @@ def test_what_the_demonstration_says_is_quoted() -> None:
 
 
 def test_the_record_is_the_one_that_the_script_of_the_figures_makes() -> None:
-    spec = importlib.util.spec_from_file_location("make_figures", ROOT / "docs/make_figures.py")
-    assert spec is not None
-    assert spec.loader is not None
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
+    made = module_at(ROOT / "docs/make_figures.py")
     expected = made.record()
     stored = pd.read_csv(made.RECORD)
     assert list(stored) == list(expected)

@@ -1,10 +1,10 @@
 """Pages on public records are run where the records are, and say so elsewhere."""
 
-import importlib.util
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.support import module_at
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = [page for page in sorted(DOCS.glob("*/*.md")) if "\nrecords: " in page.read_text("utf-8")]
@@ -13,12 +13,7 @@ PAGES = [page for page in sorted(DOCS.glob("*/*.md")) if "\nrecords: " in page.r
 @pytest.fixture(scope="module")
 def records() -> ModuleType:
     pytest.importorskip("sphinx", reason="documentation is built with the extra dev")
-    spec = importlib.util.spec_from_file_location("records", DOCS / "_ext/records.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(DOCS / "_ext/records.py")
 
 
 def test_there_are_pages_on_records() -> None:

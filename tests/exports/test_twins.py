@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.commands import commands
 
 from stickslip import (
     Axis,
@@ -19,7 +20,6 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.cli import main
 from stickslip.drives import PiecewiseLinear, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import Rig
@@ -327,16 +327,7 @@ t_end = "1 s"
 def run(capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "slide.toml").write_text(RIG)
-
-    def call(*arguments):
-        try:
-            code = main(("simulate", "slide.toml", *arguments))
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys, "simulate", "slide.toml")
 
 
 def test_the_command_runs_as_another_program_does(run, tmp_path):

@@ -25,7 +25,7 @@ from stickslip.friction import (
     laws,
     specification,
 )
-from stickslip.friction.equations import equations_of
+from stickslip.friction.classes import equations_of
 from stickslip.friction.notation import read
 from stickslip.friction.parts import PARTS
 from stickslip.identification.estimation.parameters import starting_law

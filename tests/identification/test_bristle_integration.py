@@ -11,7 +11,7 @@ from stickslip import GMS, Dahl, ElastoPlastic, LuGre
 from stickslip.friction import BristleLaw, law
 from stickslip.identification.estimation import bristle_integration
 from stickslip.identification.estimation.bristle_integration import Path, follow
-from stickslip.identification.estimation.perturbed_laws import with_arrays
+from stickslip.identification.estimation.parameters import with_arrays
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 

@@ -14,7 +14,7 @@ from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.kinds.records.explained import Explained, _compared, explained
-from stickslip.selection.wording import friction_of
+from stickslip.selection.verdict import friction_of
 
 FADES = (0.1, 2.0)
 BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}

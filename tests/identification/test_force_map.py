@@ -468,7 +468,7 @@ def between(record: Measurement, first: float, last: float) -> Measurement:
 def relative_error(record: Measurement, problem: ForceMap, values: Array) -> float:
     """Return rms(measured - law - offset) / rms(measured) of all samples from 75 s to 110 s."""
     judged = force_map(problem.law, AXIS, between(record, 12.0, 110.0), samples=math.inf)
-    judged = replace(judged, free_parameters_=problem.free_parameters)
+    judged = replace(judged, free_parameters=problem.free_parameters)
     late = judged.times >= 75.0
     residual = judged.measured - judged.predicted(values)
     return float(np.sqrt(np.mean(residual[late] ** 2) / np.mean(judged.measured[late] ** 2)))

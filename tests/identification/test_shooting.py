@@ -44,7 +44,7 @@ def problem_of(record, law=CoulombViscous):
     start, items, _ = law_unknowns(law, scales)
     more = mechanism_unknowns(RIG, start, ("inertia",), scales)
     segments = segments_of(RIG, record, length=1.0, resolution=200)
-    return Shooting(law=start, free_parameters_=joined(start, [*items, *more]), segments=segments)
+    return Shooting(law=start, free_parameters=joined(start, [*items, *more]), segments=segments)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import Axis, Coulomb, EventDriven, ensemble, simulate
 from stickslip.drives import Sine
-from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
+from stickslip.kernels.sensitivities import RADAU, RADAU_NODES, RADAU_STAGES
 from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Min, Samples
 from stickslip.results import Sensitivity, Status
 

@@ -24,7 +24,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.kinds import fit_features
-from stickslip.kinds.features.scores import as_good, error_of_score, paired, room_of
+from stickslip.kinds.features.result import as_good, error_of_score, paired, room_of
 from stickslip.results import FeatureFit, FeatureVerdict
 
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)

@@ -4,16 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from tests.commands import commands
 
 from stickslip import RecordSettings, fit, select, write_report
-from stickslip.cli import main
 from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
 from stickslip.kinds.report import verdict_page
-from stickslip.report.core.documents import Origin
-from stickslip.report.core.page import render
+from stickslip.report.core.documents import Origin, render
 
 RIG = """
 title = "Gouge"
@@ -126,16 +125,7 @@ def run(capsys, monkeypatch, tmp_path, steps):
     table = np.stack([steps.time, 1e6 * steps.pull, steps.friction], axis=1)
     np.savetxt("steps.csv", table, delimiter=",", header="t,pull,mu", comments="")
     (tmp_path / "steps.toml").write_text(RIG)
-
-    def call(*arguments):
-        try:
-            code = main(arguments)
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        seen = capsys.readouterr()
-        return code, seen.out, seen.err
-
-    return call
+    return commands(capsys)
 
 
 def test_the_command_fits_law_and_stiffness(run):

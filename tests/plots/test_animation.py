@@ -44,10 +44,10 @@ from stickslip.plots.animation.scenes import (
     Turn,
     scene_of,
 )
-from stickslip.plots.animation.scenes.bounding_boxes import Scales, extent_of
 from stickslip.plots.animation.scenes.registry import bars
 from stickslip.plots.animation.scenes.renderer import _PAINTERS as PAINTERS
 from stickslip.plots.animation.scenes.renderer import MODE_COLOURS
+from stickslip.plots.animation.scenes.shapes import Scales, extent_of
 from stickslip.plots.core.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)

@@ -41,7 +41,8 @@ from stickslip.kinds.records.page.texts import rival_of
 from stickslip.kinds.records.wording import in_sentence
 from stickslip.kinds.report import verdict_page
 from stickslip.plots import characteristic
-from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
+from stickslip.plots.core.helpers import thinned
+from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled
 from stickslip.report import Paragraph, Section, law_references, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts, typeset

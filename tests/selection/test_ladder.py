@@ -8,7 +8,7 @@ import pytest
 from stickslip import Axis, Measurement, RecordSettings, select, simulate
 from stickslip.drives import Sampled
 from stickslip.friction import law, usual_specifications
-from stickslip.friction.ladder import rungs
+from stickslip.friction.registry import rungs
 from stickslip.selection.candidates import contains
 
 AXIS = Axis(inertia=1.0)

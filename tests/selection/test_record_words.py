@@ -32,8 +32,7 @@ from stickslip.kinds.records.selection import _on_second, verdict_on
 from stickslip.kinds.records.wording import first_of, record_wording
 from stickslip.selection.candidates import checked
 from stickslip.selection.identifiable import settled_estimates
-from stickslip.selection.verdict import score_text
-from stickslip.selection.wording import corrections
+from stickslip.selection.verdict import corrections, score_text
 
 AXIS = Axis(inertia=1.0)
 QUICK = RecordSettings(starts=1)

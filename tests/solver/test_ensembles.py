@@ -34,7 +34,7 @@ from stickslip.mechanisms import Prescribed, given_inputs
 from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
 from stickslip.quantities import Quantity, vary
 from stickslip.results import Sensitivity, Status
-from stickslip.solver import chunks, path_units
+from stickslip.solver import ensembles, path_units
 from stickslip.testing.friction import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
@@ -213,13 +213,13 @@ def known():
 
 @pytest.mark.parametrize("rows", [1, 4, 22, 23, 24])
 def test_the_size_of_the_chunks_changes_nothing(known, monkeypatch, rows):
-    monkeypatch.setattr(chunks, "MOST_ROWS", rows)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", rows)
     assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON), known)
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
 def test_the_number_of_threads_changes_nothing(known, monkeypatch, workers):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 3)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 3)
     with ThreadPoolExecutor(workers) as pool:
         assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
         pool.submit(int).result()  # it is still the caller's
@@ -228,24 +228,24 @@ def test_the_number_of_threads_changes_nothing(known, monkeypatch, workers):
 def test_threads_of_the_compiled_tier_change_nothing(monkeypatch):
     columns = {MU: MUS, "initial.x": 0.01}
     one = ensemble(DECAY, LAW, columns, t_end=2.0, solver=PYTHON)
-    monkeypatch.setattr(chunks, "MOST_ROWS", 3)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 3)
     with ThreadPoolExecutor(5) as pool:
         assert_same(ensemble(DECAY, LAW, columns, t_end=2.0, executor=pool), one)
 
 
 def test_any_executor_will_do(known, monkeypatch):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 5)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 5)
     assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=Serial()), known)
 
 
 def test_processes_change_nothing(known, monkeypatch):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 8)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 8)
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
 
 
 def test_progress_counts_up_to_all_runs(monkeypatch):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 4)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 4)
     seen = []
     ensemble(SWING, LAW, {MU: MUS}, t_end=1.0, solver=PYTHON, progress=lambda *c: seen.append(c))
     done = [count for count, _ in seen]
@@ -257,7 +257,7 @@ def test_progress_counts_up_to_all_runs(monkeypatch):
 
 @pytest.mark.parametrize("executor", [None, Serial()], ids=["threads", "serial"])
 def test_what_is_cancelled_is_told_and_has_no_numbers(known, monkeypatch, executor):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 1)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 1)
     threads = active_count()
     runs = ensemble(
         SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=executor,
@@ -276,7 +276,7 @@ def test_what_is_cancelled_is_told_and_has_no_numbers(known, monkeypatch, execut
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
 def test_what_progress_raises_passes_through_and_leaves_no_threads(monkeypatch, error):
-    monkeypatch.setattr(chunks, "MOST_ROWS", 1)
+    monkeypatch.setattr(ensembles, "MOST_ROWS", 1)
     threads = active_count()
 
     def stop(done, count):

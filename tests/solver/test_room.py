@@ -7,7 +7,7 @@ from stickslip import Coulomb, EventDriven, Stribeck, TowedBlock, ensemble, simu
 from stickslip.kernels.driver import events_are_full, log_is_full
 from stickslip.kernels.enums import FULL, RUNNING
 from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, STATUS, STEPS
-from stickslip.solver import Final, Sensitivity, chunks, run
+from stickslip.solver import Final, Sensitivity, ensembles, run
 
 BLOCK = TowedBlock(mass=1.0, stiffness=1.0, speed=0.1)
 LAW = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.05)
@@ -19,7 +19,7 @@ def room(request, monkeypatch):
     """Begin with room for one row, or for many."""
     rows = {"little": 1, "plenty": 1000}[request.param]
     monkeypatch.setattr(run, "FIRST_ROWS", rows)
-    monkeypatch.setattr(chunks, "FIRST_ROWS", rows)
+    monkeypatch.setattr(ensembles, "FIRST_ROWS", rows)
     return rows
 
 

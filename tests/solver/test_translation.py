@@ -19,7 +19,7 @@ import pytest
 import symengine as se
 
 from stickslip.errors import CompilationError
-from stickslip.formulation.code_printer import function
+from stickslip.formulation.infix import function
 from stickslip.kernels.backend import rare
 from stickslip.kernels.state_layout import NUMBERS
 from stickslip.solver.compile.equations_code import EquationsCode

@@ -16,7 +16,7 @@ from stickslip import Coulomb, CoulombViscous, SpringBlock
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
 from stickslip.solver import prepare, warm_up
-from stickslip.solver.compile import image_cache, messages, modules, object_code, precompile
+from stickslip.solver.compile import image_cache, modules, object_code, precompile
 from stickslip.solver.compile.kernels_code import KERNELS, KernelsCode
 from stickslip.solver.compile.modules import load_compiled
 
@@ -131,8 +131,8 @@ def test_what_is_there_needs_no_folder_that_can_be_written(cache, monkeypatch):
 
 
 def test_afterwards_the_equations_are_loaded_and_nothing_is_said(cache, fresh, capsys, monkeypatch):
-    monkeypatch.setattr(messages, "_watched", lambda: True)
-    monkeypatch.setattr(messages.LOG, "hasHandlers", lambda: False)
+    monkeypatch.setattr(modules, "_watched", lambda: True)
+    monkeypatch.setattr(modules.LOG, "hasHandlers", lambda: False)
     monkeypatch.setattr(object_code, "_compiled", None)
     prepare(RIG, OTHER)
     assert capsys.readouterr().err == ""
@@ -201,20 +201,20 @@ def test_the_kernels_come_first_and_once_for_all(empty, monkeypatch):
 def test_a_message_is_shown_where_somebody_watches_and_no_log_takes_it(
     capsys, monkeypatch, watched, handled, level, shown
 ):
-    monkeypatch.setattr(messages, "_watched", lambda: watched)
-    monkeypatch.setattr(messages.LOG, "hasHandlers", lambda: handled)
-    before = messages.LOG.level
-    messages.LOG.setLevel(level)
+    monkeypatch.setattr(modules, "_watched", lambda: watched)
+    monkeypatch.setattr(modules.LOG, "hasHandlers", lambda: handled)
+    before = modules.LOG.level
+    modules.LOG.setLevel(level)
     try:
-        messages.notice("Compiling ...")
+        modules.notice("Compiling ...")
     finally:
-        messages.LOG.setLevel(before)
+        modules.LOG.setLevel(before)
     assert (capsys.readouterr().err == "Compiling ...\n") is shown
 
 
 def test_files_and_pipes_are_nobody_who_watches():
     with tempfile.TemporaryFile() as file:
-        code = "from stickslip.solver.compile.messages import notice; notice('Compiling ...')"
+        code = "from stickslip.solver.compile.modules import notice; notice('Compiling ...')"
         subprocess.run([sys.executable, "-c", code], stderr=file, check=True)
         file.seek(0)
         assert file.read() == b""

@@ -28,7 +28,7 @@ from stickslip.cli.inputs import (
 from stickslip.cli.law_choice import law_to_fit
 from stickslip.documents import document, with_files, write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, check, findings_text, load_rig, refuse_same
+from stickslip.experiments import Checks, check, load_rig, refusal, refuse_same
 from stickslip.identification import Fit, far_above_dry
 from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
 
@@ -90,8 +90,7 @@ def _checked(request: Request) -> Checks:
         )
     checks = check(request.measurement, mechanism=request.mechanism)
     if checks.worst == "error":
-        wrong = findings_text([one for one in checks.findings if one.severity == "error"])
-        raise InputError(f"This record cannot be fitted. {wrong}")
+        raise refusal([one for one in checks.findings if one.severity == "error"])
     if request.validate is not None:
         refuse_same(request.measurement, request.validate)
     return checks

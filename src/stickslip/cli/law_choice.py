@@ -5,7 +5,7 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar, final
 
 from stickslip.cli.console import note, overrides, plain
 from stickslip.cli.options import LawOptions
@@ -37,6 +37,8 @@ from stickslip.kinds import AnyKind, Law
 from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
 from stickslip.quantities import fields_of, parameters
 
+Carried = TypeVar("Carried", CarriedLaw, CarriedLaws)
+
 USUAL = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 """A file, and after a colon which of its laws."""
@@ -46,57 +48,47 @@ FRICTION = "friction."
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChosenLaw:
-    """A law and how well it is known."""
+class _Chosen(Generic[Carried]):
+    """What is to rub, and how well it is known."""
 
-    carried: CarriedLaw
-    """The law with its estimates, as transferred to this mechanism."""
+    carried: Carried
+    """The law, or laws by contact, with estimates, as transferred to this mechanism."""
     source: Rig | None = None
     """Where it was fitted, if that is another file than the rig's."""
+
+    @property
+    def estimates(self) -> LawEstimates | None:
+        """Intervals and covariance of the parameters, if their file has them."""
+        return self.carried.estimates
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What does not carry over from where it was fitted."""
+        return self.carried.remarks
+
+
+@final
+class ChosenLaw(_Chosen[CarriedLaw]):
+    """A law and how well it is known."""
 
     @property
     def law(self) -> FrictionLaw:
         """The law, as it is on this mechanism."""
         return self.carried.law
 
-    @property
-    def estimates(self) -> LawEstimates | None:
-        """Intervals and covariance of its parameters, if its file has them."""
-        return self.carried.estimates
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What does not carry over from where the law was fitted."""
-        return self.carried.remarks
-
     def to_dict(self) -> dict[str, Any]:
         """Return its name, and what is to be known of it if it is from another file."""
         return {"law": self.law.name, **_file_content(self.source, self.remarks)}
 
 
-@dataclass(frozen=True, kw_only=True)
-class ChosenLaws:
+@final
+class ChosenLaws(_Chosen[CarriedLaws]):
     """Laws by contact and how well they are known."""
-
-    carried: CarriedLaws
-    """The laws with their estimates, as transferred to this mechanism."""
-    source: Rig | None = None
-    """Where they were fitted, if that is another file than the rig's."""
 
     @property
     def laws(self) -> Laws:
         """The laws by contact."""
         return self.carried.laws
-
-    @property
-    def estimates(self) -> LawEstimates | None:
-        """Intervals and covariance of their parameters, if their file has them."""
-        return self.carried.estimates
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What does not carry over from where the laws were fitted."""
-        return self.carried.remarks
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -68,6 +68,7 @@ INSIDE = {
     "read_data": "records",
     "read_gain": "units",
     "read_number": "units",
+    "refusal": "preconditions",
     "refuse_faults": "preconditions",
     "refuse_lack": "preconditions",
     "refuse_same": "preconditions",

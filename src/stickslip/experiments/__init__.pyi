@@ -41,6 +41,7 @@ from stickslip.experiments.measurement import condition_unit as condition_unit
 from stickslip.experiments.measurement import tells_load as tells_load
 from stickslip.experiments.measurement import unit_of_input as unit_of_input
 from stickslip.experiments.preconditions import findings_text as findings_text
+from stickslip.experiments.preconditions import refusal as refusal
 from stickslip.experiments.preconditions import refuse_faults as refuse_faults
 from stickslip.experiments.preconditions import refuse_lack as refuse_lack
 from stickslip.experiments.preconditions import refuse_same as refuse_same

@@ -17,12 +17,7 @@ ACTING = ("force", "reference", "friction")
 """What acts on a body: a second record without it would be predicted as if nothing did."""
 
 
-def refuse_faults(
-    measurement: Measurement,
-    mechanism: Mechanism,
-    *,
-    opening: str = "This record cannot be fitted.",
-) -> None:
+def refuse_faults(measurement: Measurement, mechanism: Mechanism) -> None:
     """Refuse a measurement with errors that `check` finds.
 
     Examples
@@ -35,7 +30,12 @@ def refuse_faults(
     """
     wrong = faults(measurement, mechanism=mechanism)
     if wrong:
-        raise InputError(f"{opening} {findings_text(wrong)}")
+        raise refusal(wrong)
+
+
+def refusal(wrong: Sequence[Finding]) -> InputError:
+    """Return what refuses a record with these errors."""
+    return InputError(f"This record cannot be fitted. {findings_text(wrong)}")
 
 
 def findings_text(findings: Sequence[Finding]) -> str:

@@ -6,7 +6,6 @@ from functools import partial
 
 import symengine as se
 
-from stickslip.formulation.code_printer import Cases, function, program
 from stickslip.formulation.contact_parts import (
     ContactParts,
     LawParts,
@@ -14,7 +13,8 @@ from stickslip.formulation.contact_parts import (
     derive_parts,
     law_parts,
 )
-from stickslip.formulation.hard_stops import impact_events
+from stickslip.formulation.infix import Cases, function, program
+from stickslip.formulation.mechanics import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.trace import Switchboard, Symbols, Traced, collapsed, symbols_of

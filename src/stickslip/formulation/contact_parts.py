@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.linearity import linear_where, load_factor
-from stickslip.formulation.mechanics import Rows, lagrange_rows
+from stickslip.formulation.mechanics import Rows, Wall, derive_walls, lagrange_rows
 from stickslip.formulation.prescribed_motion import guides_of, own_limits
 from stickslip.formulation.slip_directions import SlipDirections, direction_of, slip_directions
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression

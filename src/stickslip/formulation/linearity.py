@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import symengine as se
 
 from stickslip.errors import TracingError
-from stickslip.formulation.trace import LONGEST, collapsed, has_switch
+from stickslip.formulation.trace import LONGEST, collapsed, rebuilt
 from stickslip.friction import FrictionLaw
 
 MOST_SWITCHES = 4
@@ -42,15 +42,13 @@ def _decide(
 
 def _chosen(e: se.Expr, fixed: Mapping[str, bool]) -> se.Expr:
     """Return an expression with the branches that hold for given switches."""
-    if not e.args or not has_switch(e):
-        return e
-    if isinstance(e, se.Piecewise):
-        yes, condition, no, _ = e.args
+
+    def chosen(switch: se.Piecewise) -> se.Expr:
+        yes, condition, no, _ = switch.args
         name = str(condition.args[1])
-        if name in fixed:
-            return _chosen(yes if fixed[name] else no, fixed)
-        return e
-    return e.func(*[_chosen(part, fixed) for part in e.args])
+        return _chosen(yes if fixed[name] else no, fixed) if name in fixed else switch
+
+    return rebuilt(e, chosen)
 
 
 def _affine(e: se.Expr, variables: list[se.Symbol]) -> bool:

@@ -5,11 +5,10 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
-from stickslip.formulation.code_printer import Case, Cases, program
 from stickslip.formulation.contact_model import contact_model
-from stickslip.formulation.hard_stops import impact_events, wall_guards
+from stickslip.formulation.infix import Case, Cases, program
 from stickslip.formulation.linearity import linear_where
-from stickslip.formulation.mechanics import Mechanics, derive_mechanics
+from stickslip.formulation.mechanics import Mechanics, derive_mechanics, impact_events, wall_guards
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.trace import Switchboard, Symbols, Traced, symbols_of

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import numbers
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
@@ -279,30 +280,37 @@ def is_zero(e: se.Expr) -> bool:
 
 def collapsed(e: se.Expr) -> se.Expr:
     """Merge branches that became equal, as they do after a derivative."""
-    if not e.args or not has_switch(e):
-        return e
-    if isinstance(e, se.Piecewise):
-        yes, condition, no, _ = e.args
-        yes, no = collapsed(yes), collapsed(no)
-        return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
-    return e.func(*[collapsed(part) for part in e.args])
+    return rebuilt(e, _merged)
 
 
-def has_switch(e: se.Expr) -> bool:
-    """Whether any part of an expression is a Piecewise.
+def _merged(e: se.Piecewise) -> se.Expr:
+    yes, condition, no, _ = e.args
+    yes, no = collapsed(yes), collapsed(no)
+    return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
+
+
+def rebuilt(e: se.Expr, change: Callable[[se.Piecewise], se.Expr]) -> se.Expr:
+    """Return an expression with its outermost switches changed.
 
     Parts that several others share, of which recursions make many, are looked at once.
     """
-    seen: set[se.Expr] = set()
-    waiting = [e]
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, se.Piecewise):
-            return True
+    seen: dict[se.Expr, se.Expr | None] = {}
+
+    def changed(part: se.Expr) -> se.Expr | None:
+        """Return the new part; None of one without a switch."""
         if part.args and part not in seen:
-            seen.add(part)
-            waiting.extend(part.args)
-    return False
+            if isinstance(part, se.Piecewise):
+                seen[part] = change(part)
+            else:
+                new = [(one, changed(one)) for one in part.args]
+                plain = all(other is None for _, other in new)
+                seen[part] = (
+                    None if plain else part.func(*[b if b is not None else a for a, b in new])
+                )
+        return seen.get(part)
+
+    found = changed(e)
+    return e if found is None else found
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ HOMES = {
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "usual_specifications": "ladder",
+    "usual_specifications": "registry",
 }
 
 INSIDE = {
@@ -96,7 +96,7 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",
-    "Rung": "ladder",
+    "Rung": "registry",
     "anywhere": "base",
     "assigned": "by_contact",
     "bound": "base",
@@ -111,7 +111,7 @@ INSIDE = {
     "law_of": "by_contact",
     "listed": "registry",
     "one_step_simpler": "containment",
-    "rungs": "ladder",
+    "rungs": "registry",
     "said_of": "classes",
     "simpler_laws": "registry",
     "specification": "registry",

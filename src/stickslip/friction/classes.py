@@ -4,24 +4,438 @@ import abc
 import dataclasses
 import functools
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, cast, final
 
 from stickslip.errors import InputError, nearest
-from stickslip.friction.base import ALWAYS, BristleLaw, FrictionLaw, SetValuedLaw
-from stickslip.friction.composition import Composition
+from stickslip.friction.base import (
+    ALWAYS,
+    BOUND,
+    BristleLaw,
+    FrictionLaw,
+    SetValuedLaw,
+    bound,
+    is_bound,
+)
+from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
 from stickslip.friction.containment import Contained
-from stickslip.friction.equations import equations_of, for_floats, one_way
 from stickslip.friction.formulas import formula_of
-from stickslip.friction.notation import Term, canonical, read
-from stickslip.friction.parts.base import Memory, Parameter
+from stickslip.friction.notation import (
+    Around,
+    Name,
+    Product,
+    Sum,
+    Term,
+    canonical,
+    read,
+    summed,
+    terms_of,
+)
+from stickslip.friction.parts.base import (
+    Extra,
+    Flow,
+    Level,
+    Memory,
+    Parameter,
+    Slip,
+    SmoothLevel,
+    SmoothSign,
+)
 from stickslip.friction.sources import SOURCES
+from stickslip.maths import Scalar, latched, power, sign, where
+from stickslip.quantities import fields_of, unchecked
 
+LEAST = 1e-3
+"""Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
+NAMES: Mapping[str, Any] = {
+    name: getattr(math, name)
+    for name in ("atan", "copysign", "cos", "exp", "log", "sin", "sqrt", "tanh")
+} | {"latched": latched, "power": power, "sign": sign}
+DISPATCH = """
+def evaluated(law, {signature}):
+    if {floats}:
+        try:
+            shape = ({shape})
+            function = known.get(shape)
+            if function is None:
+                function = known[shape] = made(law)
+            return function(law, {given})
+        except (AttributeError, IndexError, TypeError, ValueError):
+            pass  # parameters are arrays or symbols
+    return equation(law, {given})
+"""
 HOME = "stickslip.friction.registry"
 """Module in which pickle looks for classes without a name."""
 PUBLIC = "stickslip.friction"
 """Where it looks for those with one."""
+MACHINERY = ("__dict__", "__weakref__", "__abstractmethods__", "_abc_impl")
+"""Attributes of classes that belong to one class alone."""
+FLOATS = {
+    "sliding": ("speed", "load"),
+    "force": ("velocity", "load", "states"),
+    "rates": ("velocity", "load", "states"),
+    "steady": ("velocity", "load"),
+}
+"""Equations that have a text of their own for floats, with their arguments."""
+
+
+def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, Any]:
+    """Return the methods of the class of a composition, by name."""
+    more: dict[str, Any] = {"limits": _limits(c)}
+    if c.memory is None and not c.directional:
+        return more | _set_valued(c)
+    if c.directional:
+        more["towards"] = _towards(c, one_way)
+    return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
+
+
+def one_way(term: Term) -> Term:
+    """Return the term of one direction."""
+    match term:
+        case Around(head=Name(name="both_ways"), inner=inner):
+            return inner
+        case Sum(items=items):
+            return summed(tuple(one for item in items for one in terms_of(one_way(item))))
+        case Around(head=head, inner=inner):
+            return Around(head, one_way(inner))
+        case Product(first=first, factors=factors):
+            return Product(one_way(first), factors)
+        case _:
+            return term
+
+
+def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the level of sliding, over the load; None where no part has one."""
+    found = []
+    for leaf in leaves:
+        if isinstance(leaf.part, (Level, Extra, SmoothLevel)):
+            value = leaf.part.sliding(*leaf.told(law, slip, choose))
+            if value is not None:
+                value = leaf.times(value, law, slip, choose)
+            if leaf.sign is not None and value is not None:
+                smooth = cast(SmoothSign, leaf.sign.part)
+                value = value * smooth.shape(*leaf.sign.told(law, slip, choose))
+            found.append(value)
+    return _total(found)
+
+
+def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Scalar:
+    """Return the level at rest, over the load: the last whole level that is given, and extras."""
+    own = [leaf for leaf in leaves if not leaf.sign]
+    ranks = ("kinetic_coefficient", "static_coefficient", "break_away_coefficient")
+    held = {leaf.part.rest: leaf for leaf in own if isinstance(leaf.part, Level)}
+    found: Scalar = 0.0
+    steps: list[Scalar] = []
+    for leaf in (held[rest] for rest in ranks if rest in held):
+        given = getattr(leaf.told(law, STILL, choose)[0], cast(Level, leaf.part).rest)
+        if given is not None:
+            steps.append(leaf.times(given - found if steps else given, law, STILL, choose))
+            found = given
+    # a level of its own, and not the sum of its steps, where no factor tells these apart
+    total = _total(steps) if any(leaf.factors for leaf in held.values()) else found
+    for leaf in own:
+        if isinstance(leaf.part, Extra) and leaf.part.holds:
+            value = leaf.part.at_rest(*leaf.told(law, STILL, choose))
+            total = total + leaf.times(value, law, STILL, choose)
+    return total
+
+
+def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the force of the parts without levels; None where there are none."""
+    return _total(
+        [
+            leaf.times(leaf.part.flow(*leaf.told(law, slip, choose)), law, slip, choose)
+            for leaf in leaves
+            if isinstance(leaf.part, Flow)
+        ]
+    )
+
+
+def _total(values: Sequence[Scalar]) -> Scalar | None:
+    """Return the sum; None where nothing is summed."""
+    there = [one for one in values if one is not None]
+    return functools.reduce(lambda one, other: one + other, there) if there else None
+
+
+def _by_velocity(velocity: Scalar) -> Choose:
+    return lambda forward, backward: where(velocity < 0.0, backward, forward)
+
+
+def _least(forward: Scalar, backward: Scalar) -> Scalar:
+    return where(forward < backward, forward, backward)
+
+
+def _set_valued(c: Composition) -> dict[str, Any]:
+    """Return the equations of a law without memory."""
+
+    def sliding(self: Any, speed: Scalar, load: Scalar) -> Scalar:
+        slip = Slip(speed=speed, along=speed)
+        level = _level(c.outside, self, slip)
+        return _total([None if level is None else level * load, _flow(c.outside, self, slip)])
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return _rest(c.outside, self) * load
+
+    return {"sliding": sliding, "break_away": break_away}
+
+
+def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
+    """Return the equations of a law with a memory."""
+    memory = cast(Memory, leaf.part)
+
+    def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
+        return slip, choose, _level(c.inside, self, slip, choose)
+
+    def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
+        level = _level(c.outside, self, slip, choose)
+        scaled = None if level is None else sign(slip.along) * level * load
+        return _total([scaled, _flow(c.outside, self, slip, choose)])
+
+    names = memory.states(c.argument)
+
+    def force(self: Any, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        if len(states) != len(names):
+            raise InputError(
+                f"the friction law {self.name} has {len(names)} states ({', '.join(names)}): give"
+                f" force(velocity, load, states), got {len(states)} states."
+            )
+        slip, choose, g = at(self, velocity)
+        held = memory.force(leaf.told(self, slip, choose)[0], slip, states, g)
+        return _total([held * load, beside(self, slip, choose, load)])
+
+    def rates(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+    ) -> tuple[Scalar, ...]:
+        slip, choose, g = at(self, velocity)
+        return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
+
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.told(self, slip, choose)[0], slip, states, g, time)
+
+    def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
+        slip, choose, g = at(self, velocity)
+        return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return memory.peak(leaf.told(self, STILL, _least)[0]) * _rest(c.inside, self, _least) * load
+
+    return {
+        "states": names,
+        "force": force,
+        "rates": rates,
+        "moved": moved,
+        "steady": steady,
+        "break_away": break_away,
+    }
+
+
+def _directional() -> dict[str, Any]:
+    """Return the equations of a law without memory that differs between the directions."""
+
+    def force(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...] = (),  # noqa: ARG001
+    ) -> Scalar:
+        ahead, back = (self.towards(side).force(velocity, load) for side in (1, -1))
+        return where(velocity < 0.0, back, ahead)
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return _least(*(self.towards(side).break_away(load) for side in (1, -1)))
+
+    return {"force": force, "break_away": break_away}
+
+
+def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
+    """Return the method that gives the factors that may fall below 0."""
+    found = {text: leaf for text, leaf in c.factors.items() if not leaf.part.opposes}
+
+    def limits(self: Any) -> dict[str, Scalar]:
+        if c.directional:
+            return {
+                f"{way} {text}": margin
+                for side, way in ((1, "forward"), (-1, "backward"))
+                for text, margin in self.towards(side).limits().items()
+            }
+        return {
+            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            for text, leaf in found.items()
+        }
+
+    return limits
+
+
+def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:
+    """Return the method that gives the law of one direction."""
+
+    def towards(self: Any, direction: int) -> Any:
+        kind, prefix = one_way(), SIDES[1 if direction > 0 else -1][0]
+        mine = {meaning: field for field, meaning in c.meanings.items()}
+        values: dict[str, Any] = {}
+        for name, meaning in kind.made_of.meanings.items():
+            own = mine.get(prefix + meaning, mine.get(meaning))
+            values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
+        if kind.states:
+            values["static_switch"] = self.static_switch
+        one: Any = unchecked(kind, **values)
+        return bound(one, vars(self)[BOUND]) if is_bound(self) else one
+
+    return towards
+
+
+@final
+class Written:
+    """An expression in Python; what is done to it is written down."""
+
+    __slots__ = ("text",)
+    __hash__ = None  # type: ignore[assignment]  # an expression is no value
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __maths__(self, name: str, *arguments: Scalar) -> "Written":
+        """Write a function of `stickslip.maths`; of a choice only the branch taken is evaluated."""
+        if name == "where":
+            yes, no, _ = arguments
+            return Written(f"({_text(yes)} if {self.text} else {_text(no)})")
+        given = [*map(_text, arguments)]
+        match name, arguments:
+            case "power", (_, float(exponent)) if exponent.is_integer():
+                return Written(f"({given[0]} ** {given[1]})")
+            case "sign", _ if given[0].isidentifier():
+                return Written(f"(copysign(1.0, {given[0]}) if {given[0]} else 0.0)")
+        return Written(f"{name}({', '.join(given)})")
+
+    def __add__(self, other: Scalar) -> "Written":
+        return Written(f"({self.text} + {_text(other)})")
+
+    def __radd__(self, other: Scalar) -> "Written":
+        return Written(f"({_text(other)} + {self.text})")
+
+    def __sub__(self, other: Scalar) -> "Written":
+        return Written(f"({self.text} - {_text(other)})")
+
+    def __rsub__(self, other: Scalar) -> "Written":
+        return Written(f"({_text(other)} - {self.text})")
+
+    def __mul__(self, other: Scalar) -> "Written":
+        return Written(f"({self.text} * {_text(other)})")
+
+    def __rmul__(self, other: Scalar) -> "Written":
+        return Written(f"({_text(other)} * {self.text})")
+
+    def __truediv__(self, other: Scalar) -> "Written":
+        return Written(f"({self.text} / {_text(other)})")
+
+    def __rtruediv__(self, other: Scalar) -> "Written":
+        return Written(f"({_text(other)} / {self.text})")
+
+    def __neg__(self) -> "Written":
+        return Written(f"(-{self.text})")
+
+    def __abs__(self) -> "Written":
+        return Written(f"abs({self.text})")
+
+    def __lt__(self, other: Scalar) -> "Written":
+        return Written(f"{self.text} < {_text(other)}")
+
+    def __gt__(self, other: Scalar) -> "Written":
+        return Written(f"{self.text} > {_text(other)}")
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "a condition in equations of friction is written with stickslip.maths.where"
+        )
+
+
+def _text(value: Scalar) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_text, value))},)"
+    return value.text if isinstance(value, Written) else repr(float(value))
+
+
+def for_floats(
+    kind: type, name: str, equation: Callable[..., Scalar], arguments: Sequence[str]
+) -> Callable[..., Scalar]:
+    """Return a method that evaluates floats by text of its own, and all else by the equation.
+
+    The text is written at the first call, which puts it in the place of this method.
+    """
+
+    @functools.wraps(equation)
+    def first(law: Any, *given: Scalar, **named: Scalar) -> Scalar:
+        setattr(kind, name, _dispatching(kind, equation, arguments))
+        return getattr(law, name)(*given, **named)
+
+    return first
+
+
+def _dispatching(
+    kind: type, equation: Callable[..., Scalar], arguments: Sequence[str]
+) -> Callable[..., Scalar]:
+    """Return the method by text: a function for each shape of laws, written when it is met."""
+    shaping = [name for name, one in fields_of(kind).items() if one.structural]
+    shaping += [name for name in fields_of(kind) if getattr(kind, name, 0.0) is None]
+    known: dict[tuple[float | None, ...], Callable[..., Scalar]] = {}
+
+    def made(law: Any) -> Callable[..., Scalar]:
+        """Return the function for laws that are shaped as this one."""
+        values: dict[str, Any] = {}
+        lines = []
+        for name, quantity in fields_of(kind).items():
+            value = getattr(law, name)
+            if quantity.stands_in_equations(value):
+                value = Written(f"p_{name}")
+                lines.append(f"    p_{name} = law.{name}\n")
+            values[name] = value
+        told = {name: Written(f"x_{name}") for name in law.inputs}
+        lines += [f"    x_{name} = law.contact({name!r})\n" for name in law.inputs]
+        twin: Any = bound(unchecked(kind, **values), told)
+        given = [
+            tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
+            if name == "states"
+            else Written(name)
+            for name in arguments
+        ]
+        result = _text(equation(twin, *given))
+        used = "".join(line for line in lines if line.split()[0] in result)
+        text = f"def made(law, {', '.join(arguments)}):\n{used}    return {result}\n"
+        space = dict(NAMES)
+        exec(text, space)
+        function: Callable[..., Scalar] = space["made"]
+        return function
+
+    asked = [name for name in arguments if name != "states"]
+    asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
+    floats = " and ".join(f"type({one}) is float" for one in asked)
+    # what shapes the equations: a whole exponent, a level that is not given
+    shape = "".join(
+        f"law.{name} if law.{name}.is_integer() else None, "
+        if fields_of(kind)[name].structural
+        else f"law.{name} is None, "
+        for name in shaping
+    )
+    given = ", ".join(arguments)
+    signature = given.replace("states", "states=()")
+    space: dict[str, Any] = {"made": made, "equation": equation, "known": known}
+    exec(DISPATCH.format(given=given, signature=signature, floats=floats, shape=shape), space)
+    return functools.wraps(equation)(space["evaluated"])
 
 
 @final
@@ -115,8 +529,6 @@ def said_of(law: Any) -> Iterator[tuple[str, str]]:
         yield "Note", "formula not compared with its source"
 
 
-MACHINERY = ("__dict__", "__weakref__", "__abstractmethods__", "_abc_impl")
-"""Attributes of classes that belong to one class alone."""
 CATALOGUE: dict[str, Entry] = {}
 """Entries by the name of their law, in the order in which they are listed."""
 
@@ -175,15 +587,6 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
         if key in equations and (c.memory is not None or not made.directional):
             setattr(made, key, for_floats(made, key, equations[key], arguments))
     return made  # type: ignore[no-any-return]  # a class made by a call
-
-
-FLOATS = {
-    "sliding": ("speed", "load"),
-    "force": ("velocity", "load", "states"),
-    "rates": ("velocity", "load", "states"),
-    "steady": ("velocity", "load"),
-}
-"""Equations that have a text of their own for floats, with their arguments."""
 
 
 def class_of(term: Term) -> type[FrictionLaw]:

@@ -14,8 +14,7 @@ from stickslip.errors import ConvergenceError, InputError, ParameterError, not_w
 from stickslip.executors import check_executor
 from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation.checkpoint import Memory
-from stickslip.optimisation.cma_search import Told, search
+from stickslip.optimisation.cma_search import Memory, Told, search
 from stickslip.optimisation.cycle_metrics import fitted, measure, motor_of, slip_of_body
 from stickslip.optimisation.limits import Limits
 from stickslip.optimisation.local_refinement import polish

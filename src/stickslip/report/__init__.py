@@ -38,10 +38,10 @@ HOMES = {
     "Table": "core.tables",
     "inline": "core.markup",
     "mathml": "core.markup",
-    "render": "core.page",
+    "render": "core.documents",
     "symbol": "core.markup",
     "symbol_text": "core.markup",
-    "write": "core.page",
+    "write": "core.documents",
 }
 
 INSIDE = {

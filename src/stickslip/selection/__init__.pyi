@@ -1,4 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.selection.candidates import Fitted as Fitted
 from stickslip.selection.candidates import LEFT_OUT as LEFT_OUT
 from stickslip.selection.candidates import REFERENCE as REFERENCE
 from stickslip.selection.candidates import Watch as Watch
@@ -7,9 +8,12 @@ from stickslip.selection.candidates import check_apart as check_apart
 from stickslip.selection.candidates import checked as checked
 from stickslip.selection.candidates import contains as contains
 from stickslip.selection.candidates import control as control
+from stickslip.selection.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.selection.candidates import one_way as one_way
 from stickslip.selection.candidates import specifications as specifications
+from stickslip.selection.candidates import takes_long as takes_long
 from stickslip.selection.candidates import unsuited_by as unsuited_by
+from stickslip.selection.candidates import watched as watched
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
 from stickslip.selection.choice import LEAST as LEAST
@@ -44,27 +48,23 @@ from stickslip.selection.identifiable import limits_of as limits_of
 from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
-from stickslip.selection.parallel_fit import Fitted as Fitted
-from stickslip.selection.parallel_fit import fitted_side_by_side as fitted_side_by_side
-from stickslip.selection.parallel_fit import takes_long as takes_long
-from stickslip.selection.parallel_fit import watched as watched
 from stickslip.selection.verdict import Candidate as Candidate
+from stickslip.selection.verdict import NOT_DISTINGUISHED as NOT_DISTINGUISHED
+from stickslip.selection.verdict import ONE_LAW as ONE_LAW
+from stickslip.selection.verdict import UNMEASURED as UNMEASURED
 from stickslip.selection.verdict import Verdict as Verdict
 from stickslip.selection.verdict import Wording as Wording
+from stickslip.selection.verdict import corrections as corrections
+from stickslip.selection.verdict import friction_of as friction_of
+from stickslip.selection.verdict import held_out_text as held_out_text
+from stickslip.selection.verdict import in_sentence as in_sentence
+from stickslip.selection.verdict import longer as longer
+from stickslip.selection.verdict import not_distinguished as not_distinguished
+from stickslip.selection.verdict import on_second_record as on_second_record
 from stickslip.selection.verdict import plain as plain
 from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
-from stickslip.selection.wording import NOT_DISTINGUISHED as NOT_DISTINGUISHED
-from stickslip.selection.wording import ONE_LAW as ONE_LAW
-from stickslip.selection.wording import UNMEASURED as UNMEASURED
-from stickslip.selection.wording import corrections as corrections
-from stickslip.selection.wording import friction_of as friction_of
-from stickslip.selection.wording import held_out_text as held_out_text
-from stickslip.selection.wording import in_sentence as in_sentence
-from stickslip.selection.wording import longer as longer
-from stickslip.selection.wording import not_distinguished as not_distinguished
-from stickslip.selection.wording import on_second_record as on_second_record
-from stickslip.selection.wording import to_predict as to_predict
+from stickslip.selection.verdict import to_predict as to_predict
 
 __all__ = [
     "Candidate",

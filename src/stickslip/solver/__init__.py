@@ -32,7 +32,7 @@ INSIDE = {
     "check_columns": "ensembles",
     "column_units": "base",
     "gather": "drive_schedule",
-    "notice": "compile.messages",
+    "notice": "compile.modules",
     "object_files": "compile.modules",
     "path_units": "base",
     "reasons": "reducers",

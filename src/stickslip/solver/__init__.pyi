@@ -7,7 +7,7 @@ from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
 from stickslip.solver.base import path_units as path_units
 from stickslip.solver.block_diagram import SoftConstraint as _SoftConstraint
-from stickslip.solver.compile.messages import notice as notice
+from stickslip.solver.compile.modules import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
 from stickslip.solver.compile.precompile import Progress as Progress
 from stickslip.solver.compile.precompile import WarmUp as WarmUp

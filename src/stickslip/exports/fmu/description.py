@@ -7,8 +7,7 @@ from importlib.metadata import version
 from typing import Literal, TypeAlias, final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from stickslip.exports.fmu.units import ZEROS, base_units
-from stickslip.exports.fmu.variables import Variable
+from stickslip.exports.fmu.variables import ZEROS, Variable, base_units
 
 Fmi: TypeAlias = Literal[2, 3]
 CAUSALITIES = {

@@ -15,22 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bound
+from stickslip.kernels.bristle_steps import (
+    MARGIN,
+    MOST_PARTS,
+    NUDGE,
+    REACH,
+    SERIES,
+    STILL,
+    TOLERANCE,
+)
 from stickslip.maths import Latches
 from stickslip.solver import states_along
 
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
-TOLERANCE = 1e-3
-"""Error of a step over the largest deflection: below the noise of any force, and forgotten with the
-next reversal."""
-MOST_PARTS = 8
-"""Parts that a step between two samples is cut into at most."""
-REACH = 0.5
-"""Way that a part may go over the largest deflection, where bristles come to yield all of a sudden
-and slopes say nothing about the error."""
-NUDGE = 1e-7
-"""Share of the largest deflection by which bristles are moved for slopes."""
 JOINED = 1e-10
 """Mismatch at joints over the largest deflection that counts as none: a thousand times less than
 what the copies of a law differ by when slopes are wanted."""
@@ -42,16 +41,10 @@ WAY_PARTS = 2
 """Parts of such a displacement; one is exact where rates are linear in the deflection."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
-MARGIN = 1e-6
-"""Share of the way at the first rate by which rounding may exceed it."""
-STILL = 1e-10
-"""Rate over the first one that is none."""
 PLAIN = 1e-9
 """Exponent of yielding, less 1, that is none."""
 LEAST = 1e-15
 """Share of the way to the limit that is none."""
-SERIES = 0.05
-"""Argument below which the functions of the exponential are summed as series."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

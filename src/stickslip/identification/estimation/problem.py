@@ -98,10 +98,8 @@ class LeastSquaresProblem(Protocol):
 class Problem(ABC):
     """Residuals of one or several records as a function of unknowns, segment by segment."""
 
-    @property
-    @abstractmethod
-    def free_parameters(self) -> FreeParameters:
-        """What is looked for."""
+    free_parameters: FreeParameters
+    """What is looked for."""
 
     @property
     @abstractmethod

@@ -420,7 +420,7 @@ class JointPiece:
         measured, predicted = own.applied[rows], own.applied[rows] - own.friction[rows]
         if law is not None and rows.any():
             free = FreeParameters(())
-            alone = ForceMap(law=law, free_parameters_=free, stretches=(own,), of_applied=True)
+            alone = ForceMap(law=law, free_parameters=free, stretches=(own,), of_applied=True)
             predicted = alone.predicted(np.zeros(0))
         at = np.searchsorted(self.time, own.path.time[rows])
         return measured, predicted, *(smoothed(one, self.passed)[at] for one in forces)
@@ -575,13 +575,8 @@ class JointBalance(RecordProblem):
     """What the unknowns of each are called among all, by coordinate."""
     weights: Mapping[str, float]
     """Factor on the residuals of each, by coordinate."""
-    free_parameters_: FreeParameters
+    free_parameters: FreeParameters
     """The free parameters of all."""
-
-    @property
-    @override
-    def free_parameters(self) -> FreeParameters:
-        return self.free_parameters_
 
     @property
     @override
@@ -649,7 +644,7 @@ class JointBalance(RecordProblem):
             name: one.with_free_parameters(_locally(one.free_parameters, self.names[name], known))
             for name, one in self.maps.items()
         }
-        return replace(self, maps=maps, free_parameters_=free_parameters)
+        return replace(self, maps=maps, free_parameters=free_parameters)
 
     def along(self, stretches: Sequence[Stretches], derived: Sequence[float]) -> "JointBalance":
         """Return the same along other stretches."""

@@ -12,8 +12,7 @@ from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import balancing, displaced, follow
-from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
+from stickslip.identification.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
 from stickslip.identification.estimation.problem import (
     FrictionSamples,
     RecordProblem,
@@ -97,7 +96,7 @@ class ForceMap(RecordProblem):
 
     law: FrictionLaw
     """Holds the parameters that are not looked for."""
-    free_parameters_: FreeParameters
+    free_parameters: FreeParameters
     """The free parameters."""
     stretches: tuple[MotionSegment, ...]
     """Measured motion and friction, between gaps."""
@@ -123,11 +122,6 @@ class ForceMap(RecordProblem):
 
     @property
     @override
-    def free_parameters(self) -> FreeParameters:
-        return self.free_parameters_
-
-    @property
-    @override
     def quantity(self) -> str:
         return "force" if self.of_applied else "friction"
 
@@ -139,7 +133,7 @@ class ForceMap(RecordProblem):
 
     @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "ForceMap":
-        return replace(self, free_parameters_=free_parameters)
+        return replace(self, free_parameters=free_parameters)
 
     @property
     @override

@@ -74,7 +74,7 @@ def force_map(
     problem, starts = map_along(
         law, stretches, few, free=free, held=held, known=known, beside=constant_of(mechanism)
     )
-    return replace(problem, free_parameters_=problem.free_parameters.starting_at(starts[0]))
+    return replace(problem, free_parameters=problem.free_parameters.starting_at(starts[0]))
 
 
 def constant_of(mechanism: Mechanism) -> ConstantForce:
@@ -122,7 +122,7 @@ def map_along(
         start = _with_defaults(start, paths, known or {})
     whole = ForceMap(
         law=start,
-        free_parameters_=rough.free_parameters(start, paths, beside.path if sought else None),
+        free_parameters=rough.free_parameters(start, paths, beside.path if sought else None),
         stretches=tuple(stretches),
         constant=beside.path,
         offset=beside.value,
@@ -141,10 +141,10 @@ def map_along(
         free_parameters = replace(free_parameters, items=(*free_parameters.items, *linear))
         own = tuple(item.path for item in linear)
         whole, coarse = (replace(one, linear=own) for one in (whole, coarse))
-    problem = replace(whole, free_parameters_=free_parameters)
+    problem = replace(whole, free_parameters=free_parameters)
     if not isinstance(law, type):
         return problem, (free_parameters.start,)
-    return problem, screened_starts(problem, replace(coarse, free_parameters_=free_parameters))
+    return problem, screened_starts(problem, replace(coarse, free_parameters=free_parameters))
 
 
 def _with_defaults(

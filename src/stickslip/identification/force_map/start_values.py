@@ -18,9 +18,9 @@ from stickslip.identification.estimation.parameters import (
     FreeParameters,
     Sizes,
     is_level,
+    with_arrays,
     with_ranges,
 )
-from stickslip.identification.estimation.perturbed_laws import with_arrays
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.validation import LAW
@@ -181,7 +181,7 @@ def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
     free_parameters = FreeParameters(tuple(items[k] for k in free), coarse.free_parameters.known)
     try:
         end, _ = improve(
-            replace(coarse, law=law, free_parameters_=free_parameters), values[free], rounds=4
+            replace(coarse, law=law, free_parameters=free_parameters), values[free], rounds=4
         )
     except ConvergenceError:
         return _Rated(values, np.inf)

@@ -473,7 +473,7 @@ class JointFitter:
             maps=maps,
             names=names,
             weights={name: size / one for name, one in left.items()},
-            free_parameters_=free,
+            free_parameters=free,
         )
         slips = {name: coordinate for coordinate, name in contacts.items()}
         laws = Laws(members=tuple(_members(asked.laws, slips, maps)))

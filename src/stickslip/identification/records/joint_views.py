@@ -65,7 +65,7 @@ def joint_view(fit: RecordFit[Laws], contact: str, *, records: Pairs = ()) -> Re
     law = dict(fit.law.members).get(contact) or known.law
     stretches = with_own_segments(known.stretches)
     problem = replace(
-        known, law=law, stretches=stretches, linear=(), derived=(), free_parameters_=free
+        known, law=law, stretches=stretches, linear=(), derived=(), free_parameters=free
     )
     best = _best(problem, fit.values[at])
     inference = _inference(fit, best, at)

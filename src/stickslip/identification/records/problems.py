@@ -143,7 +143,7 @@ class _ShootingBuilder:
         return Shooting(
             motions=self._motions(record),
             law=self.law,
-            free_parameters_=self.free_parameters,
+            free_parameters=self.free_parameters,
             segments=segments_of(
                 self.mechanism,
                 record,

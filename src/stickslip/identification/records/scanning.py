@@ -71,7 +71,7 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
-        free_parameters_=FreeParameters((level,), {}),
+        free_parameters=FreeParameters((level,), {}),
         segments=segments_of(
             mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
         ),

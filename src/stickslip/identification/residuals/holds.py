@@ -22,7 +22,7 @@ from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
 from stickslip.identification.force_map.joint_balance import joint_stretches
-from stickslip.identification.residuals.gains import (
+from stickslip.identification.residuals.trends import (
     BLOCKS,
     FEWEST,
     basis_of,

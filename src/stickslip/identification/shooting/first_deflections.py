@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import Path, balancing, follow
-from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.estimation.perturbed_laws import PerturbedLaws
+from stickslip.identification.estimation.parameters import FreeParameters, PerturbedLaws
 
 Array = NDArray[np.float64]
 

@@ -111,7 +111,7 @@ class Shooting(RecordProblem):
 
     law: FrictionLaw
     """Holds the parameters that are not fitted."""
-    free_parameters_: FreeParameters
+    free_parameters: FreeParameters
     """The free parameters."""
     segments: tuple[Segment, ...]
     """Stretches of the records that are simulated."""
@@ -119,11 +119,6 @@ class Shooting(RecordProblem):
     """What is compared: ``"position"`` or ``"velocity"``."""
     motions: tuple[RecordedMotion, ...] = ()
     """The measured motion of each record between gaps, as far as bristles are followed along it."""
-
-    @property
-    @override
-    def free_parameters(self) -> FreeParameters:
-        return self.free_parameters_
 
     @property
     @override
@@ -198,7 +193,7 @@ class Shooting(RecordProblem):
 
     @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
-        return replace(self, free_parameters_=free_parameters)
+        return replace(self, free_parameters=free_parameters)
 
     @override
     def linearise(

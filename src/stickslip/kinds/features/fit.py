@@ -31,8 +31,14 @@ from stickslip.kinds.features.features import (
     towed,
 )
 from stickslip.kinds.features.problem import FeatureProblem, unknowns_of
-from stickslip.kinds.features.result import FeatureFit, errors_of, estimates_of, sentences_of
-from stickslip.kinds.features.scores import as_good, room_of
+from stickslip.kinds.features.result import (
+    FeatureFit,
+    as_good,
+    errors_of,
+    estimates_of,
+    room_of,
+    sentences_of,
+)
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity, fields_of
 from stickslip.quantities import vary as with_values
@@ -137,7 +143,7 @@ def fit_features(
             " name at least one parameter in vary."
         )
     problem = FeatureProblem(
-        block=block, law=start, observed=observed, free_parameters_=free_parameters
+        block=block, law=start, observed=observed, free_parameters=free_parameters
     )
     return _result(problem, _searched(problem, points, seed, progress), held, measurement)
 

@@ -46,13 +46,8 @@ class FeatureProblem(Problem):
     """Holds the parameters that are not fitted."""
     observed: StickSlipFeatures
     """Features of the record, which the limit cycle is compared with."""
-    free_parameters_: FreeParameters
+    free_parameters: FreeParameters
     """The free parameters."""
-
-    @property
-    @override
-    def free_parameters(self) -> FreeParameters:
-        return self.free_parameters_
 
     @property
     @override

@@ -22,8 +22,7 @@ from stickslip.kinds.features.features import (
 )
 from stickslip.kinds.features.fit import fit_features, free_of
 from stickslip.kinds.features.problem import cycle_features
-from stickslip.kinds.features.result import MISSED, FeatureFit
-from stickslip.kinds.features.scores import as_good, error_of_score, room_of
+from stickslip.kinds.features.result import MISSED, FeatureFit, as_good, error_of_score, room_of
 from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
 from stickslip.kinds.features.wording import feature_wording, outcomes
 from stickslip.mechanisms import Mechanism

@@ -7,8 +7,7 @@ from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import joined, number, percent, quantity, ratio, signed_percent, with_unit
 from stickslip.identification import far_above_dry
 from stickslip.kinds.features.features import FASTER, StickSlipFeatures
-from stickslip.kinds.features.result import FeatureFit
-from stickslip.kinds.features.scores import as_good, room_of
+from stickslip.kinds.features.result import FeatureFit, as_good, room_of
 from stickslip.kinds.features.verdict import PERCENT, FeatureCandidate, OtherSpeed, share_parts
 from stickslip.selection import (
     NOT_DISTINGUISHED,

@@ -190,7 +190,7 @@ class Slider(Problem):
     """Form of the law."""
     reference_velocity: float
     """Speed at which the reference coefficient holds [m/s]."""
-    free_parameters_: FreeParameters
+    free_parameters: FreeParameters
     """What is looked for, in the order of `PATHS`; a drift comes last, if any."""
     mean_time: Array
     """Mean times of the stretches (n,) [s]."""
@@ -220,7 +220,7 @@ class Slider(Problem):
             form=form,
             regularised=regularised,
             reference_velocity=reference_velocity,
-            free_parameters_=free_parameters,
+            free_parameters=free_parameters,
             mean_time=np.bincount(which, record.time) / count,
             mean=np.bincount(which, record.coefficient) / count,
             weight=np.sqrt(count / count.mean()),
@@ -228,12 +228,7 @@ class Slider(Problem):
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Slider":
         """Return the same record with other unknowns, of the same paths."""
-        return replace(self, free_parameters_=free_parameters)
-
-    @property
-    @override
-    def free_parameters(self) -> FreeParameters:
-        return self.free_parameters_
+        return replace(self, free_parameters=free_parameters)
 
     @property
     @override

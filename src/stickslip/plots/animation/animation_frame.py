@@ -12,17 +12,23 @@ from matplotlib.lines import Line2D
 from stickslip.drives import Drive
 from stickslip.formatting import scale_of
 from stickslip.mechanisms import Mechanism, driven_by_motor, motor_of, slipping
-from stickslip.plots.animation.scenes.bounding_boxes import (
+from stickslip.plots.animation.scenes.registry import scene_of
+from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, ROLE_COLOURS, artists_of
+from stickslip.plots.animation.scenes.shapes import (
+    Arrow,
     Extent,
+    Moment,
+    Picture,
+    Role,
     Scales,
+    Scene,
+    Shape,
+    Turn,
     extent_of,
     joined,
     nice,
     scales_of,
 )
-from stickslip.plots.animation.scenes.registry import scene_of
-from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, ROLE_COLOURS, artists_of
-from stickslip.plots.animation.scenes.shapes import Arrow, Moment, Picture, Role, Scene, Shape, Turn
 from stickslip.plots.core.helpers import dense
 from stickslip.plots.core.modes import raster, within
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, shade

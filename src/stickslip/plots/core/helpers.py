@@ -1,5 +1,6 @@
 """What the figures of runs share: sizes, dense samples, a fitting end of time, colours."""
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple, TypeAlias, TypedDict
@@ -23,6 +24,8 @@ SAMPLES: Final = 700
 MOST_STEPS: Final = 20_000
 """Steps of a run up to which jumps are looked for at each."""
 JUMP: Final = 1e-3
+LINE_POINTS: Final = 1200
+"""Points of a line: more cannot be seen in a figure of 880 px."""
 """Share of its largest size by which a force jumps, or more."""
 
 
@@ -121,6 +124,26 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
     # The stop is shown, unless it is the end of a decay that one cannot see.
     arrived = max([arrived, *[stop - first for stop in stops[:1] if stop < 1.5 * arrived]])
     return min(first + 1.3 * arrived, last)
+
+
+def thinned(t: Array, y: Array, most: int = LINE_POINTS) -> tuple[Array, Array]:
+    """Return a line with fewer points: the least and the largest of each stretch of it.
+
+    Examples
+    --------
+    >>> t = np.arange(10_000.0)
+    >>> len(thinned(t, np.sin(t))[0]) <= 1200
+    True
+    """
+    if len(t) <= most:
+        return t, y
+    kept = []
+    edges = np.linspace(0, len(t), most // 2 + 1).astype(int)
+    for first, last in itertools.pairwise(edges.tolist()):
+        kept += sorted(
+            {first + int(np.argmin(y[first:last])), first + int(np.argmax(y[first:last]))}
+        )
+    return t[kept], y[kept]
 
 
 def coordinate_name(run: Trajectory, name: str | None = None) -> str:

@@ -21,6 +21,8 @@ BESIDE: Final = 8.0
 """Distance of a name from its curve where it stands at its side [CSS px]."""
 DOT: Final = 4.0
 """Half the size of a point with its surroundings [CSS px]."""
+PLACES: Final = 36
+"""Places along each curve that are tried."""
 CROSSED: Final = 1e3
 OUTSIDE: Final = 1e5
 
@@ -51,9 +53,7 @@ class _Box(NamedTuple):
         return max(width, 0.0) * max(height, 0.0)
 
 
-def label_curves(
-    axes: Axes, curves: Sequence[Curve], *, places: int = 36, points: Array | None = None
-) -> None:
+def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = None) -> None:
     """Write the name of each curve above or below it, where it is free and clearly meant.
 
     Names keep off points (n, 2) too. Set the limits of the axes before.
@@ -81,7 +81,7 @@ def label_curves(
         half = WIDEST * _letters(curve.text) / 2
         tries = [
             (_cost(box, taken, paths, index, frame) + far, anchor, rank, box)
-            for anchor in np.linspace(frame.left + 4, frame.right - 4, places)
+            for anchor in np.linspace(frame.left + 4, frame.right - 4, PLACES)
             for rank, (dx, dy, far) in enumerate(_shifts(half))
             for box in [_box(paths[index], float(anchor), dx, dy, half)]
         ]
@@ -97,13 +97,11 @@ def label_ends(
     axes: Axes,
     x: float,
     labels: Sequence[tuple[float, Sequence[str], str]],
-    *,
-    gap: float = 14.0,
 ) -> None:
     """Name curves where they end; a name may have several lines."""
     # Equal heights keep their order from below, so the last line goes first.
     rows = [(y, line, colour) for y, lines, colour in labels for line in reversed(lines)]
-    label_column(axes, x, rows, gap=gap)
+    label_column(axes, x, rows)
 
 
 def _letters(text: str) -> int:

@@ -44,6 +44,8 @@ SLIP_BACK: Final = "#e6eef5"
 SURFACE: Final = "#ffffff"
 """Paper: the inside of open markers."""
 
+GAP: Final = 14.0
+"""Least distance of names in a column [pt]."""
 VARIABLES: Final = MappingProxyType(
     {
         INK: "ink",
@@ -191,9 +193,7 @@ def label_at(
     )
 
 
-def label_column(
-    axes: Axes, x: float, labels: Sequence[tuple[float, str, str]], *, gap: float = 14.0
-) -> None:
+def label_column(axes: Axes, x: float, labels: Sequence[tuple[float, str, str]]) -> None:
     """Name curves in a column where they end; names of curves that end close together move apart.
 
     Set the limits of the axes before.
@@ -214,7 +214,7 @@ def label_column(
     lay_out(figure)
     pixel = 72 / figure.dpi
     wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]
-    for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, gap), strict=True):
+    for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, GAP), strict=True):
         label_at(axes, x, y, text, colour, offset=(6, new - old))
 
 

@@ -11,7 +11,7 @@ from stickslip.control import ClosedLoop
 from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
-from stickslip.plots.core.helpers import Array, Sizes, coordinate_name, dense
+from stickslip.plots.core.helpers import Sizes, coordinate_name, dense, thinned
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, shade
@@ -25,8 +25,6 @@ DASHED: Final = (0, (5, 2))
 SAMPLES: Final = 1200
 COMMANDS: Final = (C3, C4, C1, C2)
 """Colours of the commands of several drives, in turn."""
-COLUMNS: Final = 600
-"""Stretches of time of which the least and the largest command are drawn, where there are many."""
 
 
 def draw_closed_loop(
@@ -115,7 +113,7 @@ def _command(axes: Axes, loop: ClosedLoop, since: float, last: float, level: flo
     curves = []
     shown = loop.commands if loop.drives else loop.commands[:, None]
     for i, values in enumerate(shown[when >= since].T):
-        t, u = _thinned(when[when >= since], values)
+        t, u = thinned(when[when >= since], values)
         style = "steps-post" if len(t) == int(np.sum(when >= since)) else "default"  # not held
         name = loop.drives[i] if loop.drives else ""  # the panel has its name
         colour = COMMANDS[i % len(COMMANDS)]
@@ -126,17 +124,6 @@ def _command(axes: Axes, loop: ClosedLoop, since: float, last: float, level: flo
             axes.axhline(side * level, color=MUTED, linestyle=DASHED, linewidth=1.0)
         curves.append(Curve(np.array([since, last]), np.full(2, level), "break-away", MUTED))
     label_curves(axes, curves)
-
-
-def _thinned(t: Array, u: Array) -> tuple[Array, Array]:
-    """Return a long series as its extremes, stretch by stretch, so that nothing is hidden."""
-    if len(t) <= 4 * COLUMNS:
-        return t, u
-    kept: set[int] = {0, len(t) - 1}
-    for part in np.array_split(np.arange(len(t)), COLUMNS):
-        kept |= {int(part[np.argmin(u[part])]), int(part[np.argmax(u[part])])}
-    order = sorted(kept)
-    return t[order], u[order]
 
 
 def plot_closed_loop(

@@ -1,6 +1,5 @@
 """The numbers behind the figures: what was measured, and what the fits leave of it."""
 
-import itertools
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias
@@ -12,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import scale_of
 from stickslip.identification import RecordFit, inverse_dynamics, load_of
+from stickslip.plots.core.helpers import LINE_POINTS, thinned
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
 from stickslip.selection import CrossValidated
 
@@ -26,8 +26,6 @@ FEWEST: Final = 10
 """Rows of a bin from which its mean is shown."""
 STEADY: Final = 0.05
 """Changes of speed below this share of what is rarely exceeded count as none."""
-LINE_POINTS: Final = 1200
-"""Points of a line: more cannot be seen in a figure of 880 px."""
 
 
 class MapPoints(NamedTuple):
@@ -75,26 +73,6 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
     if count <= most:
         return np.arange(count)
     return np.sort(np.random.default_rng(SEED).choice(count, most, replace=False))
-
-
-def thinned(t: Array, y: Array, most: int = LINE_POINTS) -> tuple[Array, Array]:
-    """Return a line with fewer points: the least and the largest of each stretch of it.
-
-    Examples
-    --------
-    >>> t = np.arange(10_000.0)
-    >>> len(thinned(t, np.sin(t))[0]) <= 1200
-    True
-    """
-    if len(t) <= most:
-        return t, y
-    kept = []
-    edges = np.linspace(0, len(t), most // 2 + 1).astype(int)
-    for first, last in itertools.pairwise(edges.tolist()):
-        kept += sorted(
-            {first + int(np.argmin(y[first:last])), first + int(np.argmax(y[first:last]))}
-        )
-    return t[kept], y[kept]
 
 
 def is_timed(fit: RecordFit) -> bool:

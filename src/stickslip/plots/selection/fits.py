@@ -1,23 +1,173 @@
 """Plots of fits and verdicts, made of what these hold."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.formatting import scale_of
-from stickslip.identification import Fit, RecordFit
+from stickslip.experiments import Measurement
+from stickslip.formatting import Scale, scale_of
+from stickslip.identification import Fit, Prediction, RecordFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
-from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.svg import Draw, Size
+from stickslip.plots.core.theme import C1, DATA, INK, MUTED
 from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.plots.selection.fit_data import MapPoints, map_points, residual_panels, sampled
-from stickslip.plots.selection.intervals import INTERVAL_SIZE, Interval, draw_intervals
-from stickslip.plots.selection.joints import refuse_joints
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes
+from stickslip.quantities import turned
 from stickslip.selection import Verdict
+
+PANEL = 190
+"""Height of a panel [px]."""
+INTERVAL_SIZE: Final = (880, 300)
+
+
+def plot_joints(
+    fit: RecordFit,
+    ax: PanelTarget = None,
+    *,
+    measurement: Measurement | None = None,
+    record: int = 0,
+) -> Panels:
+    """Plot the measured and the predicted force of each joint of one record against time.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records of several joints.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        An Axes for each joint; a new figure if not given.
+    measurement : Measurement, optional
+        What is predicted; what was fitted if not given.
+    record : int
+        Which of its records is shown, from 0.
+
+    Returns
+    -------
+    array of Axes (m,)
+        A panel for each joint.
+
+    Raises
+    ------
+    InputError
+        If the fit is not one of several joints, or there is no such record.
+    """
+    check_type("fit", fit, RecordFit)
+    if fit.problem.joints is None:
+        raise InputError("plot_joints takes a fit of several joints: plot_fit draws this one.")
+    seen = fit.predict(measurement)
+    if record not in seen.record:
+        raise InputError(f"record must be from 0 to {int(seen.record.max())}, got {record!r}.")
+    draw = joint_figure(fit, measurement=measurement, record=record)
+    return on_panels(draw, ax, joint_sizes(fit)["wide"])
+
+
+def joint_sizes(fit: RecordFit) -> dict[str, Size]:
+    """Return the sizes of the figure of all joints of a fit, for screens and phones."""
+    assert fit.problem.joints is not None
+    height = 60 + PANEL * len(np.unique(fit.problem.joints))
+    return {"wide": (880, height), "narrow": (390, height)}
+
+
+def joint_figure(
+    fit: RecordFit, *, measurement: Measurement | None = None, record: int = 0
+) -> Draw:
+    """Return what draws the forces of the joints, as `plot_joints` does."""
+    seen = fit.predict(measurement)
+    turning = [unit == "rad" for unit in fit.mechanism.units]
+    units = dict(zip(fit.mechanism.coordinates, (turned("N", t) for t in turning), strict=True))
+    assert seen.joint is not None
+    fitted = np.unique(seen.joint[seen.record == record])  # others rest
+    units = {name: unit for name, unit in units.items() if name in fitted}
+    shown: dict[str, list[NDArray[np.float64]]] = {}
+    for name, unit in units.items():
+        own = seen.of(name)
+        shown.setdefault(unit, []).append(own.measured[own.record == record])
+    scales = {unit: scale_of(np.concatenate(values), unit) for unit, values in shown.items()}
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (name, unit) in zip(panels, units.items(), strict=True):
+            own = seen.of(name)
+            _draw_one(axes, own, own.record == record, unit, scales[unit])
+            axes.set_title(name, loc="left", fontsize="medium")
+        panels[0].legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False,
+            fontsize="small" if narrow else "medium",
+        )  # fmt: skip
+        panels[-1].set_xlabel("time, s")
+        figure.align_ylabels()
+
+    return draw
+
+
+def _draw_one(
+    axes: Axes, own: Prediction, rows: NDArray[np.bool_], unit: str, scale: Scale
+) -> None:
+    """Draw the force of one joint."""
+    factor, shown = scale
+    order = own.t[rows].argsort()
+    t = own.t[rows][order]
+    axes.plot(t, factor * own.measured[rows][order], color=DATA, linewidth=2.2, label="measured")
+    axes.plot(t, factor * own.predicted[rows][order], color=C1, linewidth=1.4, label="predicted")
+    axes.axhline(0.0, color=MUTED, linewidth=0.6, zorder=0)
+    axes.set_ylabel(f"{'torque' if unit == 'N m' else 'force'}, {shown}")
+    axes.margins(x=0.01, y=0.15)
+
+
+def refuse_joints(fit: RecordFit, plot: str) -> None:
+    """Refuse a fit of several joints, of which `plot_joints` shows the forces."""
+    if fit.problem.joints is not None:
+        raise InputError(
+            f"{plot} takes a fit of one contact: plot_joints draws one of several joints."
+        )
+
+
+class Interval(NamedTuple):
+    """A value and its standard error, NaN where it is not known."""
+
+    name: str
+    """Name of the row."""
+    value: float
+    """The value, in the unit of the axis."""
+    error: float = np.nan
+    """Its standard error, in the same unit."""
+    chosen: bool = False
+    """Whether the row stands out."""
+
+
+def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
+    """Return a drawing of values as dots, with bars of one standard error, the first on top."""
+    values = np.array([row.value for row in rows])
+    errors = np.array([row.error for row in rows])
+    factor, shown = (
+        (100.0, "%") if unit == "1" else scale_of(np.abs(values) + np.nan_to_num(errors), unit)
+    )
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        for place, (row, error) in enumerate(zip(rows, errors, strict=True)):
+            bar = [factor * error] if np.isfinite(error) else None
+            axes.errorbar(
+                [factor * row.value], [place], xerr=bar, fmt="o", markersize=5, elinewidth=1.5,
+                color=C1 if row.chosen else INK,
+            )  # fmt: skip
+        axes.set_yticks(range(len(rows)), [row.name for row in rows])
+        axes.set_ylim(len(rows) - 0.5, -0.5)
+        if np.any(values < 0.0):
+            axes.axvline(0.0, color=MUTED, linewidth=0.8, zorder=0)
+        else:
+            axes.set_xlim(left=0.0)
+        axes.grid(axis="x")
+        axes.set_xlabel(f"{label}, {shown}" if shown else label)
+
+    return draw
 
 
 def draw_fitted_map(

@@ -63,9 +63,9 @@ def _resolved(folder: Path) -> Path:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(folder)) from error
 
 
-def _made_folder(folder: Path | None = None) -> Path:
-    """Return a folder, the cache directory if none is given; make it if it is not there."""
-    folder = _resolved(folder or cache_directory())
+def _made_folder() -> Path:
+    """Return the cache directory; make it if it is not there."""
+    folder = _resolved(cache_directory())
     for part in (*reversed(folder.parents), folder):
         if not part.exists():
             part.mkdir(mode=0o700, exist_ok=True)

@@ -1,8 +1,11 @@
 """Loads the two tiers of a model: its plain equations, or machine code for them."""
 
+import builtins
 import functools
 import linecache
+import logging
 import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -13,9 +16,28 @@ from stickslip.kernels import entries
 from stickslip.solver.compile.equations_code import code_of, numbered
 from stickslip.solver.compile.image_cache import name_of
 from stickslip.solver.compile.kernels_code import KERNELS
-from stickslip.solver.compile.messages import notice
 
+LOG = logging.getLogger("stickslip")
 Equation: TypeAlias = Callable[[int, int, float, Any, int, int], None]
+
+
+def notice(text: str) -> None:
+    """Log a message at level INFO; show it if nobody set logging up and somebody is watching.
+
+    Watching is a terminal or IPython; nothing is printed into files and pipes. A program that has
+    handlers for its log gets the message there alone, and
+    ``logging.getLogger("stickslip").setLevel("WARNING")`` turns it off.
+    """
+    LOG.info(text)
+    if not LOG.hasHandlers() and LOG.level <= logging.INFO and not LOG.disabled and _watched():
+        print(text, file=sys.stderr, flush=True)
+
+
+def _watched() -> bool:
+    try:
+        return hasattr(builtins, "__IPYTHON__") or sys.stderr.isatty()
+    except (AttributeError, ValueError):  # there is no stderr, or it is closed
+        return False
 
 
 @dataclass(frozen=True)

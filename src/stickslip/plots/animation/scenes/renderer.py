@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Rectangle
 from matplotlib.text import Text
 
-from stickslip.plots.animation.scenes.bounding_boxes import Scales
 from stickslip.plots.animation.scenes.shapes import (
     Arrow,
     Ball,
@@ -22,6 +21,7 @@ from stickslip.plots.animation.scenes.shapes import (
     Ground,
     Rod,
     Role,
+    Scales,
     Shape,
     Turn,
     Wall,
