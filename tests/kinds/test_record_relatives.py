@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
-from stickslip import GMS, Axis, ElastoPlastic, LuGre, select
+from stickslip import GMS, Axis, ElastoPlastic, LuGre, Stribeck, select
 from stickslip.kinds.records import explained
 from stickslip.kinds.records.explained import Explained, begun_from
 
@@ -24,6 +24,12 @@ BRISTLE = LuGre(
     stribeck_velocity=0.05,
     bristle_stiffness=5e4,
     bristle_damping=100.0,
+    viscous_coefficient=1.0,
+)
+STRIBECK = Stribeck(
+    kinetic_coefficient=6.0,
+    static_coefficient=10.0,
+    stribeck_velocity=0.05,
     viscous_coefficient=1.0,
 )
 
@@ -80,6 +86,9 @@ def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted
     assert start.values["mechanism.inertia"] == 2.0
     assert Explained.relative(asked, fits, {"lugre", "gms", "elasto-plastic"}) is None
     assert Explained.relative(asked, [fitted(BRISTLE, 1.0)], {"lugre"}) is None
+    # what a law without a bristle leaves of other rows, those without rests, is no measure
+    spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0), fitted(STRIBECK, 0.5)], {"lugre"})
+    assert spec.name == "gms"
     # one that could not be fitted does not stand in the way of the other
     spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0)], {"lugre", "gms"})
     assert spec.name == "elasto-plastic"

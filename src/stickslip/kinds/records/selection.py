@@ -38,6 +38,7 @@ from stickslip.identification import (
 from stickslip.kinds.kind import PURPOSES, PurposeName
 from stickslip.kinds.records.admissibility import (
     objection,
+    resting,
     standard_uncertainty,
     unexplained,
     variation_of,
@@ -614,7 +615,8 @@ def verdict_on(
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
-    fault = fault or unexplained(closest, variation, uncertainty=stated)
+    if not fault and (fault := unexplained(closest, variation, uncertainty=stated)):
+        fault += resting(checks)
     if without is not None and not _better_than(closest, without):
         wrong = [one.finding for one in asked.errors if one.share > 0.0] if asked else []
         fault = fault or (
