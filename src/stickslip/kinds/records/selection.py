@@ -406,6 +406,8 @@ def candidate_of(
         return unfitted(one, unsuited)
     if watch is not None and watch(one.name, math.nan) is False:
         return unfitted(one, LEFT_OUT)
+    if route.resolved and one.law.states:  # others may leave rests out, where bristles err most
+        rival = 0.0
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     fitted = partial(
         fit_record,
