@@ -57,7 +57,7 @@ NO_FAULT = ("law", "unexplained")
 BACKLASH = ("backlash", "late or elastic")
 """Kinds of findings that name backlash."""
 MOVED = 100.0
-"""Steps of the encoder that a record covers at least."""
+"""Steps of the encoder that a record, and the fresh motion beside it, cover at least."""
 SAME = 0.10
 """A law whose friction on a fresh record is off by this share of the noise more is an equal one."""
 RIGHT, COVERED = 0.95, (0.90, 0.99)
@@ -250,13 +250,16 @@ def sensed(rig: ControlledAxis, motion: Motion, random: Random) -> Measurement:
     return Measurement(time=motion.time, position=position, force=force)
 
 
-def moving(random: Random, truth: str) -> tuple[ControlledAxis, Measurement]:
-    """Return a random axis and a record of it: one that its controller does move."""
+def moving(random: Random, truth: str) -> tuple[ControlledAxis, Measurement, Motion]:
+    """Return a random axis, a record and a fresh motion: its controller does move it in both."""
     while True:
         rig = draw(random, truth, ENCODERS)
         measurement = record(rig, random)
-        if np.ptp(np.asarray(measurement.position)) > MOVED * rig.encoder:
-            return rig, measurement
+        if np.ptp(np.asarray(measurement.position)) <= MOVED * rig.encoder:
+            continue
+        fresh = moved(rig, random)
+        if np.ptp(fresh.position) > MOVED * rig.encoder:
+            return rig, measurement, fresh
 
 
 def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
@@ -266,8 +269,7 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
     began, used = time.perf_counter(), _processor()
     try:
-        rig, measurement = moving(random, truth)
-        fresh = moved(rig, random)
+        rig, measurement, fresh = moving(random, truth)
         given, free = Axis(inertia=1.5 * rig.axis.inertia), ["friction.*", "mechanism.inertia"]
         began, used = time.perf_counter(), _processor()
         verdict = select(

@@ -358,6 +358,29 @@ def test_the_damping_of_a_bristle_is_found_beside_its_shape():
     assert not plain.has("damping")
 
 
+def test_a_bristle_that_its_damping_hides_is_no_backlash():
+    # each reversal shows a force of the damping's own, several times the level: without it
+    # every bristle explains less than inertia and level that are missing in a gap
+    h, random = 1e-4, np.random.default_rng(5)
+    corners = np.cumsum(random.uniform(0.1, 0.4, 60))
+    peaks = random.uniform(0.05, 0.4, 60) * (-1.0) ** np.arange(60)
+    t = np.arange(0.0, corners[-1], h)
+    v = np.interp(t, corners, peaks)
+    q = h * np.cumsum(v)
+    state = lugre_states(q, v, [(8e-5, 1.0, 0.13, 0.6, 2.0)], 0.0)[:, 0]
+    force = 14.0 * np.gradient(v, h) + 2.4 * state + 0.1 * np.gradient(state, h) + 2.2 * v
+    rows = slice(None, None, 10)
+    force = force[rows] + 0.01 * random.normal(size=len(t[rows]))
+    position = 3e-7 * np.round(q[rows] / 3e-7)
+    gaps = [Term("backlash", (gap,)) for gap in (5e-5, 1e-4, 2e-4, 4e-4)]
+    steps = [Term("stribeck", (v_s, 2.0)) for v_s in (0.03, 0.1)]
+    wanted = [Term("viscous"), Term("offset"), *steps, *gaps]
+    found = explain([Series(t[rows], position, force)], vocabulary=wanted)
+    assert not found.faults
+    assert found.best.structure.has("damping")
+    assert found.left < 0.1
+
+
 def test_an_error_of_a_known_force_is_no_ripple_in_time():
     t = 0.002 * np.arange(10_000)
     q = 0.3 * np.sin(2.1 * t) + 0.2 * np.sin(4.7 * t)

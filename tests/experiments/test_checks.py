@@ -391,6 +391,18 @@ def test_rests_are_timed():
     assert one.numbers["share"] == pytest.approx(2 / 3, abs=0.03)
 
 
+def test_a_body_that_hardly_moves_is_said_to_rest_and_not_to_drift():
+    time = np.arange(20_000) / RATE
+    # what pushes it rises while it rests, and moves it at the end
+    position = 0.1 * np.clip(time - 0.97 * time[-1], 0.0, None)
+    force = 5.0 + 20.0 * time / time[-1] + 0.1 * np.random.default_rng(1).normal(size=time.size)
+    found = check(Measurement(time=time, position=position, force=force))
+    (one,) = found.of("rests")
+    assert one.severity == "warning"
+    assert one.sentence.endswith("in 1 period: the record shows little of friction in motion.")
+    assert not found.of("drift")
+
+
 def test_a_record_without_rests_says_so():
     assert CLEAN.of("rests")[0].sentence == "No periods of rest."
 

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
-from stickslip import GMS, Axis, ElastoPlastic, LuGre, select
-from stickslip.kinds.records import explained
+from stickslip import GMS, Axis, ElastoPlastic, LuGre, Measurement, RecordSettings, Stribeck, select
+from stickslip.errors import ConvergenceError
+from stickslip.friction import specification
+from stickslip.identification import RouteChoice
+from stickslip.kinds.records import explained, selection
 from stickslip.kinds.records.explained import Explained, begun_from
 
 MAXWELL_SLIP = GMS(
@@ -24,6 +27,12 @@ BRISTLE = LuGre(
     stribeck_velocity=0.05,
     bristle_stiffness=5e4,
     bristle_damping=100.0,
+    viscous_coefficient=1.0,
+)
+STRIBECK = Stribeck(
+    kinetic_coefficient=6.0,
+    static_coefficient=10.0,
+    stribeck_velocity=0.05,
     viscous_coefficient=1.0,
 )
 
@@ -80,9 +89,40 @@ def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted
     assert start.values["mechanism.inertia"] == 2.0
     assert Explained.relative(asked, fits, {"lugre", "gms", "elasto-plastic"}) is None
     assert Explained.relative(asked, [fitted(BRISTLE, 1.0)], {"lugre"}) is None
+    # what a law without a bristle leaves of other rows, those without rests, is no measure
+    spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0), fitted(STRIBECK, 0.5)], {"lugre"})
+    assert spec.name == "gms"
     # one that could not be fitted does not stand in the way of the other
     spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0)], {"lugre", "gms"})
     assert spec.name == "elasto-plastic"
+
+
+@pytest.mark.parametrize(
+    ("law", "resolved", "told"),
+    [(BRISTLE, False, 2.0), (BRISTLE, True, 0.0), (STRIBECK, True, 2.0)],
+)
+def test_what_a_law_leaves_of_rows_without_rests_stops_no_search_with_them(
+    monkeypatch, law, resolved, told
+):
+    # a bristle errs most at rest: fits that leave rests out would call each of them hopeless
+    seen = []
+
+    def fitted(*_, rival, **__):
+        seen.append(rival)
+        raise ConvergenceError("told")
+
+    monkeypatch.setattr(selection, "fit_record", fitted)
+    record = Measurement(time=[0.0, 0.1, 0.2], position=[0.0, 0.1, 0.0], force=[1.0, -1.0, 1.0])
+    found = selection.candidate_of(
+        specification(law.name),
+        rival=2.0,
+        parameters=SimpleNamespace(mechanism=Axis(inertia=1.0), unknown=(), held=()),
+        measurement=record,
+        route=RouteChoice(route="inverse-dynamics", settings=RecordSettings(), resolved=resolved),
+        starts={},
+    )
+    assert found.dropped == "told"
+    assert seen == [told]
 
 
 def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():

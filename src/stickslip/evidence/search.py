@@ -12,7 +12,7 @@ from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
-from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure
+from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure, fades
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import (
@@ -118,7 +118,13 @@ class Search:
         self.scale = friction_scale(self.balance, root)
         beam = [root]
         peaked = [self._peaked(start, exponent) for exponent in STRIBECK_EXPONENTS]
-        for structure in (self._textbook(start), *peaked, *self._late_memory(start)):
+        starts = (
+            self._textbook(start),
+            *peaked,
+            *self._late_memory(start),
+            *self._damped_memory(start),
+        )
+        for structure in starts:
             full = self.prune(self.fit(structure))
             if full.ok and full.structure not in [one.structure for one in beam]:
                 beam.append(full)
@@ -180,6 +186,29 @@ class Search:
             for late in self.delays
         ]
         return [polished(self.balance, one) for one in self._best(options, 1)]
+
+    def _damped_memory(self, start: Structure) -> list[Structure]:
+        """Return LuGre friction of both directions with a damped bristle, at its best shape.
+
+        Where damping is a multiple of the level, it hides the bristle: either alone explains less
+        than a gap does, as each reversal shows a force of its own.
+        """
+        found = start
+        for channel, wanted in self.shapes.items():
+            options = [
+                found.having(*(Term(kind, (), channel) for kind in ("level_dir", DAMPED, *more)))
+                for more in ((), ("viscous",))
+            ]
+            shaped = [
+                one.shaped(channel, _bell(shape))
+                for one in options
+                for shape in wanted
+                if fades(shape)
+            ]
+            found = next(iter(self._best(shaped, 1)), found)
+        if found == start:
+            return []
+        return [polished(self.balance, found)]
 
     def prune(self, found: Fit) -> Fit:
         """Return a fit without the terms and memories that do not earn their place."""
@@ -307,10 +336,10 @@ class Search:
                 if one != structure.shape(channel)
             ]
         if lugre:
-            all_lugre = [wrap(one) for one in self.shapes[channel] if len(one) == 5]
+            all_lugre = [wrap(one) for one in self.shapes[channel] if fades(one)]
             self.evaluated += len(all_lugre) + 1
             for one in self._best(all_lugre, 1):
-                bell = one.shaped(channel, (*one.shape(channel)[:4], 2.0))
+                bell = one.shaped(channel, _bell(one.shape(channel)))
                 damped = bell.having(Term(DAMPED, (), channel))
                 options += [one, *(polished(self.balance, each) for each in (bell, damped))]
         return self._best(options, BEST_SHAPES)
@@ -364,6 +393,11 @@ class Search:
             scale=self.scale,
             family=family,
         )
+
+
+def _bell(shape: Shape) -> Shape:
+    """Return a LuGre shape whose level fades as a bell, as the law is usually written."""
+    return (*shape[:4], 2.0)
 
 
 def _has_columns(structure: Structure) -> bool:

@@ -335,7 +335,8 @@ def _course(
     if coupled:  # levels are what a force has beside its own acceleration
         return
     levels = list(stationarity.levels(record, moving))
-    yield from stationarity.drift(levels)
+    if moving is None or not moving.hardly_moves:  # at rest, levels are those of what is applied
+        yield from stationarity.drift(levels)
     yield from stationarity.effective(record, levels)
 
 

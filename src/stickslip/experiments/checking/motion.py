@@ -32,6 +32,9 @@ SURE: Final = 5.0
 """Standard deviations of its noise that a speed must have to be one."""
 SHORTEST: Final = 10
 """Samples that a rest has at least."""
+MOSTLY: Final = 0.9
+"""Share of a record at rest from which it shows little of friction in motion."""
+LITTLE: Final = "the record shows little of friction in motion"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +72,21 @@ class Motion:
         # A filter swings about a velocity that jumps, by a little way.
         short = np.abs(ways) < SWING * float(np.ptp(path))
         return np.where(np.repeat(short, np.diff(first, append=found.size)), 0, found)
+
+    @cached_property
+    def rests(self) -> Array:
+        """Durations (k,) [s] of the periods in which nothing moves."""
+        still = np.abs(self.velocity) <= max(RESTING * self.fastest, SURE * self.noise)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+        first, last = edges[::2], edges[1::2] - 1
+        long = last - first + 1 >= SHORTEST
+        durations: Array = (self.time[last] - self.time[first])[long]
+        return durations
+
+    @property
+    def hardly_moves(self) -> bool:
+        """Whether the body rests for most of the record: friction is what is applied to it then."""
+        return bool(np.sum(self.rests) > MOSTLY * (self.time[-1] - self.time[0]))
 
 
 def motion_of(record: Measurement) -> Motion | None:
@@ -167,23 +185,19 @@ def straight(record: Measurement) -> Iterator[Finding]:
 
 def rests(motion: Motion) -> Iterator[Finding]:
     """Say for how long nothing moves."""
-    still = np.abs(motion.velocity) <= max(RESTING * motion.fastest, SURE * motion.noise)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
-    first, last = edges[::2], edges[1::2] - 1
-    long = last - first + 1 >= SHORTEST
-    first, last = first[long], last[long]
-    span = float(motion.time[-1] - motion.time[0])
-    if not first.size:
+    durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
+    if not durations.size:
         yield Finding(kind="rests", sentence="No periods of rest.", numbers={"duration": 0.0})
         return
-    total = float(np.sum(motion.time[last] - motion.time[first]))
+    total, still = float(np.sum(durations)), motion.hardly_moves
+    text = f"At rest for {quantity(total, 's')} of {quantity(span, 's')} ({percent(total / span)}),"
+    text += f" in {count(int(durations.size), 'period')}"
     yield Finding(
         kind="rests",
-        sentence=(
-            f"At rest for {quantity(total, 's')} of {quantity(span, 's')}"
-            f" ({percent(total / span)}), in {count(int(first.size), 'period')}."
-        ),
-        numbers={"duration": total, "share": total / span, "stretches": first.size},
+        severity="warning" if still else "info",
+        sentence=f"{text}: {LITTLE}." if still else f"{text}.",
+        measure="Record more of the motion" if still else "",
+        numbers={"duration": total, "share": total / span, "stretches": durations.size},
     )
 
 

@@ -78,7 +78,8 @@ class RouteChoice:
     hold: HoldFinding | None = None
     """How the recorded force runs between samples, as given or estimated; None if none drives."""
     resolved: bool = False
-    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles."""
+    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles: all
+    laws that have one are then fitted to rests as well, whatever each guesses of its stiffness."""
 
     def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
         """Return the same with what the record says of the hold, which its settings then have."""
@@ -376,7 +377,9 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     mass = inertia_of(mechanism, measurement, masses)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    slipping = not memory_is_seen(wanted.law, measurement)
+    # laws that are compared see the same rows, rests too, though each guesses another stiffness
+    together = choice.resolved and bool(wanted.law.states)
+    slipping = not (together or memory_is_seen(wanted.law, measurement))
     resolved = choice.resolved or not slipping
     derive = partial(balanced, hold=hold, slipping=slipping, resolved=resolved)
     own = partial(derive, mechanism, measurement)

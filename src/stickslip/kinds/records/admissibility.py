@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Measurement
+from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import number, percent, quantity
 from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
 from stickslip.kinds.records.verdict import RecordCandidate
@@ -129,6 +129,24 @@ def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: fl
         times = number(candidate.score / uncertainty, 2)
         return f"{said}, and {times} times the stated uncertainty"
     return said if share > NOTHING else ""
+
+
+def resting(checks: Checks) -> str:
+    """Return that the body rests for most of a record, as what follows a fault; empty if not.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Measurement, check
+    >>> t = np.arange(0.0, 10.0, 0.01)
+    >>> record = Measurement(time=t, position=0.1 * np.clip(t - 9.5, 0.0, None))
+    >>> resting(check(record))
+    '; the body rests for 95 % of the record'
+    """
+    shares = [one.numbers.get("share", 0.0) for one in checks.of("rests")]
+    if not shares or any(one.severity == "info" for one in checks.of("rests")):
+        return ""
+    return f"; the body rests for {percent(min(shares))} of the record"
 
 
 def variation_of(candidate: RecordCandidate, horizon: float) -> float:

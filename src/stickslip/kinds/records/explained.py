@@ -118,11 +118,13 @@ class Explained:
         along the measured one a fit of theirs takes seconds, and there minutes. That one of them
         leaves little does not tell that another one leaves more.
         """
-        closest = min(fits, key=lambda one: one.rms, default=None)
+        # of a law without a bristle, rests are not among the rows that its fit leaves a force at
+        bristled = [one for one in fits if one.law.states]
+        closest = min(bristled, key=lambda one: one.rms, default=None)
         name = next((one for one in RELATIVES if one not in tried), None)
-        if closest is None or name is None or closest.problem.simulates or not closest.law.states:
+        if closest is None or name is None or closest.problem.simulates:
             return None
-        composed = [one for one in fits if one.law.name not in RELATIVES]
+        composed = [one for one in bristled if one.law.name not in RELATIVES]
         left = min(composed, key=lambda one: one.rms, default=closest)
         if len(left.law.states) < 2 and left.rms <= WHITE * noise_left(self.asked.explanation):
             return None

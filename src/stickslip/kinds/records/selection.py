@@ -38,6 +38,7 @@ from stickslip.identification import (
 from stickslip.kinds.kind import PURPOSES, PurposeName
 from stickslip.kinds.records.admissibility import (
     objection,
+    resting,
     standard_uncertainty,
     unexplained,
     variation_of,
@@ -405,6 +406,8 @@ def candidate_of(
         return unfitted(one, unsuited)
     if watch is not None and watch(one.name, math.nan) is False:
         return unfitted(one, LEFT_OUT)
+    if route.resolved and one.law.states:  # others may leave rests out, where bristles err most
+        rival = 0.0
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     fitted = partial(
         fit_record,
@@ -614,7 +617,8 @@ def verdict_on(
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
-    fault = fault or unexplained(closest, variation, uncertainty=stated)
+    if not fault and (fault := unexplained(closest, variation, uncertainty=stated)):
+        fault += resting(checks)
     if without is not None and not _better_than(closest, without):
         wrong = [one.finding for one in asked.errors if one.share > 0.0] if asked else []
         fault = fault or (
