@@ -215,7 +215,6 @@ def structure_of(
         return None
     rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL, "load"}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
-    terms = [one for one in terms if one.channel != channel or one.kind not in GEARS.values()]
     terms += gears
     for leaf in leaves:
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
