@@ -33,7 +33,7 @@ from benchmarks.whole_verdicts import parts_of
 from stickslip import Dahl, FrictionLaw, Measurement, RecordSettings, TwoLinkArm, check, fit, select
 from stickslip.errors import StickslipError
 from stickslip.formulation import JointTorques
-from stickslip.friction import law, specification
+from stickslip.friction import bound, law, specification
 from stickslip.identification import RecordFit
 
 RESULTS = "joints.jsonl"
@@ -43,7 +43,30 @@ LAWS = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-dr
 ALONG = "level * linear[position] + viscous"
 TRUE = ("coulomb-viscous", "stribeck", "direction-dependent", "power-viscous", ALONG, "dahl")
 """Laws of the joints of a study."""
+ROUNDS = 100
+"""Times that friction of a gear is computed from the motor's torque, of which it is a share."""
 SETTINGS = RecordSettings(hold="first", starts=1)
+
+
+GEARED = (
+    "level + weight[transmitted] + viscous",
+    "level + weight[motor] + viscous",
+    "level + weight2[transmitted] + viscous",
+)
+"""Laws of gears whose level grows with the torque that they transmit, with that of the motor alone,
+and with the square."""
+
+
+def _gear(text: str, random: Random, s: Sizes, most: float) -> FrictionLaw:
+    """Return a gear that loses 8 to 30 % of the torque, of the largest one if it is squared."""
+    share = float(random.uniform(0.08, 0.3))
+    kind = law(text)
+    _, growth, _ = kind.fit_order
+    return kind(
+        kinetic_coefficient=0.3 * s.level,
+        viscous_coefficient=0.3 * s.level / s.speed * float(random.uniform(0.2, 1.5)),
+        **{growth: share / most if "weight2" in text else share},
+    )
 
 
 def _along(random: Random, s: Sizes) -> FrictionLaw:
@@ -160,16 +183,26 @@ def drawn(
     row: dict[str, Any] = {"kind": kind, "number": number, "seed": seed, "rate": rate}
     for _ in range(2):
         q, v, a = _motion(random, t, still)
-        forces, _ = JointTorques.of(arm, []).along(arm, t, q, v, a)
+        takes = JointTorques.of(arm, [])
+        forces, _ = takes.along(arm, t, q, v, a)
+        weights, _ = takes.along(arm, t, q, 0.0 * v, 0.0 * a)
         sizes = np.std(forces, axis=0)
         for i, joint in enumerate(JOINTS):
             if joint not in laws:
                 names[joint] = given[i] if given else str(random.choice(LAWS))
                 level = float(sizes[i] * random.uniform(0.1, 1.0))
                 speed, stroke = float(np.abs(v[:, i]).max()), float(np.ptp(q[:, i]))
+                most = 1.5 * float(np.abs(forces[:, i] + weights[:, i]).max())
                 own = Sizes(level=level, speed=speed, stroke=stroke)
-                laws[joint] = TRUTHS[names[joint]](random, own)
-            forces[:, i] += friction_along(laws[joint], q[:, i], v[:, i])
+                laws[joint] = (
+                    _gear(names[joint], random, own, most)
+                    if names[joint] in GEARED
+                    else TRUTHS[names[joint]](random, own)
+                )
+            if names[joint] in GEARED:
+                forces[:, i] += gear_along(laws[joint], v[:, i], forces[:, i], weights[:, i])
+            else:
+                forces[:, i] += friction_along(laws[joint], q[:, i], v[:, i])
         if not records:
             noise, torque = between(random, 2e-5, 5e-4), between(random, 0.002, 0.05)
         found = Recorded(
@@ -186,6 +219,19 @@ def drawn(
             )
         )
     return arm, laws, records, row | {"laws": names, "noise": noise, "torque": torque}
+
+
+def gear_along(law: FrictionLaw, v: Array, taken: Array, weight: Array) -> Array:
+    """Return the friction of a gear along a motion (n,): of the motor's torque it is a part.
+
+    The motor holds the weight (n,), too, so that the gear transmits it twice.
+    """
+    force = np.zeros_like(v)
+    for _ in range(ROUNDS):
+        motor = taken + force
+        told = bound(law, {"motor": motor, "transmitted": motor + weight})
+        force = np.asarray(told.force(v, 1.0))
+    return force
 
 
 def friction_along(law: FrictionLaw, q: Array, v: Array) -> Array:
@@ -293,7 +339,8 @@ def judged(kind: str, given: Sequence[str], number: int, seed: int) -> dict[str,
             continue
         fit_ = own.closest.fit
         assert fit_ is not None
-        asked = specification(row["laws"][joint]).name
+        text = row["laws"][joint]
+        asked = true.name if text in GEARED else specification(text).name
         right = own.closest.name == asked
         equal = right or (not wrong and _as_good(verdict, joint, laws, rig, record, second))
         held = []
@@ -373,13 +420,30 @@ CASES = (
     ("wrong mass", PLAIN),
 )
 """What is wrong with each arm of a study, and its laws."""
+GEARS = tuple(
+    ("clean", names)
+    for gear in GEARED
+    for names in (
+        (gear, "coulomb-viscous"),
+        ("coulomb-viscous", gear),
+        (gear, gear),
+        ("stribeck", gear),
+        (gear, "direction-dependent"),
+    )
+)
+"""The same of arms of which at least one joint has a gear that the torque loads."""
 
 
-def study(seed: int, results: Path, numbers: Sequence[int]) -> None:
+def study(
+    seed: int,
+    results: Path,
+    numbers: Sequence[int],
+    cases: Sequence[tuple[str, Sequence[str]]] = CASES,
+) -> None:
     """Judge selections on all arms of a study."""
     rows = []
     with results.open("a", encoding="utf-8") as file:
-        for number, (kind, names) in enumerate(CASES):
+        for number, (kind, names) in enumerate(cases):
             if number not in range(*numbers):
                 continue
             rows.append(judged(kind, names, number, seed))
@@ -417,10 +481,12 @@ def main() -> None:
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--select", action="store_true")
+    parser.add_argument("--gears", action="store_true")
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
     if given.kinds is None:
-        study(given.seed, given.results, given.numbers)
+        cases = GEARS if given.gears else CASES
+        study(given.seed, given.results, given.numbers, cases)
         return
     rows = []
     with given.results.open("a", encoding="utf-8") as file:

@@ -21,10 +21,15 @@ BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
 
+COVARIATES = {"weight": "transmitted", "motor_weight": "motor", "weight2": "transmitted"}
+
+
 def fitted(shape=SIGN, par=None, **coefficients):
     """Return a fit of terms with these coefficients, in a channel without a name."""
     par = par or {}
-    terms = {kind: Term(kind, par.get(kind, ())) for kind in coefficients}
+    terms = {
+        kind: Term(kind, par.get(kind, ()), "", COVARIATES.get(kind, "")) for kind in coefficients
+    }
     owner = [one for one in terms.values() for _ in range(np.size(coefficients[one.kind]))]
     structure = Structure(tuple(sorted(terms.values(), key=str)))
     return Fit(
@@ -64,6 +69,22 @@ def fitted(shape=SIGN, par=None, **coefficients):
             "level * linear[position]",
             "level * linear[position]",
         ),
+        (
+            fitted(level=2.0, weight=0.1, viscous=3.0),
+            "level + weight[transmitted] + viscous",
+            "bam-m3",
+        ),
+        (
+            fitted(level=2.0, motor_weight=0.1, offset=0.2, viscous=3.0, viscous_dir=0.5),
+            "both_ways[levels](level + viscous) + weight[motor]",
+            "both_ways[levels](level + viscous) + weight[motor]",
+        ),
+        (
+            fitted(level=2.0, weight2=0.1, shape=DAHL),
+            "dahl(level + weight2[transmitted])",
+            "dahl(level + weight2[transmitted])",
+        ),
+        (fitted(weight=0.1), "weight[transmitted]", "weight[transmitted]"),
     ],
 )
 def test_a_structure_is_a_law_in_the_notation(fit, text, name):
@@ -129,6 +150,32 @@ def test_factors_are_relative_to_what_they_multiply():
 
 T = 0.01 * np.arange(400.0)
 RECORD = Measurement(time=T, position=np.sin(T), force=np.cos(T))
+
+
+@pytest.mark.parametrize(
+    ("kind", "field"),
+    [
+        ("weight", "transmitted_coefficient"),
+        ("motor_weight", "motor_coefficient"),
+        ("weight2", "transmitted_quadratic_coefficient"),
+    ],
+)
+def test_a_level_that_grows_with_the_torque_of_a_gear_is_a_part_of_the_law(kind, field):
+    one = fitted(level=2.0, viscous=3.0, **{kind: 0.4})
+    found = composed_law(one, 4.0)
+    assert found.start[f"friction.{field}"] == 0.1
+    assert found.start["friction.kinetic_coefficient"] == 0.5
+    law_ = found.specification.law
+    known = {COVARIATES[kind]: 0.0}
+    assert structure_of(law_, one.structure, covariates=known).terms == one.structure.terms
+    assert structure_of(law_, one.structure) is None  # of a record that does not tell the torque
+
+
+def test_a_level_grows_with_the_torque_of_a_gear_in_one_way():
+    structure = fitted(level=2.0, weight=0.1).structure
+    assert structure.clashes(Term("weight2", (), "", "transmitted"))
+    assert structure.clashes(Term("motor_weight", (), "", "motor"))
+    assert not structure.clashes(Term("weight", (), "elbow", "transmitted"))
 
 
 def test_known_springs_and_dampers_are_taken_off_the_force():

@@ -16,8 +16,10 @@ from stickslip import (
     fit,
     load_rig,
     select,
+    simulate,
     write_report,
 )
+from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import Scale
 from stickslip.formulation import JointTorques
 from stickslip.kinds.joints.selection import joint_specifications
@@ -231,3 +233,52 @@ def test_what_no_law_of_a_joint_explains_is_said_without_a_cause():
     (error,) = found.joints["elbow"].model_errors
     assert error.kind == "unexplained"
     assert "of the friction" in error.finding
+
+
+def geared(seed, share):
+    """Return a record of an arm whose elbow has a gear that loses a share of what it transmits."""
+    t, q, v, a = motion(seed)
+    takes = JointTorques.of(ARM, [])
+    forces, _ = takes.along(ARM, t, q, v, a)
+    weight, _ = takes.along(ARM, t, q, 0.0 * v, 0.0 * a)
+    forces[:, 0] += 0.2 * np.sign(v[:, 0]) + 0.02 * v[:, 0]
+    # F = sign(v) (level + share |T|) + viscous v, where T = F + what is left
+    left, way = forces[:, 1] + weight[:, 1], np.sign(v[:, 1])
+    plain = 0.05 * way + 0.01 * v[:, 1]
+    side = np.sign(left + plain)  # the share is below 1: it does not turn the torque
+    forces[:, 1] += (plain + share * side * way * left) / (1.0 - share * side * way)
+    random = np.random.default_rng(seed)
+    return Measurement(
+        time=t,
+        position=dict(zip(JOINTS, (q + random.normal(0.0, 1e-4, q.shape)).T, strict=True)),
+        force=dict(zip(JOINTS, (forces + random.normal(0.0, 0.01, q.shape)).T, strict=True)),
+    )
+
+
+@pytest.fixture(scope="module")
+def gear():
+    return select(GUESSED, None, geared(3, 0.15), vary=LINEAR, settings=QUICK)
+
+
+def test_a_gear_that_loses_a_share_of_its_torque_is_found_where_masses_are_fitted(gear):
+    assert gear.best is not None
+    assert {name: one.closest.name for name, one in gear.joints.items()} == {
+        "shoulder": "coulomb-viscous",
+        "elbow": "bam-m3",
+    }
+    assert not gear.joints["elbow"].model_errors
+    found = gear.best.fit
+    for field, true in (("transmitted_coefficient", 0.15), ("kinetic_coefficient", 0.05)):
+        one = found.estimate(f"friction.elbow.{field}")
+        assert one.low <= true <= one.high
+        assert one.high - one.low < 0.2 * true
+
+
+def test_the_law_of_a_gear_that_was_found_runs_and_is_written_as_a_rig_file(gear, tmp_path):
+    fit = gear.best.fit
+    path = tmp_path / "law.toml"
+    path.write_text(rig_toml(fit.mechanism, fit.law))
+    rig = load_rig(path)
+    assert rig.law_by_contact()["elbow"] == fit.law["elbow"]
+    run = simulate(rig.mechanism, rig.law_by_contact(), t_end=0.5, y0={"elbow": 1.0})
+    assert run.certificate.certified

@@ -30,7 +30,9 @@ LATE_OR_ELASTIC = ("delay", "lag", "backlash", "loose", "flexible")
 SHOWN_LATE = ("delay", "lag", "skew")
 """Kinds of which the force channel shows a force late, or ever later."""
 SHIFTS = ("offset", "level_dir")
-"""Kinds of which a channel has one."""
+"""Kinds of which a channel has one ..."""
+GEARS = ("weight", "motor_weight", "weight2")
+"""... and such kinds of a level that grows with the force through a gear."""
 DAMPED = "damping"
 """Kind of the damping of a bristle."""
 PARAMETER = 0.1
@@ -165,9 +167,10 @@ class Structure:
 
         An offset and a level that differs between directions are one in all but presliding.
         """
-        kinds = SHIFTS if term.kind in SHIFTS else (term.kind,)
+        alike = next((kinds for kinds in (SHIFTS, GEARS) if term.kind in kinds), None)
         return any(
-            one.kind in kinds and (one.channel, one.what) == (term.channel, term.what)
+            one.channel == term.channel
+            and (one.kind in alike if alike else (one.kind, one.what) == (term.kind, term.what))
             for one in self.terms
         )
 

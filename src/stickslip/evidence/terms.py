@@ -26,6 +26,8 @@ state of a bristle of its own, whose shape the term's parameters are, or times t
 LEVELS = ("level", "load")
 """A constant level and one in proportion to the load: of all else that acts through the contact,
 laws say that it grows with a load that is measured."""
+DRIVES = ("transmitted", "motor")
+"""Covariates that are forces through a gear: a level grows with their size."""
 DAMPING = 0.05
 """Damping of the resonance of a flexible coupling."""
 
@@ -153,6 +155,14 @@ def _covariate(part: Part, term: Term) -> Array:
     return part.covariates[term.what] - part.references[term.what]
 
 
+def _size(part: Part, term: Term) -> Array:
+    return np.abs(part.covariates[term.what])
+
+
+def _square(part: Part, term: Term) -> Array:
+    return part.covariates[term.what] ** 2
+
+
 def _viscous_covariate(part: Part, term: Term) -> Array:
     return part.v * _covariate(part, term)
 
@@ -265,6 +275,11 @@ TERMS: dict[str, Kind] = {
     ),
     "load": Kind(name="level in load", column=_load, contact="odd", rank=-1, positive=True),
     "temperature": Kind(name="level in", column=_covariate, contact="odd"),
+    "weight": Kind(name="level in", column=_size, contact="odd", rank=3, positive=True),
+    "motor_weight": Kind(name="level in", column=_size, contact="odd", rank=4, positive=True),
+    "weight2": Kind(
+        name="level in the square of", column=_square, contact="odd", rank=4, positive=True
+    ),
     "viscous_cov": Kind(name="viscous in", column=_viscous_covariate, rank=3),
     "level_ripple": Kind(
         name="level ripple",

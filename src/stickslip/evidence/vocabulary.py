@@ -10,7 +10,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import Shape
 from stickslip.evidence.fits import Fit
-from stickslip.evidence.terms import Term
+from stickslip.evidence.terms import DRIVES, Term
 from stickslip.evidence.values import SLOW
 
 Array = NDArray[np.float64]
@@ -100,6 +100,9 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     for name in part.covariates:
         if name == "load":
             yield Term("load", (), channel, name)
+        elif name in DRIVES:
+            kinds = ("motor_weight",) if name == "motor" else ("weight", "weight2")
+            yield from (Term(kind, (), channel, name) for kind in kinds)
         else:
             yield Term("temperature", (), channel, name)
             yield Term("viscous_cov", (), channel, name)

@@ -34,6 +34,10 @@ SAME = 1e-9
 """Relative change of an input that is none: rounding of its unit."""
 MOVED = 1.001
 """Factor on a parameter by which it is seen what depends on it."""
+BENT = 1e-2
+"""Share of a slope by which such a step may differ from it."""
+WEIGHTS = ("external", "gravity")
+"""Inputs that fall where a joint takes more force; what a gear transmits grows."""
 LOOKED_AT = 50
 """Samples of a record at which this is seen."""
 
@@ -163,12 +167,14 @@ def joint_inputs(
     applied: Array,
     *,
     fitted: Sequence[str] = (),
+    weights: Array | None = None,
     zeros: bool = False,
-) -> list[dict[str, Array]]:
+) -> list[tuple[dict[str, Array], dict[str, Array]]]:
     """Return contact inputs of each joint at each sample (n,), the motor's force as measured.
 
-    What changes with a parameter that is fitted is left out, and what changes with the place where
-    positions count from an unknown zero.
+    And their slopes (n, k) by parameters that are fitted, which are those of the forces that the
+    joints take at rest, `weights` (n, m, k). What changes with such a parameter otherwise is left
+    out, and what changes with the place where positions count from an unknown zero.
     """
     names = mechanism.coordinates
 
@@ -194,22 +200,46 @@ def joint_inputs(
 
     found = told_by(mechanism)
     every = max(1, len(time) // LOOKED_AT)
-    moved = [told_by(_nudged(mechanism, path), every) for path in fitted]
-    moved += [told_by(mechanism, every, 1.0)] if zeros else []
-    return [
-        {k: x for k, x in own.items() if all(np.array_equal(x[::every], m[i][k]) for m in moved)}
-        for i, own in enumerate(found)
-    ]
+    elsewhere = told_by(mechanism, every, 1.0) if zeros else None
+    nudged = [_nudged(mechanism, path) for path in fitted]
+    moved = [(told_by(one, every), step) for one, step in nudged]
+    inputs = []
+    for i, own in enumerate(found):
+        table = np.zeros((len(time), len(fitted))) if weights is None else weights[:, i]
+        known: dict[str, Array] = {}
+        slopes: dict[str, Array] = {}
+        for name, x in own.items():
+            if elsewhere is not None and not np.array_equal(x[::every], elsewhere[i][name]):
+                continue
+            seen = [(other[i][name] - x[::every]) / step for other, step in moved]
+            if not any(np.any(one) for one in seen):
+                known[name] = x
+                continue
+            side = -1.0 if name in WEIGHTS else 1.0
+            if _alike(np.column_stack(seen), side * table[::every]):
+                known[name], slopes[name] = x, side * table
+        inputs.append((known, slopes))
+    return inputs
 
 
-def _nudged(mechanism: Mechanism, path: str) -> Mechanism:
-    """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit."""
+def _alike(seen: Array, table: Array) -> bool:
+    """Whether slopes (n, k) that a step shows are those of a table, as far as it tells."""
+    size = np.max(np.abs(table), axis=0, initial=0.0)
+    return bool(np.all(np.abs(seen - table) <= BENT * size + 1e-300))
+
+
+def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
+    """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit.
+
+    And by how much it is larger.
+    """
     value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
     try:
         larger = value * MOVED if abs(value) > SAME else 2.0 * SAME
-        return vary(mechanism, "mechanism", {path: larger})
+        return vary(mechanism, "mechanism", {path: larger}), larger - value
     except ParameterError:
-        return vary(mechanism, "mechanism", {path: value / MOVED})
+        smaller = value / MOVED
+        return vary(mechanism, "mechanism", {path: smaller}), smaller - value
 
 
 def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:

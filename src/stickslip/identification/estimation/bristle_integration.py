@@ -61,6 +61,15 @@ class Path:
     """Displacement in each step (n - 1,) [m]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
     """Contact inputs at the samples (n,), by name."""
+    input_slopes: Mapping[str, Array] = field(default_factory=dict)
+    """Slopes (n, k) of those that change with parameters of the mechanism that are looked for."""
+
+    def moved(self, change: Array) -> "Path":
+        """Return the same motion with parameters of the mechanism changed by (k,)."""
+        if not self.input_slopes:
+            return self
+        new = {name: self.inputs[name] + x @ change for name, x in self.input_slopes.items()}
+        return replace(self, inputs={**self.inputs, **new})
 
     def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
         """Return a law that sees the contact inputs of some samples (k, 1)."""

@@ -136,6 +136,7 @@ class MotionSegment:
             load=self.path.load[:count],
             travel=self.path.travel[: count - 1],
             inputs={name: x[:count] for name, x in self.path.inputs.items()},
+            input_slopes={name: x[:count] for name, x in self.path.input_slopes.items()},
         )
         return replace(
             self,

@@ -303,8 +303,8 @@ class JointPiece:
     """Slopes of that (n, m, k)."""
     loads: Array
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
-    inputs: Sequence[Mapping[str, Array]]
-    """Contact inputs of each joint (n,), by name."""
+    inputs: Sequence[tuple[Mapping[str, Array], Mapping[str, Array]]]
+    """Contact inputs of each joint (n,), by name, and their slopes (n, k)."""
     recorded: Mapping[str, Array]
     """Those that the record has (n,), by name."""
 
@@ -388,6 +388,7 @@ class JointPiece:
                 rates,
                 applied[inside],
                 fitted=torques.linear,
+                weights=torques.along(mechanism, time, places, 0.0 * rates, 0.0 * rates)[1],
                 zeros=torques.by_position,
             ),
         )
@@ -438,9 +439,26 @@ class JointPiece:
             self.applied[:, i],
             mass=inertia,
             taken=self.taken[:, i] - inertia * a,
-            covariates={"load": self.loads[:, i], **self.recorded},
+            covariates={"load": self.loads[:, i], **self.recorded, **self._gear(i)},
             extra=columns,
         )
+
+    def _gear(self, i: int) -> dict[str, Array]:
+        """Return the torque of the motor of a joint (n,), and what its gear transmits of it.
+
+        The motor's is what the motion takes, with Coulomb and viscous friction: of the measured one
+        friction is a part, so that it would explain whatever friction there is.
+        """
+        external = self.inputs[i][0].get("external")
+        if external is None or "transmitted" not in self.inputs[i][0]:
+            return {}
+        motion, taken = self.motions[i], self.taken[:, i]
+        ways = np.where(motion.resting, 0.0, np.sign(motion.velocity))
+        columns = np.column_stack([ways, motion.velocity, np.ones_like(ways)])
+        seen = smoothed(np.column_stack([self.applied[:, i] - taken, columns]), self.passed)
+        values = np.linalg.lstsq(seen[:, 1:], seen[:, 0], rcond=1e-8)[0]
+        motor = taken + columns[:, :2] @ values[:2]
+        return {"motor": motor, "transmitted": motor - external}
 
     def stretch(
         self, i: int, numbers: NDArray[np.intp], *, samples: float, slipping: bool
@@ -459,7 +477,8 @@ class JointPiece:
                 velocity=motion.velocity[picked],
                 load=self.loads[picked, i],
                 travel=np.diff(motion.position[picked]),
-                inputs={name: x[picked] for name, x in self.inputs[i].items()},
+                inputs={name: x[picked] for name, x in self.inputs[i][0].items()},
+                input_slopes={name: x[picked] for name, x in self.inputs[i][1].items()},
             ),
             friction=smoothed(self.applied[:, i] - self.taken[:, i], passed)[picked],
             segment=np.where(kept, numbers, -1)[picked],

@@ -328,13 +328,15 @@ class ForceMap(RecordProblem):
         change_of = linear - self.derived[: len(linear)]
         if one.held is not None and one.held_regressors is not None and self.linear:
             one = replace(one, held=one.held - one.held_regressors @ change_of)
+        if self.linear:
+            one = replace(one, path=one.path.moved(change_of))
         force, states, nudge = _friction(own, one, offset, before, change)
         rows = mask[:last]
         balanced = _balanced(one, force[:, 0], offset)
         by_weight = np.zeros(last)
         if weighed:
             by_weight = _by_weight(own, one, states[..., 0], force[:, 0] * ~balanced)
-        force = one.seen(force)
+        unseen, force = force[:, 0], one.seen(force)
         base = force[:, :1]
         local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
         residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
@@ -348,6 +350,8 @@ class ForceMap(RecordProblem):
                 columns = columns - one.seen(balanced[:, None] * one.held_regressors)
             if weighed:
                 columns = columns + one.seen(by_weight)[:, None] / linear[0]
+            if own.columns and any(name in one.path.input_slopes for name in own.base.inputs):
+                columns = columns + one.seen(_by_inputs(own, one, unseen, offset, before, change))
             paths = self.free_parameters.paths
             slopes[:, [paths.index(path) for path in self.linear]] = columns
         basis, inverse = _inverted(local, rows)
@@ -371,7 +375,34 @@ def moved(one: MotionSegment, change: Array) -> MotionSegment:
     held = one.held
     if held is not None and one.held_regressors is not None:
         held = held - one.held_regressors @ change
-    return replace(one, friction=one.friction - one.regressors @ change, held=held)
+    path = one.path.moved(change)
+    return replace(one, path=path, friction=one.friction - one.regressors @ change, held=held)
+
+
+def _by_inputs(
+    own: PerturbedLaws,
+    one: MotionSegment,
+    force: Array,
+    offset: float,
+    before: _Local | None,
+    change: Array,
+) -> Array:
+    """Return slopes of friction (n, k) by parameters that contact inputs change with.
+
+    An error of a weight is one of what a gear transmits, too.
+    """
+    bare = replace(own, law=own.base, moved=np.zeros(0), columns=())
+    slopes = {n: x for n, x in one.path.input_slopes.items() if n in own.base.inputs}
+    count = next(iter(slopes.values())).shape[1]
+    found = np.zeros((len(force), count))
+    for j in range(count):
+        most = max(float(np.max(np.abs(x[:, j]))) for x in slopes.values())
+        if most > 0.0:
+            size = max(float(np.max(np.abs(one.path.inputs[name]))) for name in slopes)
+            step = MOVED * (size or 1.0) / most
+            there = replace(one, path=one.path.moved(step * (np.arange(count) == j)))
+            found[:, j] = (_friction(bare, there, offset, before, change)[0][:, 0] - force) / step
+    return found
 
 
 def _friction(

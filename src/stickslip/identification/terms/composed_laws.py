@@ -1,7 +1,7 @@
 """Laws of the structures that explain a force balance, with their coefficients as start values."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, final
@@ -146,7 +146,7 @@ class Asked:
 
     def _fit_of(self, name: str, law: FrictionLaw) -> Fit | None:
         balance, best = self.explanation.balance, self.explanation.best.structure
-        made = partial(structure_of, law, best, loaded="load" in balance.references)
+        made = partial(structure_of, law, best, covariates=balance.references)
         structure = made()
         shapes = () if structure is None else structure.memories
         if not all(balance.resolves(shape[0], channel) for channel, shape in shapes):
@@ -176,6 +176,12 @@ PARTS = {
     "power": "power",
     "drag": "quadratic",
 }
+GEARS = {
+    ("weight", "transmitted"): "weight",
+    ("weight", "motor"): "motor_weight",
+    ("weight2", "transmitted"): "weight2",
+}
+"""The same of parts that grow with an input of the contact."""
 """Kinds of terms, by the parts of laws that they are."""
 TWO_SIDED = ("stribeck", "viscous", "power")
 """Kinds with a difference between the directions of their own; that of levels is an offset."""
@@ -186,7 +192,7 @@ def structure_of(
     best: Structure,
     channel: str = "",
     *,
-    loaded: bool = False,
+    covariates: Collection[str] = (),
     bristles: bool = True,
 ) -> Structure | None:
     """Return the structure of a law beside what else the best structure has.
@@ -199,16 +205,21 @@ def structure_of(
         return None
     # a level that ends with rest is none along a motion
     leaves = [one for one in (*made.inside, *made.outside) if one.part.name not in OPTIONAL]
+    gears = [Term(kind, (), channel, what) for kind, what in _gears(leaves, covariates)]
+    leaves = [one for one in leaves if not one.inputs]
+    if len(gears) != sum(bool(one.inputs) for one in (*made.inside, *made.outside)):
+        return None
     if made.factors or any(leaf.part.name not in PARTS for leaf in leaves):
         return None
     if any(leaf.sign is not None for leaf in leaves):
         return None
     rest = {*_text(best, channel, directional=True)[1], *PARTS.values(), *DIRECTIONAL, "load"}
     terms = [one for one in best.terms if one.channel != channel or one.kind not in rest]
+    terms += gears
     for leaf in leaves:
         kind, par = PARTS[leaf.part.name], _parameters_of(law, leaf)
         kind, par = ("viscous", ()) if (kind, par) == ("power", (1.0,)) else (kind, par)
-        grows = loaded and kind == "level"
+        grows = "load" in covariates and kind == "level"
         if kind != "stribeck" or not bristles or not _fades(law, made):  # else the shape has it
             terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
         both = any(isinstance(one, tuple) for one in leaf.names.values())
@@ -221,6 +232,14 @@ def structure_of(
     found = found.shaped(channel, _shape_of(law, made))
     damped = made.memory.part.name == "lugre" and fades(found.shape(channel))
     return found.having(Term("damping", (), channel)) if damped else found
+
+
+def _gears(leaves: Iterable[Leaf], covariates: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Yield kinds and covariates of the parts that grow with the force through a gear."""
+    for leaf in leaves:
+        for what in leaf.inputs:
+            if what in covariates and (leaf.part.name, what) in GEARS:
+                yield GEARS[leaf.part.name, what], what
 
 
 def _value(law: FrictionLaw, leaf: Leaf, name: str) -> float:
@@ -319,20 +338,26 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     terms, shape = _of(structure, channel), structure.shape(channel)
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
     levels, flow = _levels(structure, channel, terms), _flow(terms)
-    used = {"level", "load", "second", "damping", *both}
+    gear = _joined(f"{part}[{what}]" for (part, what), kind in GEARS.items() if kind in terms)
+    used = {"level", "load", "second", "damping", *GEARS.values(), *both}
     used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
-    if not levels:
+    if not levels and not gear:
         return flow, used
     sides = _sides(both)
     memory = _memory(terms, shape)
-    if not memory and all(sides) and flow:
-        return f"both_ways[levels]({levels} + {flow})", used
-    levels = f"both_ways[levels]({levels})" if sides[0] else levels
+    if levels and not memory and all(sides) and flow:
+        return _joined([f"both_ways[levels]({levels} + {flow})", gear]), used
+    levels = f"both_ways[levels]({levels})" if sides[0] and levels else levels
     flow = f"both_ways[levels]({flow})" if sides[1] and flow else flow
+    levels = _joined([levels, gear])
     whole = f"{memory}({levels})" if memory else levels
-    return f"{whole} + {flow}" if flow else whole, used
+    return _joined([whole, flow]), used
+
+
+def _joined(parts: Iterable[str]) -> str:
+    return " + ".join(one for one in parts if one)
 
 
 def _sides(both: set[str]) -> tuple[bool, bool]:
@@ -386,7 +411,8 @@ def _rung(structure: Structure, channel: str, *, directional: bool) -> Rung | No
     the exponent of a power, under the name of another one.
     """
     terms, shape = _of(structure, channel), structure.shape(channel)
-    if {"temperature", "level_slope", "level_ripple", "viscous_cov"} & set(terms):
+    special = {"temperature", "level_slope", "level_ripple", "viscous_cov", *GEARS.values()}
+    if special & set(terms):
         return None
     memory, flow = _memory(terms, shape), _flow(terms)
     flow = {"": "viscous" if memory else "", "viscous + drag": "drag"}.get(flow, flow)
@@ -457,6 +483,9 @@ class _Coefficients:
             damping = of("damping") / shape[0] or DAMPED * critical
             values["*", "bristle_damping"] = damping / load
         values |= _factors(terms, of, level)
+        growth = {"weight": "coefficient", "weight2": "quadratic_coefficient"}
+        for (part, what), kind in GEARS.items():
+            values[f"{part}[{what}]", growth[part]] = max(of(kind), 0.0) / load
         return cls(values=values)
 
     def field(self, text: str, leaf: Leaf, name: str) -> float | Sides | None:

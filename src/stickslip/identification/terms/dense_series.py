@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.evidence import Series, outliers
+from stickslip.evidence import DRIVES, Series, outliers
 from stickslip.experiments import Measurement, as_recorded, with_voltage
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
@@ -191,12 +191,24 @@ def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
         if not all(name in one for one in inputs):
             continue
         low, middle, high = np.percentile(
-            np.concatenate([one[name] for one in inputs]), [0.0, 50.0, 100.0]
+            np.concatenate([_counted(one, name) for one in inputs]), [0.0, 50.0, 100.0]
         )
         # of several trials, each may have a temperature of its own
-        if high - low > (VARIES * middle if name == "load" else 0.0):
+        if high - low > (VARIES * middle if name in ("load", *DRIVES) else 0.0):
             names.append(name)
     return [{name: one[name] for name in names} for one in inputs]
+
+
+def _counted(inputs: Mapping[str, Array], name: str) -> Array:
+    """Return what friction may depend on of an input: of a force through a gear its size.
+
+    The motor's force is none where it is that which the gear transmits.
+    """
+    if name == "motor" and "transmitted" in inputs:
+        other = inputs["transmitted"]
+        same = np.ptp(other - inputs[name]) <= VARIES * np.ptp(other)
+        return np.zeros_like(other) if same else np.abs(inputs[name])
+    return np.abs(inputs[name]) if name in DRIVES else inputs[name]
 
 
 def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.evidence import (
+    GEARS,
     LATE_OR_ELASTIC,
     SHOWN_LATE,
     Balance,
@@ -26,6 +27,7 @@ from stickslip.evidence import (
     pieces,
     resolution,
     usual_band,
+    vocabulary,
 )
 from stickslip.experiments import Measurement
 from stickslip.formatting import (
@@ -80,6 +82,9 @@ HOLDS: Final = 0.10
 """Share of the friction that may be left unexplained ..."""
 WHITE: Final = 1.5
 """... or so many times the noise of the sensors in the band."""
+OUTWEIGHS: Final = 2.0
+"""Error without a level that grows with the torque of a gear, over that with it, below which such a
+level is not named where much is left: errors of the links grow with torques, too."""
 CORRECTED: Final = ("delay", "lag")
 """Kinds that settings correct for where friction is measured."""
 PARTLY: Final = 0.025
@@ -188,10 +193,24 @@ def _asked(
 ) -> Asked | None:
     try:
         found = explain(series, fc=fc, progress=progress)
+        if _has_gear(found.best) and _leaves_much(found):
+            plain = [one for one in vocabulary(found.balance) if one.kind not in GEARS]
+            other = explain(found.balance, vocabulary=plain, progress=progress)
+            if other.best.rms < OUTWEIGHS * found.best.rms:
+                found = replace(other, ties=(*other.ties, found.best))
     except InputError:
         return None
     asked = Asked.of(found, found.balance.references.get("load", load), mass)
     return asked if asked.laws else None
+
+
+def _has_gear(one: Fit) -> bool:
+    return any(term.kind in GEARS for term in one.structure.terms)
+
+
+def _leaves_much(found: Explanation) -> bool:
+    """Whether much is left that no law and no fault explains, and that is no noise."""
+    return found.left > HOLDS and found.best.rms > WHITE * noise_left(found)
 
 
 def errors_of(
@@ -233,7 +252,7 @@ def model_errors(
     far = _fitted_outliers(found.balance, measurement)
     others = any(one.taken is not None for one in found.balance.series)
     error = partial(_error, measurement=measurement, hold=hold, response=response)
-    if found.left > HOLDS and found.best.rms > WHITE * noise_left(found):
+    if _leaves_much(found):
         group = [_any_of(one) for one in found.faults if one.kinds[0] in LATE_OR_ELASTIC]
         larger = [error(one, of_mechanism=False) for one in group if one.size > found.best.rms]
         return (*larger, _unexplained(found, measurement), *far)
@@ -475,12 +494,20 @@ def _cure(kind: str, value: float, measurement: Measurement, response: SensorRes
 
 
 def _unexplained(found: Explanation, measurement: Measurement) -> ModelError:
-    force = quantity(found.best.rms, measurement.unit("force"))
+    unit = measurement.unit("force")
+    force = quantity(found.best.rms, unit)
+    gear = min((one.rms for one in found.ties if _has_gear(one)), default=math.nan)
+    instead = (
+        f" A level that grows with the torque of the gear would leave {quantity(gear, unit)}, but"
+        " so may an error of the links, which this record does not tell from it."
+        if not _has_gear(found.best) and gear < found.best.rms
+        else ""
+    )
     return ModelError(
         kind="unexplained",
         finding=(
             f"No law and no fault that was tried explains {force} of the force,"
-            f" {percent(found.left)} of the friction."
+            f" {percent(found.left)} of the friction.{instead}"
         ),
         consequence=UNSAID,
         effect=found.best.rms,

@@ -7,7 +7,7 @@ from functools import partial
 from typing import final
 
 from stickslip.errors import ParameterError
-from stickslip.evidence import TERMS, Fit, Structure
+from stickslip.evidence import GEARS, TERMS, Fit, Structure
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, specification
 from stickslip.identification import (
@@ -24,7 +24,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import REFERENCE, Watch
 
-SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second")
+SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second", *GEARS)
 """Kinds of terms that only a record which asks for them brings in."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
@@ -253,6 +253,7 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
 def _accuses(one: Fit, best: Fit) -> bool:
     """Whether a structure has a fault, or a special term, that the best one has not."""
     known = {term.kind for term in best.structure.free}
+    known |= {*GEARS} if known & {*GEARS} else set()
     new = {term.kind for term in one.structure.free} - known
     return any(TERMS[kind].fault or kind in SPECIAL for kind in new)
 
