@@ -174,7 +174,8 @@ def rests(motion: Motion) -> Iterator[Finding]:
     first, last = first[long], last[long]
     span = float(motion.time[-1] - motion.time[0])
     if not first.size:
-        yield Finding(kind="rests", sentence="No periods of rest.", numbers={"duration": 0.0})
+        text = f"No periods of rest of {SHORTEST} samples or more."
+        yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
         return
     total = float(np.sum(motion.time[last] - motion.time[first]))
     yield Finding(
