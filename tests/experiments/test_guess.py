@@ -264,6 +264,18 @@ def test_a_record_whose_last_row_stands_first_is_sorted_and_doubted(tmp_path):
     np.testing.assert_allclose(read_data([file], guess.reading).position, X, atol=1e-4)
 
 
+def test_records_below_each_other_are_not_mixed(tmp_path):
+    file = tmp_path / "a.csv"
+    both = rows((T, X, F), ",", points) + rows((T, 1.1 * X, F), ",", points)
+    file.write_text("time [s],position [m],force [N]\n" + both)
+    said = rf"times begin again at line {N + 2}: it seems to hold 2 records below each other"
+    with pytest.raises(InputError, match=said):
+        guess_data(file)
+    marked = [f"{line},{k // N}" for k, line in enumerate(both.splitlines())]
+    file.write_text("time [s],position [m],force [N],trial\n" + "\n".join(marked))
+    assert guess_data(file).columns.keys() == {"time", "position", "force"}
+
+
 def test_a_column_of_times_in_no_order_is_what_is_refused(tmp_path):
     file = tmp_path / "a.csv"
     order = np.random.default_rng(1).permutation(N)

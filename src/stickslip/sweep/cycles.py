@@ -56,18 +56,7 @@ class DrivenCycle:
         return abs(self.travel) > STILL * (abs(self.travel) + self.back_slip)
 
     def repeats(self, before: Self) -> bool:
-        """Return whether the travel is that of the cycle before, to a thousandth.
-
-        Parameters
-        ----------
-        before : DrivenCycle
-            The cycle before.
-
-        Returns
-        -------
-        bool
-            True once a motion has settled.
-        """
+        """Whether the travel is that of the cycle before, as once a motion has settled."""
         return abs(self.travel - before.travel) <= STEADY * abs(self.travel)
 
 

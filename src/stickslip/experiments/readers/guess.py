@@ -151,6 +151,8 @@ EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """
 ORDERED: Final = 0.9
 """Share of the steps of a column of times that go one way at least."""
+RESTART: Final = 0.5
+"""Share of the time that has passed by which it goes back where a further record begins."""
 DIGITS: Final = 0.5
 """Share of the cells of a column that are numbers from which the others are faults."""
 GAP: Final = 3.0
@@ -342,6 +344,8 @@ def guess_data(
     repair = repairs_of(frame, found, times, trial)
     if repair:
         reasons["repair"] = repair_text(repair)
+    if times is not None and not trial:
+        _refuse_restarts(frame, times)
     backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
     return Guess(
         file=str(given_path),
@@ -786,6 +790,23 @@ def repairs_of(
         late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
+
+
+def _refuse_restarts(frame: Frame, times: Array) -> None:
+    """Refuse several records below each other, which sorting by time would mix."""
+    rows = np.flatnonzero(np.isfinite(times))
+    known = times[rows]
+    span = np.maximum.accumulate(known) - known[0]
+    back = np.flatnonzero(np.diff(known) < -RESTART * span[:-1])
+    # the first rows span nothing, and many steps back are no records
+    back = back[span[back] > RESTART * float(np.ptp(known)) / (back.size + 1)]
+    if 0 < back.size < MOST_TRIALS * known.size:
+        place = frame.line(int(rows[back[0] + 1]))
+        raise InputError(
+            f"{frame.file}: times begin again at {place}: it seems to hold"
+            f" {count(back.size + 1, 'record')} below each other. Number them in a column 'trial',"
+            " or give each a file of its own."
+        )
 
 
 def repair_text(repair: Sequence[Repair]) -> str:
