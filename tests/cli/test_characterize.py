@@ -27,6 +27,8 @@ def run(tmp_path, monkeypatch, capsys):
         with pytest.raises(SystemExit) as leaving:
             main(("characterize", *arguments))
         out, err = capsys.readouterr()
+        # What goes into a file has no line that is filled up to the width of a terminal.
+        assert not [line for line in out.splitlines() if line.endswith(" ")]
         return leaving.value.code, " ".join(out.split()), " ".join(err.split())
 
     return one

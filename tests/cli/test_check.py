@@ -189,6 +189,13 @@ def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
     assert "Force is −1 times" in run(file, "second.csv", "--gain", "force=-10")[1]
 
 
+def test_a_file_is_named_as_data_too_as_for_select(run, rig, tmp_path):
+    file = rig()
+    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
+    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
+    assert run(file, "--data", "second.csv")[:2] == run(file, "second.csv")[:2]
+
+
 def test_options_of_columns_need_a_file_of_data(run, rig):
     code, _, err = run(rig(), "--gain", "force=2")
     assert (code, "name one beside rig.toml" in err) == (2, True)

@@ -248,7 +248,7 @@ CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.t
 BAD = [
     (["select", "nowhere.toml"], "nowhere.toml"),
     (["select", "demo", "--laws", "coulom"], "Did you mean 'coulomb'"),
-    (["select", "demo", "--laws", ""], "unknown friction law"),
+    (["select", "demo", "--laws", ""], "--laws takes names of laws with commas between them"),
     (["select", "demo", "--data", "nowhere.csv"], "nowhere.csv"),
     (["select", "demo", "--set", "mechanism.mass=0"], "above 0 kg"),
     (["select", "demo", "--set", "mechanism.mass=-1 kg"], "above 0 kg"),

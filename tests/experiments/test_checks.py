@@ -8,6 +8,7 @@ import pytest
 
 from stickslip import Axis, Measurement, SpringBlock, check, load_measurement
 from stickslip.errors import InputError
+from stickslip.experiments import inertia_of
 from stickslip.experiments.checking.stationarity import independent
 from stickslip.results import Checks, Finding
 
@@ -404,7 +405,31 @@ def test_a_body_that_hardly_moves_is_said_to_rest_and_not_to_drift():
 
 
 def test_a_record_without_rests_says_so():
-    assert CLEAN.of("rests")[0].sentence == "No periods of rest."
+    assert CLEAN.of("rests")[0].sentence == "No periods of rest of 10 samples or more."
+
+
+def test_huge_numbers_give_an_inertia_or_none_and_no_warning():
+    t = np.arange(400) / 100
+    for size in (1e100, 1e200):
+        force = size * (10.0 * np.cos(4.0 * t) + np.sign(np.sin(4.0 * t)))
+        record = Measurement(time=t, position=1e200 * t * (4.0 - t), force=force)
+        assert inertia_of(record) is None
+    small = Measurement(
+        time=t, velocity=1.25e-160 * np.sin(4.0 * t), force=1e-160 * 10.0 * np.cos(4.0 * t)
+    )
+    assert inertia_of(small) == pytest.approx(2.0, rel=1e-3)
+
+
+def test_what_readings_of_another_kind_than_travels_determine_is_left_to_that_kind():
+    trials = [
+        Measurement(friction=one, conditions={"temperature": 20.0 + one}, uncertainty=0.1)
+        for one in (1.0, 2.0)
+    ]
+    found = check(Measurement(trials=trials))
+    assert not found.of("conditions")
+    assert not any("cannot rank" in line for line in found.sentences)
+    travels = [Measurement(travel=1.0, conditions={"t": x}, uncertainty=0.1) for x in (1.0, 2.0)]
+    assert check(Measurement(trials=travels)).of("conditions")
 
 
 def test_the_slow_share_is_that_of_a_sine():

@@ -1,6 +1,7 @@
 """Files as programs and people write them are recognised, and read as they were meant."""
 
 import contextlib
+import re
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from stickslip import Axis, check, load_measurement, load_rig
 from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import Layout, guess_data, guessed_rig
+from stickslip.experiments import Layout, guess_data, guessed_rig, read_data
 from stickslip.experiments.readers import guess as guessing
 from stickslip.experiments.readers.table_reader import read_frame as frame
 
@@ -250,6 +251,55 @@ def test_gaps_and_disorder_are_found_and_repaired(tmp_path):
         file, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
     )
     assert record.time.size == N - 1
+
+
+def test_a_record_whose_last_row_stands_first_is_sorted_and_doubted(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text(
+        "time [s],position [m],force [N]\n" + rows((T[::-1], X[::-1], F[::-1]), ",", points)
+    )
+    guess = guess_data(file)
+    assert guess.repair == ("sort",)
+    assert any("counts down" in doubt for doubt in guess.doubts)
+    np.testing.assert_allclose(read_data([file], guess.reading).position, X, atol=1e-4)
+
+
+def test_records_below_each_other_are_not_mixed(tmp_path):
+    file = tmp_path / "a.csv"
+    both = rows((T, X, F), ",", points) + rows((T, 1.1 * X, F), ",", points)
+    file.write_text("time [s],position [m],force [N]\n" + both)
+    said = rf"times begin again at line {N + 2}: it seems to hold 2 records below each other"
+    with pytest.raises(InputError, match=said):
+        guess_data(file)
+    marked = [f"{line},{k // N}" for k, line in enumerate(both.splitlines())]
+    file.write_text("time [s],position [m],force [N],trial\n" + "\n".join(marked))
+    assert guess_data(file).columns.keys() == {"time", "position", "force"}
+
+
+def test_a_column_of_times_in_no_order_is_what_is_refused(tmp_path):
+    file = tmp_path / "a.csv"
+    order = np.random.default_rng(1).permutation(N)
+    file.write_text("time [s],position [m]\n" + rows((T[order], X[order]), ",", points))
+    with pytest.raises(InputError, match=r"the column 'time' holds no times .* Sort the rows"):
+        guess_data(file)
+
+
+@pytest.mark.parametrize("name", ["time [s]", "position [m]", "force [N]"])
+def test_a_fault_of_a_spreadsheet_is_named_by_its_cell(tmp_path, name):
+    file, head = tmp_path / "a.csv", ("time [s]", "position [m]", "force [N]")
+    lines = [line.split(",") for line in ENGLISH.splitlines()]
+    lines[17][head.index(name)] = "#DIV/0!"
+    file.write_text("\n".join(map(",".join, [head, *lines])))
+    said = rf"column '{re.escape(name)}', line 19: must be a finite number, got '#DIV/0!'"
+    with pytest.raises(InputError, match=said):
+        guess_data(file)
+
+
+def test_a_single_row_is_said_to_be_one(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time [s],position [m],force [N]\n0,0,1\n")
+    with pytest.raises(InputError, match="has one row of numbers: a record in time has at least 2"):
+        guess_data(file)
 
 
 def test_what_has_no_unit_is_doubted(tmp_path):

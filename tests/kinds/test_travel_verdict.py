@@ -14,10 +14,12 @@ from stickslip import (
     SpringBlock,
     Stribeck,
     Viscous,
+    fit,
     load_rig,
     select,
     simulate,
 )
+from stickslip.errors import InputError
 from stickslip.identification import Estimate, TravelModel, starting_law
 from stickslip.identification.travel_model import trials_of
 from stickslip.kinds.travels.admissibility import doubts, reaching
@@ -77,6 +79,24 @@ def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
     fit = dataclasses.replace(viscous.fit, estimates=tuple(estimates))
     found = doubts(dataclasses.replace(viscous, fit=fit))
     assert found == {"viscous_coefficient": "consistent with zero (95 % interval)"}
+
+
+def test_an_interval_that_only_other_laws_bring_to_zero_is_not_called_consistent_with_it(verdict):
+    (own,) = verdict.best.fit.estimates
+    wide = dataclasses.replace(own, low=0.0)
+    best = dataclasses.replace(
+        verdict.best, fit=dataclasses.replace(verdict.best.fit, estimates=(wide,)), alone=(own,)
+    )
+    (said,) = doubts(best).values()
+    assert said.startswith("lies between 0.2")
+    assert "if Coulomb friction holds; if another law does" in said
+    assert "consistent" not in said
+
+
+def test_travels_without_motion_are_refused_by_a_fit_as_by_a_selection():
+    still = Measurement(travel=0.0, uncertainty=0.001)
+    with pytest.raises(InputError, match=r"Every travel is 0: no motion was recorded"):
+        fit(RIG, "coulomb", still)
 
 
 def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():

@@ -220,6 +220,7 @@ def check(
             " The mechanism of the rig file allows more checks; its [data] is read too.",
         ),
     ],
+    data: Data = None,
     reading: ReadingOptions,
     allow_import: AllowImport = False,
     output: Annotated[
@@ -236,7 +237,8 @@ def check(
     from stickslip.cli.check import run
     from stickslip.cli.options import reading_of
 
-    run(files, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)
+    named = [*files, *(data or [])]
+    run(named, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "simulate")

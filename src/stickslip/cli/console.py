@@ -103,8 +103,15 @@ def show_table(
     console = stdout()
     wide = sum(widths) + GAP * len(widths)
     # As wide as it has to be: what is cut off a number is another number.
-    console.width = max(console.width, least) if console.is_terminal else wide
-    console.print(table)
+    if console.is_terminal:
+        console.width = max(console.width, least)
+        console.print(table)
+        return
+    console.width = wide
+    with console.capture() as lines:
+        console.print(table)
+    for line in lines.get().splitlines():
+        console.print(line.rstrip(), markup=False)
 
 
 def _is_number(cell: str) -> bool:

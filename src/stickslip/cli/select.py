@@ -122,6 +122,11 @@ def laws_of(
     if names is None:
         return rig.laws or None
     asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
+    if "" in asked:
+        raise InputError(
+            f"--laws takes names of laws with commas between them, such as coulomb,viscous, got"
+            f" {names!r}."
+        )
     return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
 
 

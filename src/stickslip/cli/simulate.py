@@ -37,11 +37,20 @@ from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_file, write_folder
 from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
-from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
+from stickslip.formatting import (
+    Scale,
+    fixed,
+    number,
+    printable,
+    quantity,
+    residue,
+    scale_of,
+    within,
+)
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
 from stickslip.kinds import PAGE, fit
-from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names, slip_names
 from stickslip.quantities import fields_of, named
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -429,7 +438,7 @@ def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
 
 def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
     """Return the whole cycles of a run, none where the drives do not repeat themselves."""
-    period = cycle_or_none(mechanism)
+    period = None if not has_one_slip(mechanism) else cycle_or_none(mechanism)
     return () if period is None else cycles_in(run, mechanism, period)
 
 
@@ -542,7 +551,7 @@ def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
     }
     if ran.remarks:
         content["remarks"] = list(map(plain, ran.remarks))
-    cycles = _cycles(ran.rig.mechanism, run) if has_one_slip(ran.rig.mechanism) else ()
+    cycles = _cycles(ran.rig.mechanism, run)
     if cycles:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
@@ -572,7 +581,7 @@ def _show(ran: Ran, settings: RunOptions) -> None:
         for name in shown[:MOST_STATES]
     )
     final += f", and {left} further states; --json lists all" if left > 0 else ""
-    console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
+    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_line(ran)}", markup=False)
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
         held = run.contact(name).stick_time()
@@ -603,6 +612,18 @@ def _show(ran: Ran, settings: RunOptions) -> None:
         console.print("\nRefitted to this measurement", markup=False, style="bold")
         for line in ran.refit.sentences(ran.validation):
             console.print(f"  {line}", markup=False)
+
+
+def _cycles_line(ran: Ran) -> str:
+    """Return a line on what the body travels in a cycle of its drives, if there is one."""
+    cycles = _cycles(ran.rig.mechanism, ran.run)
+    if not cycles:
+        return ""
+    last = quantity(cycles[-1].advance, ran.run.units[slip_names(ran.rig.mechanism)[0]], 3)
+    if len(cycles) > 1 and cycles[-1].repeats(cycles[-2]):
+        return f"\nTravel per cycle, once the motion has settled: {last}"
+    which = "the only cycle" if len(cycles) == 1 else f"the last of {len(cycles)} cycles"
+    return f"\nTravel in {which}: {last}"
 
 
 def _show_twin(found: "Twin") -> None:

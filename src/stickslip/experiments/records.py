@@ -374,7 +374,8 @@ class _Files:
             raise
         except InputError as error:
             text = spelled(str(error), self.reading.by)
-            raise type(error)(text if text.startswith(str(file)) else f"{file}: {text}") from None
+            named = text.startswith((str(file), repr(str(file))))
+            raise type(error)(text if named else f"{file}: {text}") from None
 
     def _refuse_for_trials(self) -> None:
         for what in ("repair", "gain"):

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import final
+from typing import Self, final
 
 import numpy as np
 
@@ -14,6 +14,8 @@ CLOSED = 1e-3
 """Share of the size of a state within which samples count as the same point."""
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
+STEADY = 1e-3
+"""Share of the travel within which cycles count as the same."""
 STILL = 1e-6
 """Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
 MOST_TIMES = 100_000
@@ -52,6 +54,10 @@ class DrivenCycle:
     def moves_on(self) -> bool:
         """Whether the travel is more than rounding of the ways to and fro."""
         return abs(self.travel) > STILL * (abs(self.travel) + self.back_slip)
+
+    def repeats(self, before: Self) -> bool:
+        """Whether the travel is that of the cycle before, as once a motion has settled."""
+        return abs(self.travel - before.travel) <= STEADY * abs(self.travel)
 
 
 def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[DrivenCycle, ...]:

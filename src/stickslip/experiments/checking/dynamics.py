@@ -295,9 +295,13 @@ def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[
     force = np.asarray(record.values("force"))
     others = np.stack([v / moving.fastest, moving.directions, np.ones(x.size)], axis=1)
     both = np.stack([needed, force], axis=1)
+    sizes = np.max(np.abs(both), axis=0)
+    if not np.all(np.isfinite(sizes)) or not np.all(sizes):
+        return 1.0, 0.0
+    both = both / sizes  # squares of numbers of any size are finite then
     left = both - others @ np.linalg.lstsq(others, both, rcond=None)[0]
     (a, f), cross = np.sum(left**2, axis=0), float(left[:, 0] @ left[:, 1])
     # What the regression leaves of a force that it explains are the last digits.
-    if a <= 1e-12 * float(needed @ needed) or f <= 1e-12 * float(force @ force):
+    if np.any(np.array([a, f]) <= 1e-12 * np.sum(both**2, axis=0)):
         return 1.0, 0.0
-    return cross / float(a), cross**2 / float(a * f)
+    return cross / float(a) * float(sizes[1] / sizes[0]), cross**2 / float(a * f)

@@ -98,7 +98,7 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
         yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
     conditions = dict.fromkeys(name for record in records for name in record.conditions)
-    if conditions and records[0].kind == "scalars":
+    if conditions and records[0].travelled:
         yield Finding(
             kind="conditions",
             severity="warning",
@@ -138,13 +138,15 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
     repeats = readings - len(apart)
     text = f"{count(readings, 'reading')} at {count(len(kinds), 'setting')}"
     text += f", {count(repeats, 'repeat')}." if repeats else ", no repeats."
-    if len(kinds) == 1:
+    # What other readings determine is for their kind to say.
+    few = len(kinds) == 1 and bool(records[0].travelled)
+    if few:
         text += " One setting determines one parameter and cannot rank models."
     yield Finding(
         kind="settings",
-        severity="warning" if len(kinds) == 1 else "info",
+        severity="warning" if few else "info",
         sentence=text,
-        measure="Measure at further settings" if len(kinds) == 1 else "",
+        measure="Measure at further settings" if few else "",
         numbers={"readings": readings, "settings": len(kinds), "repeats": repeats},
     )
     bare = sum(not record.uncertainty for record in records)

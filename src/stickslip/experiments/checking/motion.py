@@ -187,7 +187,8 @@ def rests(motion: Motion) -> Iterator[Finding]:
     """Say for how long nothing moves."""
     durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
     if not durations.size:
-        yield Finding(kind="rests", sentence="No periods of rest.", numbers={"duration": 0.0})
+        text = f"No periods of rest of {SHORTEST} samples or more."
+        yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
         return
     total, still = float(np.sum(durations)), motion.hardly_moves
     text = f"At rest for {quantity(total, 's')} of {quantity(span, 's')} ({percent(total / span)}),"

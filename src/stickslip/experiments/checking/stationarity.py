@@ -145,8 +145,8 @@ def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
         kind="effective size",
         severity="warning" if size < FEW else "info",
         sentence=(
-            f"Effective sample size: {number(size, 2)} of {number(values.size, 9)} samples (from"
-            f" the autocorrelation of the {what})."
+            f"Effective sample size before any fit: {number(size, 2)} of {number(values.size, 9)}"
+            f" samples (from the autocorrelation of the {what})."
         ),
         numbers={"samples": values.size, "independent": size},
     )

@@ -23,7 +23,7 @@ from stickslip.experiments.readers.reader_options import Column, Reading, motor_
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
-from stickslip.formatting import count, number
+from stickslip.formatting import count, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -149,6 +149,12 @@ TURNING: Final = (
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
+ORDERED: Final = 0.9
+"""Share of the steps of a column of times that go one way at least."""
+RESTART: Final = 0.5
+"""Share of the time that has passed by which it goes back where a further record begins."""
+DIGITS: Final = 0.5
+"""Share of the cells of a column that are numbers from which the others are faults."""
 GAP: Final = 3.0
 """Usual steps of time from which a step is called a gap."""
 LONG: Final = 4_000_000
@@ -167,6 +173,10 @@ _STYLES: Final = (
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
 """How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, Weg_mm."""
+UPSIDE_DOWN: Final = (
+    "The last time stands first: the rows are sorted by time. If this column counts down to 0"
+    " instead, motion and time would be reversed: replace it by times that increase."
+)
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -334,6 +344,9 @@ def guess_data(
     repair = repairs_of(frame, found, times, trial)
     if repair:
         reasons["repair"] = repair_text(repair)
+    if times is not None and not trial:
+        _refuse_restarts(frame, times)
+    backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
     return Guess(
         file=str(given_path),
         layout=layout,
@@ -350,6 +363,7 @@ def guess_data(
         reasons=reasons,
         doubts=(
             *frame.remarks,
+            *([UPSIDE_DOWN] if backwards else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
         ),
@@ -467,7 +481,8 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     column = frame.data[frame.names[name]]
     numeric = pd.api.types.is_numeric_dtype(column.dtype)
-    if quantity == "time" and not _may_be_times(column):
+    upside_down = quantity == "time" and _is_upside_down(column, name, frame.units.get(name))
+    if quantity == "time" and not (upside_down or _may_be_times(column)):
         return
     if (quantity != "time" and not numeric) or name == "V":  # volts, not a velocity
         return
@@ -618,8 +633,22 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
             return False
         seconds = seconds_of(part)
         return seconds is not None and len(seconds) > 1 and bool(np.ptp(seconds) > 0.0)
-    steps = np.diff(part.to_numpy(dtype=float))
-    return steps.size > 0 and bool(np.mean(steps > 0.0) > 0.9)
+    return share_later(part) > ORDERED
+
+
+def share_later(column: "pd.Series[Any]") -> float:
+    """Return the share of the steps of a column of numbers that go up; 0 of a single row."""
+    steps = np.diff(column.to_numpy(dtype=float))
+    return float(np.mean(steps > 0.0)) if steps.size else 0.0
+
+
+def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> bool:
+    """Whether a column that is called time has the last time first."""
+    part = column.iloc[:CHECKED].dropna()
+    if len(part) < 2 or not pd.api.types.is_numeric_dtype(part.dtype):
+        return False
+    bare, _ = _bare_and_unit(name, stated, "time")
+    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
 
 
 def _increases(column: "pd.Series[Any]") -> bool:
@@ -637,13 +666,19 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
     for name in frame.names if "time" not in found else ():
         if _named_score(_unit_in_name(name, "time")[0], "time")[0] >= PART:
             frame.raw(name)  # says which cell is no number, if that is why it was passed over
+    for name in frame.names:
+        _refuse_faults(frame, name)
     if any(name in frame.names for name in TRAVELS):
         raise InputError(
             f"{frame.file}: is a table of travels, one trial a row, not a record: name it in a rig"
             " file of your mechanism, as [data] file, or as --data of `stickslip select`."
         )
     map_of = {"velocity", "friction"} <= set(found)
+    if len(frame.data) < 2 and not map_of:
+        raise InputError(f"{frame.file}: has one row of numbers: a record in time has at least 2.")
     if "time" not in found and not map_of:
+        for name in frame.names:
+            _refuse_disorder(frame, name)
         raise InputError(
             f"{frame.file}: no column seems to hold times; the columns are {listed}. Name it, as"
             ' columns={"time": "..."}.'
@@ -653,6 +688,33 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
             f"{frame.file}: no column seems to hold a position or a velocity; the columns are"
             f' {listed}. Name it, as columns={{"position": "..."}}.'
         )
+
+
+def _refuse_faults(frame: Frame, name: str) -> None:
+    """Say which cell of a quantity's column is no number, such as #DIV/0!, if most of them are."""
+    column = frame.data[frame.names[name]]
+    if pd.api.types.is_numeric_dtype(column.dtype) or not len(column):
+        return
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in NAMES if q != "time"}
+    if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
+        return
+    cells = column.iloc[:CHECKED].dropna()
+    if pd.to_numeric(cells, errors="coerce").notna().mean() > DIGITS:
+        frame.raw(name)
+
+
+def _refuse_disorder(frame: Frame, name: str) -> None:
+    """Say of a column that is called time why it holds none."""
+    bare, _ = _bare_and_unit(name, frame.units.get(name), "time")
+    column = frame.data[frame.names[name]]
+    if _named_score(bare, "time")[0] < PART or not pd.api.types.is_numeric_dtype(column.dtype):
+        return
+    later = share_later(column.iloc[:CHECKED].dropna())
+    raise InputError(
+        f"{frame.file}: the column {shown(name)} holds no times of samples: from row to row, only"
+        f" {percent(later)} of them increase. Sort the rows by time, or name another column, as"
+        ' columns={"time": "..."}.'
+    )
 
 
 def _turns(found: Mapping[str, Found]) -> bool:
@@ -678,6 +740,8 @@ def column_text(one: Found) -> str:
 def rate_text(times: Array) -> str:
     """Return number and rate of the samples in words, and what gaps there are."""
     steps = np.diff(times[np.isfinite(times)])
+    if np.all(steps < 0.0):  # the last one stands first
+        steps = -steps
     step = float(np.median(steps))
     samples = count(len(times), "sample")
     if not step > 0.0:
@@ -726,6 +790,23 @@ def repairs_of(
         late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
+
+
+def _refuse_restarts(frame: Frame, times: Array) -> None:
+    """Refuse several records below each other, which sorting by time would mix."""
+    rows = np.flatnonzero(np.isfinite(times))
+    known = times[rows]
+    span = np.maximum.accumulate(known) - known[0]
+    back = np.flatnonzero(np.diff(known) < -RESTART * span[:-1])
+    # the first rows span nothing, and many steps back are no records
+    back = back[span[back] > RESTART * float(np.ptp(known)) / (back.size + 1)]
+    if 0 < back.size < MOST_TRIALS * known.size:
+        place = frame.line(int(rows[back[0] + 1]))
+        raise InputError(
+            f"{frame.file}: times begin again at {place}: it seems to hold"
+            f" {count(back.size + 1, 'record')} below each other. Number them in a column 'trial',"
+            " or give each a file of its own."
+        )
 
 
 def repair_text(repair: Sequence[Repair]) -> str:

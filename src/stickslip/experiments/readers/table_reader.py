@@ -182,7 +182,7 @@ def read_frame(
     if layout is not None and path.suffix.lower() not in TEXT:
         raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
     if known is None:
-        *endings, last = (one.endings[0] for one in FORMATS)
+        *endings, last = (ending for one in FORMATS for ending in one.endings)
         raise InputError(
             f"{file}: must be a {', '.join(endings)} or {last} file, got"
             f" {path.suffix or 'no file extension'}. Save a spreadsheet as CSV."

@@ -47,9 +47,9 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{str(path)!r}: cannot be read: {reason}.") from None
     if folder:
-        raise InputError(f"{path}: is a folder; give the path of a file.")
+        raise InputError(f"{str(path)!r} is a folder: give the path of a file.")
     if not regular:
-        raise InputError(f"{path}: is not a regular file.")
+        raise InputError(f"{str(path)!r} is not a regular file.")
     if largest is not None and size > largest:
         raise InputError(
             f"{path}: is {size / 1e6:.0f} MB; a rig file may be at most"
@@ -68,7 +68,7 @@ def _siblings(path: Path) -> str:
     if not same:
         return "Check the path."
     more = "" if len(same) <= 5 else f" and {len(same) - 5} more"
-    return f"Files in {path.parent}: {', '.join(same[:5])}{more}."
+    return f"Files in {str(path.parent)!r}: {', '.join(same[:5])}{more}."
 
 
 def decode(data: bytes, file: str) -> str:

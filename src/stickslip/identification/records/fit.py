@@ -26,7 +26,7 @@ from stickslip.formatting import Scale, count, joined, quantity
 from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification.contact_inputs import typical_inputs
-from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, improve
@@ -45,7 +45,7 @@ from stickslip.identification.force_map.joint_balance import (
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.residuals.trends import noise_floor
-from stickslip.identification.results import Fit, ModelError, estimates_for
+from stickslip.identification.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.terms.composed_laws import Asked
@@ -344,11 +344,15 @@ class RecordFit(Fit[AnyLaw_co]):
         return self.rms <= AT_NOISE * floor
 
     @property
+    def offset_estimate(self) -> Estimate | None:
+        """The constant force beside friction, where it was fitted."""
+        return next((one for one in self.estimates if one.path in CONSTANTS), None)
+
+    @property
     def offset(self) -> float:
         """The constant force that stands beside friction [N], fitted or held."""
-        for estimate in self.estimates:
-            if estimate.path in {"mechanism.offset", "measurement.offset.friction"}:
-                return estimate.value
+        if self.offset_estimate is not None:
+            return self.offset_estimate.value
         held = self.problem.held_offset
         return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
 

@@ -39,8 +39,14 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
         elif estimate.path in several:
             said = estimate.range.replace(" to ", " and ")
             found[name] = f"lies between {said}: these readings do not tell which of several values"
+        elif estimate.low <= limit and estimate.path in alone and alone[estimate.path].low > limit:
+            said = alone[estimate.path].range.replace(" to ", " and ")
+            found[name] = (
+                f"lies between {said} if {candidate.title} friction holds; if another law does that"
+                f" these readings do not rule out, it may be {_limit_text(limit)}"
+            )
         elif estimate.low <= limit:
-            found[name] = _at(limit, estimate)
+            found[name] = f"consistent with {_limit_text(limit)} ({estimate.interval} interval)"
     return found
 
 
@@ -61,9 +67,8 @@ def limit_of(law: FrictionLaw, name: str) -> float:
     return float(max(limits))
 
 
-def _at(limit: float, estimate: Estimate) -> str:
-    value = "zero" if limit == 0.0 else f"its limit of {number(limit)}"
-    return f"consistent with {value} ({estimate.interval} interval)"
+def _limit_text(limit: float) -> str:
+    return "zero" if limit == 0.0 else f"its limit of {number(limit)}"
 
 
 def improves(richer: TravelFit, simpler: TravelFit, extra: int, level: float = LEVEL) -> bool:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, refuse_faults
 from stickslip.formatting import count, joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
@@ -54,6 +54,7 @@ def fit_travels(
     given = chosen.law
     start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
     trials = trials_of(chosen.mechanism, measurement, t_end)
+    refuse_faults(measurement, mechanism)
     check_rig(trials, chosen.unknown)
     free = _travel_paths(start, trials, chosen.free, chosen.known, chosen.unknown)
     nuisances = []

@@ -25,8 +25,6 @@ from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import Band, DrivenCycle
 from stickslip.trajectory import Event, Trajectory
 
-STEADY = 1e-3
-"""Share of the travel within which cycles count as the same."""
 FIRST_ROWS, LAST_ROWS = 6, 4
 """Cycles of which a table shows the first and the last."""
 MOST_DRAWN, DRAWN = 12, 8
@@ -155,8 +153,7 @@ def _cycles_heading(about: RunReport) -> str:
     advance = f"The {about.part} {about.advances(travels[-1])}"
     if len(travels) == 1:
         return f"{advance} in one cycle"
-    change = abs(travels[-1] - travels[-2])
-    if change <= STEADY * abs(travels[-1]):
+    if about.cycles[-1].repeats(about.cycles[-2]):
         return f"{advance} per cycle once the motion has settled"
     return f"{advance} in the last cycle and has not settled"
 

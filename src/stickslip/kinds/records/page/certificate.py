@@ -132,7 +132,8 @@ def _information(fit: RecordFit) -> list[KeyValue]:
         KeyValue(key="Segments", value=text),
         KeyValue(
             key="Effective samples",
-            value=f"about {significant(effective, 2)} of {rows:,} rows compared",
+            value=f"about {significant(effective, 2)} of {rows:,} rows compared, by the residuals"
+            " of the fit",
         ),
         KeyValue(
             key="Condition",

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.experiments import equated
 from stickslip.formatting import fixed, in_words, percent, ratio, significant, with_unit
 from stickslip.identification import (
     JOINTS,
@@ -167,6 +168,11 @@ def _caption(fit: RecordFit) -> str:
     )
     if reads_as_forces(fit.mechanism, fit.measurement):
         text += " The normal force is set to 1, so that friction levels are forces."
+    for own, other in equated(fit.law).values():
+        text += f" ${own}$ was not fitted: it is set equal to ${other}$."
+    force = fit.offset_estimate
+    if force is not None and force.bounded and force.low <= 0.0 <= force.high:
+        text += f" The interval of ${force.quantity.symbol}$ includes 0: no constant force is seen."
     return text
 
 

@@ -140,9 +140,10 @@ def law_lines(fit: RecordFit, of: RecordCandidate | None = None) -> tuple[LawLin
             for name, q in fields_of(type(law)).items()
             if getattr(law, name) is not None
         ]
-    offset = fit.offset
-    if offset:
-        text = with_unit(number(offset, 2), fit.measurement.unit("friction"))
+    if fit.offset:
+        text = with_unit(number(fit.offset, 2), fit.measurement.unit("friction"))
+        if fit.offset_estimate is not None:
+            text = fit.offset_estimate.plus_minus
         lines.append(LawLine(label="constant force", formula=text))
     for estimate in fit.estimates:
         if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
