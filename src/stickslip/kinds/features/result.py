@@ -76,6 +76,9 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
+    alone: tuple[Estimate, ...] = ()
+    """Estimates that hold if this law does, where `estimates` hold whichever law does of those that
+    the features do not tell from it; empty elsewhere."""
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
@@ -94,6 +97,7 @@ class FeatureFit(Fit[Law_co]):
             self.correlation,
             levels=levels_at(self.mechanism),
             largest_speed=None,
+            alone=self.alone,
         )
 
     @property
