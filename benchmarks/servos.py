@@ -5,6 +5,8 @@ resistance and torque constant, a gear with the friction of `BamM4`, an arm of k
 position loop that samples, with an encoder of 4096 counts and a PWM of 885. The law, R and k_t are
 fitted to the angle and the voltage that such a servo reports. Counted is how many nominal 95 %
 intervals hold the true value, and whether the pairs that the record does not separate are named.
+With ``--current 0.01`` it reports its current too, with so much noise [A], and the mass of the arm
+is not known either.
 
 ``python -m benchmarks.servos --measured`` fits laws to two measured sets of ``STICKSLIP_DATA`` and
 prints the tables of the how-to guide on servos. Of the servo in ``bam_xl330``, each law is fitted
@@ -21,6 +23,7 @@ import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +42,7 @@ from stickslip.identification import FittedLaw, fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
+MASS = "mechanism.mass"
 COUNT = 2.0 * math.pi / 4096
 """Step of the encoder [rad]."""
 PERIOD, DURATION = 4e-3, 16.0
@@ -95,8 +99,11 @@ def draw(random: Random) -> Servo:
     return Servo(rig=rig, law=friction, gain=between(random, 15.0, 40.0), swings=swings)
 
 
-def recorded(servo: Servo) -> Measurement:
-    """Return what a servo reports: angle, voltage and goal at each sample of its loop."""
+def recorded(servo: Servo, noise: float | None = None) -> Measurement:
+    """Return what a servo reports: angle, voltage and goal at each sample of its loop.
+
+    And, with some noise [A], its current.
+    """
     pid = PID(proportional=servo.gain, reference=servo.goal, state="theta", rate=None, limit=SUPPLY)
     loop = closed_loop(
         servo.rig,
@@ -109,23 +116,37 @@ def recorded(servo: Servo) -> Measurement:
         quantisation={"theta": COUNT},
         y0={"theta": 0.5 * servo.goal(0.0)},
     )
-    return Measurement(
+    record = Measurement(
         time=loop.t,
         position=loop.measured["theta"],
         voltage=loop.commands,
         reference=[servo.goal(t) for t in loop.t],
         turning=True,
     )
+    if noise is None:
+        return record
+    motor = servo.rig.drive
+    assert isinstance(motor, DCMotor)
+    current = motor.current(loop.commands, 0.0, loop.run.at(loop.t)["omega"])
+    scatter = np.random.default_rng(len(loop.t)).standard_normal(len(loop.t))
+    return replace(record, current=current + noise * scatter)
 
 
-def rate(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
+def rate(
+    seed: int,
+    number: int,
+    *,
+    candidates: Sequence[str],
+    route: str,
+    current: float | None = None,
+) -> dict[str, Any]:
     """Return how the intervals of one servo are."""
     del candidates
     random = np.random.default_rng([seed, number])
     servo = draw(random)
     began = time.process_time()
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": "bam-m4", "route": route}
-    record = recorded(servo)
+    record = recorded(servo, current)
     motor = servo.rig.drive
     assert isinstance(motor, DCMotor)
     off = np.exp(random.uniform(-0.3, 0.3, 2))
@@ -136,12 +157,17 @@ def rate(seed: int, number: int, *, candidates: Sequence[str], route: str) -> di
     )
     true = {f"friction.{name}": getattr(servo.law, name) for name in servo.law.fit_order}
     true |= dict(zip(VARIED, (motor.resistance, motor.torque_constant), strict=True))
+    rig, varied = replace(servo.rig, drive=guess), [*VARIED]
+    if current is not None:
+        true[MASS] = servo.rig.mass
+        rig = replace(rig, mass=rig.mass * float(np.exp(random.uniform(-0.3, 0.3))))
+        varied.append(MASS)
     try:
         found: Any = fit(
-            replace(servo.rig, drive=guess),
+            rig,
             BamM4,
             record,
-            vary=["friction.*", *VARIED],
+            vary=["friction.*", *varied],
             fixed={"fading_exponent": 1.0},
             route=route,
             settings=RecordSettings(hold="zero"),
@@ -497,6 +523,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
+    parser.add_argument("--current", type=float, help="noise of a reported current [A]")
     parser.add_argument("--measured", action="store_true")
     parser.add_argument("--law", action="append", help="of --measured, may be repeated; all if not")
     parser.add_argument("--file", type=Path)
@@ -518,7 +545,7 @@ def main() -> None:
         jobs=options.jobs,
         candidates=(),
         route=options.route,
-        rated=rate,
+        rated=partial(rate, current=options.current),
     ):
         print(line, flush=True)
     rows = judged(file, options.seed, options.route, "")

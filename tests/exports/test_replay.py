@@ -6,15 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, Rig, Stribeck
+from stickslip import Axis, CoulombViscous, Measurement, Pendulum, Rig, Stribeck, simulate
 from stickslip.cli import main
+from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
 from stickslip.exports.simplification import simplified
 from stickslip.exports.subject import Subject
 from stickslip.formulation import JointTorques
-from stickslip.mechanisms import read_urdf
+from stickslip.mechanisms import DCMotor, PositionLoop, read_urdf
 
 LINK = """<link name="{}"><inertial><origin xyz="0.15 0 0"/><mass value="{}"/>
   <inertia ixx="1e-3" iyy="{}" izz="{}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
@@ -204,3 +205,75 @@ def test_a_record_of_other_joints_is_refused(arm):
     less = replace(record, joints={"elbow": record.joints["elbow"]})
     with pytest.raises(InputError, match="no position of the joint 'shoulder'"):
         apply(rig_of(path), path, largest_speed=1.0, record=less, run=False)
+
+
+MOTOR = DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=2e-3)
+SERVO = Pendulum(mass=0.5, length=0.1, gravity=9.81, drive=MOTOR)
+GEAR = CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.01)
+
+
+def servo_file(folder, mass):
+    """Return the path of a servo with an arm in MuJoCo, whose file has no motor."""
+    path = folder / f"servo{mass}.xml"
+    path.write_text(
+        '<mujoco><option timestep="0.001" gravity="0 0 -9.81"/><worldbody><body>'
+        '<joint name="horn" type="hinge" axis="0 1 0"/>'
+        f'<inertial pos="0 0 -0.1" mass="{mass}" diaginertia="1e-9 1e-9 1e-9"/>'
+        "</body></worldbody></mujoco>"
+    )
+    return path
+
+
+def servo_record(law):
+    """Return the motion of the servo under a voltage of two sines, held for 5 ms."""
+    t = np.arange(0.0, 8.0, 0.005)
+    volts = 3.0 * np.sin(2.9 * t) + 2.0 * np.sin(7.7 * t)
+    told = replace(MOTOR, drive=Sampled(times=t, values=volts, hold="zero"))
+    run = simulate(replace(SERVO, drive=told), law, t_end=t[-1]).at(t)
+    # its mean until the next sample, which is what a filtered sensor of the current has
+    omega = run["omega"] + 0.5 * np.append(np.diff(run["omega"]), 0.0)
+    current = (volts - 0.4 * omega) / 4.0
+    return Measurement(time=t, position=run["theta"], voltage=volts, turning=True), current
+
+
+@pytest.mark.parametrize("what", ["voltage", "current", "reference"])
+def test_the_motor_of_a_record_drives_the_file_in_mujoco(tmp_path, what):
+    mujoco_or_skip()
+    record, current = servo_record(GEAR)
+    servo = SERVO
+    if what == "current":
+        record = replace(record, current=current)
+    if what == "reference":
+        t = record.time
+        servo = replace(SERVO, drive=replace(MOTOR, loop=PositionLoop(gain=20.0)))
+        goal = 0.8 * np.sin(2.9 * t) + 0.3 * np.sin(7.7 * t)
+        told = replace(servo.drive, drive=Sampled(times=t, values=goal, hold="first"))
+        run = simulate(replace(servo, drive=told), GEAR, t_end=t[-1]).at(t)
+        record = Measurement(time=t, position=run["theta"], reference=goal, turning=True)
+    rig = Rig(mechanism=servo, laws={GEAR.name: GEAR}, named=(GEAR.name,))
+    (right,) = apply(rig, servo_file(tmp_path, 0.5), largest_speed=5.0, record=record).joints
+    (heavy,) = apply(rig, servo_file(tmp_path, 0.75), largest_speed=5.0, record=record).joints
+    law, simple, theirs = right.replay.models
+    assert right.replay.driven_by == what
+    assert right.replay.constant == 0.0
+    assert f"under the recorded {what} of the motor" in right.sentences[3]
+    # the law is the file's own, so that all three follow the record
+    assert max(law.force, simple.force, theirs.force) < 0.03 * right.replay.spread
+    travel = float(np.ptp(record.position))
+    assert max(law.position, theirs.position) < 0.01 * travel
+    # half as much again of the arm's mass in the file is seen, but by the law is not
+    *_, wrong = heavy.replay.models
+    assert wrong.position > 5.0 * theirs.position
+    assert heavy.replay.models[0] == law
+
+
+def test_a_motor_of_a_record_has_the_back_emf_of_the_speed_in_the_file(tmp_path):
+    mujoco_or_skip()
+    record, _ = servo_record(GEAR)
+    # without friction in the law, the file runs faster: its own back-EMF brakes it more
+    plain = CoulombViscous(kinetic_coefficient=0.0, viscous_coefficient=1e-9)
+    rig = Rig(mechanism=SERVO, laws={plain.name: plain}, named=(plain.name,))
+    (joint,) = apply(rig, servo_file(tmp_path, 0.5), largest_speed=5.0, record=record).joints
+    law, _, theirs = joint.replay.models
+    assert theirs.position == pytest.approx(law.position, rel=0.02)
+    assert law.position > 0.02

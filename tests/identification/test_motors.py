@@ -175,6 +175,53 @@ def test_a_recorded_current_tells_the_torque_constant_whatever_the_resistance(ge
     assert found["friction.transmitted_coefficient"].value == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(plain.time.size)
+    record = replace(plain, current=plain.current + noise)
+    guess = replace(GUESS, mass=0.6, drive=replace(GUESS.drive, resistance=4.0))
+    mass = "mechanism.mass"
+    found = fit(guess, BamM1, record, vary=["friction.*", R, K, mass], settings=SETTINGS)
+    assert found.route == "inverse-dynamics"
+    assert "current and voltage were recorded" in found.route_reason
+    true = {R: 3.2, K: 0.35, mass: 0.49, "friction.viscous_coefficient": 0.02}
+    known = by(found)
+    for path, value in true.items():
+        one = known[path]
+        assert one.bounded
+        assert one.low <= value <= one.high
+        assert one.high - one.low < 0.1 * value
+
+
+def test_rows_of_a_winding_stand_beside_those_of_friction_in_time(plain):
+    found = fit(GUESS, BamM1, plain, vary=["friction.*", R, K], settings=SETTINGS)
+    problem, best = found.problem, found.optimum.best
+    assert len(problem.times) == len(problem.measured) == len(best.residual)
+    assert np.all(np.diff(best.segment) >= 0)
+    np.testing.assert_allclose(
+        problem.measured - problem.predicted(best.values), best.residual, atol=1e-12
+    )
+    # without noise of the current, its own rows leave rounding and the noise of positions alone
+    assert by(found)[R].value == pytest.approx(3.2, rel=2e-3)
+    assert by(found)[K].value == pytest.approx(0.35, rel=2e-3)
+
+
+def test_without_the_voltage_a_current_does_not_tell_the_resistance(plain):
+    record = replace(plain, voltage=None)
+    found = by(
+        fit(
+            GUESS,
+            BamM1,
+            record,
+            vary=["friction.*", R, K],
+            route="inverse-dynamics",
+            settings=SETTINGS,
+        )
+    )
+    assert not found[R].bounded
+    assert found[K].bounded
+
+
 def test_a_record_of_the_goal_alone_is_fitted_through_the_loop(gear):
     record = replace(gear, current=None, voltage=None)
     found = fit(

@@ -311,6 +311,30 @@ def test_what_a_law_that_is_not_told_apart_leaves_open_is_said(verdict):
     assert any("if Coulomb friction" in line for line in verdict.words.settles)
 
 
+def test_a_saved_law_keeps_the_covariance_of_a_level_that_other_laws_leave_open(verdict, tmp_path):
+    fit = verdict.best.fit
+    # as if another law left the static level open
+    found = [
+        replace(one, low=-math.inf, high=math.inf, reason="another law leaves it open")
+        if one.path == "friction.static_coefficient"
+        else one
+        for one in fit.estimates
+    ]
+    alone = fit.alone or fit.estimates
+    opened = replace(fit, estimates=tuple(found), alone=alone)
+    opened.save(tmp_path / "law.toml")
+    known = load_rig(tmp_path / "law.toml").estimates
+    assert "static_coefficient" in known.not_identified
+    assert "static_coefficient" not in known.intervals
+    assert "static_coefficient" in known.covariance_of
+    draws = known.draw(opened.law, 400, seed=1)
+    level = draws["friction.static_coefficient"]
+    (own,) = [one for one in alone if one.path == "friction.static_coefficient"]
+    # its spread if the law holds, by 400 draws to 7 % and more, as the valid range cuts some off
+    assert np.std(level) == pytest.approx((own.high - own.low) / 3.92, rel=0.5)
+    assert known.kept == ()
+
+
 def test_bristles_of_a_stiffness_that_nobody_gave_leave_the_static_level_open():
     # LuGre friction; with the bristles of the starting law its static level is 12 % too low
     row = pulled_sliders.pulled(7901, 7)

@@ -7,12 +7,34 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Axis, BamM1, BamM4, CoulombViscous, Pendulum, TwoMassAxis, load_rig, simulate
+from stickslip import (
+    Axis,
+    BamM1,
+    BamM4,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Pendulum,
+    TwoMassAxis,
+    fit,
+    load_rig,
+    simulate,
+)
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Square
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import rig_toml
-from stickslip.mechanisms import CurrentLoop, DCMotor, PositionLoop, SampledLoop, VelocityLoop
+from stickslip.mechanisms import (
+    CurrentLoop,
+    DCMotor,
+    Link,
+    PositionLoop,
+    Robot,
+    RobotJoint,
+    SampledLoop,
+    SerialArm,
+    VelocityLoop,
+)
 from stickslip.plots.animation.animation_frame import moments_of
 
 MOTOR = DCMotor(
@@ -315,3 +337,108 @@ def test_a_supply_that_droops_is_refused_beside_a_loop_that_sets_the_current():
             resistance=3.0, torque_constant=0.4, supply=12.0, supply_resistance=1.0,
             loop=CurrentLoop(),
         )  # fmt: skip
+
+
+JOINT_MOTOR = DCMotor(
+    resistance=2.0, torque_constant=0.05, gear_ratio=10.0, rotor_inertia=1e-5, supply=12.0
+)
+LINK = Link(mass=0.4, length=0.2, centre=0.15, inertia=0.4 * 0.15**2, damping=0.01)
+
+
+def told(motor, value):
+    return replace(motor, drive=Sampled(times=[0.0], values=[value]))
+
+
+def as_robot(motor):
+    joint = RobotJoint(
+        joint="hinge", mass=0.4, centre_z=-0.15, axis=(0, 1, 0), damping=0.01, effort=motor
+    )
+    return Robot(joints=(joint,))
+
+
+@pytest.mark.parametrize("make", [lambda m: SerialArm(links=(replace(LINK, torque=m),)), as_robot])
+def test_a_motor_at_a_joint_moves_one_link_as_it_moves_a_pendulum(make):
+    motor = replace(JOINT_MOTOR, loop=PositionLoop(gain=15.0), current_limit=3.0)
+    motor = told(motor, 1.0)
+    law = CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02)
+    pendulum = Pendulum(mass=0.4, length=0.15, damping=0.01, drive=motor)
+    t = np.linspace(0.0, 1.5, 61)
+    one, other = (simulate(rig, law, t_end=1.5) for rig in (pendulum, make(motor)))
+    angle = "hinge" if "hinge" in other.units else "q1"
+    np.testing.assert_allclose(one.at(t)["theta"], other.at(t)[angle], rtol=0.0, atol=1e-8)
+    # both meet the limits of supply and current at the same times
+    limits = [[e.t for e in run.events if "limit" in str(e.reason)] for run in (one, other)]
+    assert len(limits[0]) >= 2
+    np.testing.assert_allclose(*limits, atol=1e-8)
+
+
+def test_a_joint_under_a_voltage_comes_to_its_steady_speed():
+    arm = SerialArm(links=(replace(LINK, torque=told(JOINT_MOTOR, 6.0)), LINK), gravity=0.0)
+    # the elbow is held by its friction, straight: nothing pulls at it at a constant speed
+    laws = {
+        "joint-1": Coulomb(kinetic_coefficient=0.3),
+        "joint-2": Coulomb(kinetic_coefficient=50.0),
+    }
+    run = simulate(arm, laws, t_end=20.0)
+    push, brake = 10.0 * 0.05 * 6.0 / 2.0, (10.0 * 0.05) ** 2 / 2.0
+    assert run["q1_dot"][-1] == pytest.approx((push - 0.3) / (0.01 + brake), rel=1e-9)
+
+
+def test_a_stalled_joint_holds_what_its_voltage_gives():
+    lean, weight = 0.7, 0.4 * 9.81 * 0.15
+    voltage = weight * np.sin(lean) * 2.0 / (10.0 * 0.05)
+    arm = SerialArm(links=(replace(LINK, torque=told(JOINT_MOTOR, voltage)),))
+    run = simulate(arm, Coulomb(kinetic_coefficient=0.0), t_end=5.0, y0={"q1": lean})
+    np.testing.assert_allclose(run["q1"], lean, rtol=1e-9)
+
+
+def test_what_motors_of_an_arm_give_is_stored_and_dissipated():
+    motors = [told(JOINT_MOTOR, volts) for volts in (5.0, -3.0)]
+    arm = SerialArm(links=tuple(replace(LINK, torque=one) for one in motors))
+    law = CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02)
+    run = simulate(arm, law, t_end=1.0)
+    t = np.linspace(0.0, 1.0, 20001)
+    seen = run.at(t)
+    work = lost = 0.0
+    for i, (motor, volts) in enumerate(zip(motors, (5.0, -3.0), strict=True)):
+        v = seen[f"q{i + 1}_dot"]
+        work = work + motor.force(volts, 0.0, v) * v
+        lost = lost + 0.03 * v * v + 0.05 * np.abs(v)
+    q = {name: seen[name][-1] for name in arm.coordinates}
+    rates = np.array([seen[name][-1] for name in arm.rates])
+    kinetic = 0.5 * rates @ np.array(arm.mass_matrix(q), dtype=float) @ rates
+    gained = arm.potential_energy(0.0, q) - arm.potential_energy(0.0, dict.fromkeys(q, 0.0))
+    # the quadrature errs by 1e-6 of the work, at reversals
+    given = float(np.trapezoid(work - lost, t))
+    assert given == pytest.approx(float(kinetic + gained), rel=1e-5)
+
+
+def test_a_rotor_of_a_link_is_given_once():
+    with pytest.raises(ParameterError, match="leave those of the Link out"):
+        replace(LINK, torque=JOINT_MOTOR, rotor_inertia=1e-5)
+
+
+def test_motors_of_joints_are_written_to_rig_files_and_read_again(tmp_path):
+    arm = SerialArm(links=(replace(LINK, torque=told(JOINT_MOTOR, 6.0)), LINK))
+    file = tmp_path / "arm.toml"
+    file.write_text(rig_toml(arm, Coulomb(kinetic_coefficient=0.1)))
+    assert load_rig(file).mechanism == arm
+
+
+def test_fits_of_several_joints_refuse_motors():
+    arm = SerialArm(links=(replace(LINK, torque=JOINT_MOTOR), LINK))
+    t = np.arange(0.0, 4.0, 0.01)
+    x = {name: np.sin(3.0 * t) for name in arm.coordinates}
+    record = Measurement(time=t, position=x, force=x)
+    with pytest.raises(InputError, match=r"links\.0\.torque.*take forces"):
+        fit(arm, dict.fromkeys(("joint-1", "joint-2"), Coulomb), record)
+
+
+def test_equations_of_a_sampling_loop_at_a_joint_are_refused():
+    motor = replace(JOINT_MOTOR, loop=SampledLoop(gain=5.0, period=0.01))
+    with pytest.raises(InputError, match="no equations between its samples"):
+        simulate(
+            SerialArm(links=(replace(LINK, torque=motor),)),
+            Coulomb(kinetic_coefficient=0.1),
+            t_end=0.1,
+        )

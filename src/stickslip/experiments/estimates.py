@@ -141,7 +141,7 @@ class LawEstimates:
     covariance : tuple of tuple of float (p, p)
         Of the normal distribution that has these intervals. Where few readings were left over it is
         wider than that of the estimates, as Student's t is. Parameters without a row are
-        independent of the others.
+        independent of the others. Of those in `not_identified` it is what holds if this law does.
     not_identified : mapping of str to str
         Parameters that were fitted and that the data do not tell, and why.
     not_fitted : tuple of str
@@ -289,8 +289,9 @@ class LawEstimates:
     def _check_covariance(self) -> None:
         names = self.covariance_of
         for name in names:
-            if name not in self.intervals:
-                raise UnknownNameError("estimates.covariance_of", name, self.intervals)
+            if name not in self.intervals and name not in self.not_identified:
+                known = {**self.intervals, **self.not_identified}
+                raise UnknownNameError("estimates.covariance_of", name, known)
         if len(set(names)) < len(names):
             raise InputError(f"estimates.covariance_of must list each name once, got {names}.")
         rows = [len(row) for row in self.covariance]
@@ -446,20 +447,34 @@ class LawEstimates:
             levels="per load",
         )
 
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """Parameters that draws vary: those with an interval or a row of the covariance."""
+        if self.interval in HARD:
+            return tuple(self.intervals)
+        return tuple(dict.fromkeys([*self.intervals, *self.covariance_of]))
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """Parameters whose values draws keep."""
+        drawn = self.drawn
+        return tuple(one for one in (*self.not_fitted, *self.not_identified) if one not in drawn)
+
     def draw(self, law: FrictionLaw | Laws, count: int, *, seed: int = 0) -> dict[str, Array]:
-        """Return values (count,) of the parameters that have an interval, by full path.
+        """Return values (count,) of the parameters in `drawn`, by full path.
 
         Normal with the covariance, and independent without one; halves of two normal ones where an
         interval is longer on one side; even between the ends of a rounding range or a stated
-        interval. Draws outside the valid ranges of the law are drawn again. Other parameters keep
-        their values and are not among those returned.
+        interval. What is not identified has the spread that holds if this law does. Draws outside
+        the valid ranges of the law are drawn again. Other parameters keep their values and are not
+        among those returned.
         """
         self.checked(law)
         if count < 1:
             raise InputError(f"draws must be 1 or more, got {count}.")
-        if not self.intervals:
+        values, names = _values(law), list(self.drawn)
+        if not names:
             raise InputError(self._nothing_to_draw())
-        values, names = _values(law), list(self.intervals)
         check_size("draws", count * len(names), "draw fewer")
         paths = [f"{PREFIX}.{name}" for name in names]
         random = np.random.default_rng(seed)
@@ -507,7 +522,7 @@ class LawEstimates:
     def _proposed(
         self, values: Mapping[str, float], names: list[str], random: np.random.Generator, count: int
     ) -> Array:
-        ends = np.array([self.intervals[name] for name in names])
+        ends = np.array([self._ends(name, values[name]) for name in names])
         if self.interval in HARD:
             even: Array = random.uniform(ends[:, 0], ends[:, 1], size=(count, len(names)))
             return even
@@ -520,6 +535,14 @@ class LawEstimates:
         share[share > EVEN] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found
+
+    def _ends(self, name: str, value: float) -> tuple[float, float]:
+        """Return the interval of a parameter; without one, that of its row of the covariance."""
+        if name in self.intervals:
+            return self.intervals[name]
+        at = self.covariance_of.index(name)
+        half = NORMAL_95 * math.sqrt(max(self.covariance[at][at], 0.0))
+        return value - half, value + half
 
     def _whole(self, centre: Array, ends: Array, names: list[str]) -> Array:
         """Return the covariance of all that have an interval (p, p)."""

@@ -31,6 +31,7 @@ from stickslip.identification.estimation.problem import SubsetProblem as SubsetP
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
+from stickslip.identification.force_map.force_balance import torque_along as torque_along
 from stickslip.identification.force_map.joint_balance import JointPiece as JointPiece
 from stickslip.identification.force_map.joint_balance import contacts_along as contacts_along
 from stickslip.identification.force_map.joint_balance import joint_pieces as joint_pieces
@@ -83,6 +84,7 @@ from stickslip.identification.rig_uncertainties import span_of as span_of
 from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identification.series.applied_force import applied_force as applied_force
 from stickslip.identification.series.applied_force import driven as driven
+from stickslip.identification.series.applied_force import goes_straight as goes_straight
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics

@@ -391,8 +391,12 @@ def estimates_for(
     *,
     levels: Levels,
     largest_speed: float | Mapping[str, float] | None,
+    alone: Sequence[Estimate] = (),
 ) -> LawEstimates:
     """Return what estimates say of a law; those of the mechanism are left out.
+
+    `alone` are the same as they are if this law holds, which other laws may leave open: these keep
+    their row of the covariance.
 
     Examples
     --------
@@ -411,17 +415,23 @@ def estimates_for(
     ({'kinetic_coefficient': (0.24, 0.26)}, ('static_coefficient',))
     """
     own = {e.path: e for e in estimates if e.path.startswith(FRICTION)}
-    bounded = [i for i, e in enumerate(estimates) if e.path in own and e.bounded]
-    names = {i: estimates[i].path.removeprefix(FRICTION) for i in bounded}
+    spreads_of = [
+        e if e.bounded else if_so for e, if_so in zip(estimates, alone or estimates, strict=True)
+    ]
+    told = [i for i, e in enumerate(spreads_of) if e.path in own and e.bounded]
+    names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(spreads_of) if i in told}
     kinds = [e.interval for e in own.values() if e.interval in HARD]
     kind = kinds[0] if kinds else "95 %"
-    spreads = np.array([spread_of(e.value, e.low, e.high, kind) for e in own.values() if e.bounded])
-    table = np.asarray(correlation)[np.ix_(bounded, bounded)] * np.outer(spreads, spreads)
+    shown = [spreads_of[i] for i in told]
+    spreads = np.array([spread_of(e.value, e.low, e.high, kind) for e in shown])
+    table = np.asarray(correlation)[np.ix_(told, told)] * np.outer(spreads, spreads)
     table = 0.5 * (table + table.T)
     paths = [path for path, _, _ in parameters(law, "friction")]
     return LawEstimates(
         law=law.names if isinstance(law, Laws) else law.name,
-        intervals={name: _around(estimates[i]) for i, name in names.items()},
+        intervals={
+            name: _around(estimates[i]) for i, name in names.items() if estimates[i].bounded
+        },
         interval=kind,
         covariance_of=tuple(names.values()),
         covariance=tuple(map(tuple, table.tolist())),

@@ -79,6 +79,7 @@ INSIDE = {
     "joint_places": "rigid_bodies",
     "load_stated": "contacts",
     "motor_of": "electric_motor",
+    "motors_of": "electric_motor",
     "normal_of": "contacts",
     "of_contact": "told_inputs",
     "only_contact": "contacts",

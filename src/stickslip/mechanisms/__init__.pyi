@@ -60,6 +60,7 @@ from stickslip.mechanisms.electric_motor import VelocityLoop as _VelocityLoop
 from stickslip.mechanisms.electric_motor import driven_by_motor as driven_by_motor
 from stickslip.mechanisms.electric_motor import driving_inertia as driving_inertia
 from stickslip.mechanisms.electric_motor import motor_of as motor_of
+from stickslip.mechanisms.electric_motor import motors_of as motors_of
 from stickslip.mechanisms.electric_motor import refuse_sampling as refuse_sampling
 from stickslip.mechanisms.electric_motor import within_limit as within_limit
 from stickslip.mechanisms.lining import Lining as _Lining
@@ -192,6 +193,7 @@ class Lining(_Lining):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Link(_Link):  # type: ignore[misc]  # final but for this
+    torque: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
@@ -202,7 +204,7 @@ class Link(_Link):  # type: ignore[misc]  # final but for this
         rotor_inertia: _Given = ...,
         gear_ratio: _Given = ...,
         damping: _Given = ...,
-        torque: _Drive | None = ...,
+        torque: _Drive | _DCMotor | None = ...,
     ) -> None: ...
 
 @final
@@ -277,6 +279,7 @@ class Robot(_Robot):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
+    effort: _Drive | DCMotor | None = ...
     def __init__(
         self,
         *,
@@ -309,7 +312,7 @@ class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
         damping: _Given = ...,
         armature: _Given = ...,
         coupling: _Mapping[str, float] | tuple[tuple[str, float], ...] = ...,
-        effort: _Drive | None = ...,
+        effort: _Drive | _DCMotor | None = ...,
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
         restitution: _Given = ...,

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, ClassVar, TypeAlias, final
 
 from typing_extensions import override
@@ -404,6 +404,28 @@ def motor_of(mechanism: object) -> DCMotor | None:
     return driver if isinstance(driver, DCMotor) else None
 
 
+def motors_of(mechanism: Any) -> Mapping[str, DCMotor]:
+    """Return all motors of a mechanism by the path of their field, those of its joints too.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> [*motors_of(Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5)))]
+    ['drive']
+    """
+    found: dict[str, DCMotor] = {}
+    for field in fields(mechanism):
+        value = getattr(mechanism, field.name)
+        if isinstance(value, DCMotor):
+            found[field.name] = value
+        elif isinstance(value, tuple):
+            for index, part in enumerate(value):
+                if isinstance(part, Parametrised):
+                    own = motors_of(part)
+                    found |= {f"{field.name}.{index}.{name}": one for name, one in own.items()}
+    return found
+
+
 def driven_by_motor(mechanism: Any) -> str:
     """Return the coordinate that a motor drives."""
     return str(getattr(mechanism, "motor_side", mechanism.coordinates[0]))
@@ -411,8 +433,7 @@ def driven_by_motor(mechanism: Any) -> str:
 
 def refuse_sampling(mechanism: object) -> None:
     """Refuse equations of a motor whose voltage between samples is none of its state."""
-    motor = motor_of(mechanism)
-    if motor is not None and isinstance(motor.loop, SampledLoop):
+    if any(isinstance(one.loop, SampledLoop) for one in motors_of(mechanism).values()):
         raise InputError(
             "a SampledLoop has no equations between its samples: simulate it by"
             " control.closed_loop with a PID of its gains and a motor without a loop, or fit."
@@ -420,9 +441,13 @@ def refuse_sampling(mechanism: object) -> None:
 
 
 def driving_force(
-    driver: Drive | DCMotor | None, drives: Mapping[str, Scalar], position: Scalar, rate: Scalar
+    driver: Drive | DCMotor | None,
+    drives: Mapping[str, Scalar],
+    position: Scalar,
+    rate: Scalar,
+    name: str = "drive",
 ) -> Scalar:
-    """Return the force or torque of the field ``drive`` of a mechanism.
+    """Return the force or torque of a field of a mechanism, ``drive`` or another.
 
     Examples
     --------
@@ -430,7 +455,7 @@ def driving_force(
     >>> driving_force(motor, {"drive": 6.0}, 0.0, 4.0), driving_force(None, {"drive": 6.0}, 0, 4)
     (1.0, 6.0)
     """
-    command = drives.get("drive", 0.0)
+    command = drives.get(name, 0.0)
     return driver.force(command, position, rate) if isinstance(driver, DCMotor) else command
 
 
@@ -445,8 +470,8 @@ def driving_inertia(driver: Drive | DCMotor | None) -> Scalar:
     return driver.inertia if isinstance(driver, DCMotor) else 0.0
 
 
-def driving(driver: Drive | DCMotor | None) -> Mapping[str, Drive]:
-    """Return the drives of the field ``drive`` of a mechanism, by name.
+def driving(driver: Drive | DCMotor | None, name: str = "drive") -> Mapping[str, Drive]:
+    """Return the drives of a field of a mechanism, ``drive`` or another, by name.
 
     Examples
     --------
@@ -454,4 +479,4 @@ def driving(driver: Drive | DCMotor | None) -> Mapping[str, Drive]:
     {}
     """
     drive = driver.drive if isinstance(driver, DCMotor) else driver
-    return {} if drive is None else {"drive": drive}
+    return {} if drive is None else {name: drive}

@@ -318,13 +318,15 @@ class JointedMechanism(MatrixMechanism, ABC):
         """Return the acceleration of free fall in axes of the base [m/s^2]."""
 
     @abstractmethod
-    def efforts(
-        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    def motors(
+        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
-        """Return the torques [N m] and forces [N] of motors and dampers, by coordinate.
+        """Return the torques [N m] and forces [N] of drives and motors, by coordinate.
 
         Parameters
         ----------
+        q : mapping of str to float or array
+            Coordinates by name.
         q_dot : mapping of str to float or array
             Rates by name of the coordinate.
         drives : mapping of str to float or array
@@ -335,6 +337,10 @@ class JointedMechanism(MatrixMechanism, ABC):
         mapping of str to float or array
             One for each coordinate.
         """
+
+    def damped(self, q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        """Return the torques [N m] and forces [N] of dampers, by coordinate; none if not given."""
+        return dict.fromkeys(q_dot, 0.0)
 
     def transmission(self) -> Sequence[Sequence[float]] | None:
         """Return the rows of what angles of the joints are of the coordinates; None if the same."""
@@ -393,8 +399,9 @@ class JointedMechanism(MatrixMechanism, ABC):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        efforts = self.efforts(q_dot, drives)
-        return {name: efforts[name] - taken for name, taken in self._taken(q, q_dot).items()}
+        motors, damped = self.motors(q, q_dot, drives), self.damped(q_dot)
+        taken = self._taken(q, q_dot)
+        return {name: motors[name] + damped[name] - taken[name] for name in self.coordinates}
 
     @final
     @override
@@ -407,13 +414,12 @@ class JointedMechanism(MatrixMechanism, ABC):
     ) -> ContactInputs:
         still = dict.fromkeys(self.coordinates, 0.0)
         gravity = {name: -1.0 * one for name, one in self._taken(q, still).items()}
-        motors, efforts = self.efforts(still, drives), self.efforts(q_dot, drives)
+        motors, damped = self.motors(q, q_dot, drives), self.damped(q_dot)
         found = {}
         for contact in self.contacts():
             (x,) = contact.slips
-            damped = efforts[x] - motors[x]
             found[contact.name] = gear_inputs(
-                motors[x], gravity[x] + damped, gravity=gravity[x], position=q[x]
+                motors[x], gravity[x] + damped[x], gravity=gravity[x], position=q[x]
             )
         return found
 
@@ -434,5 +440,5 @@ class JointedMechanism(MatrixMechanism, ABC):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Scalar:
-        efforts = self.efforts(q_dot, drives)
-        return sum((efforts[name] * q_dot[name] for name in self.coordinates), 0.0)
+        motors, damped = self.motors(q, q_dot, drives), self.damped(q_dot)
+        return sum(((motors[x] + damped[x]) * q_dot[x] for x in self.coordinates), 0.0)

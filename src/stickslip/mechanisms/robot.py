@@ -12,6 +12,12 @@ from stickslip.drives import Drive
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
+from stickslip.mechanisms.electric_motor import (
+    DCMotor,
+    driving,
+    driving_force,
+    driving_inertia,
+)
 from stickslip.mechanisms.lining import checked_parts
 from stickslip.mechanisms.rigid_bodies import (
     BASE,
@@ -139,8 +145,9 @@ class RobotJoint(Parametrised):
     """Joints before this one that turn its motor too, and how far: the coordinate is the angle of
     the joint plus these multiples of theirs, as in wrists whose motors sit behind other joints.
     Friction, effort, damper and armature act along the coordinate."""
-    effort: Drive | None = None
-    """Torque [N m] or force [N] at the joint, behind the gear."""
+    effort: Drive | DCMotor | None = None
+    """Torque [N m] or force [N] at the joint, behind the gear; or a `DCMotor`, whose rotor adds to
+    the armature."""
     lower_stop: Annotated[float, Quantity("q_l", "rad", or_unit="m")] | None = None
     """Hard stop that the joint does not fall below; none if not given."""
     upper_stop: Annotated[float, Quantity("q_u", "rad", or_unit="m")] | None = None
@@ -248,7 +255,7 @@ class RobotJoint(Parametrised):
             times(axes, moment),
             turned(axes, inertia),
             slides=self.kind == "prismatic",
-            armature=self.armature + self.added_armature,
+            armature=self.armature + self.added_armature + driving_inertia(self.effort),
         )
 
 
@@ -416,14 +423,18 @@ class Robot(BoundedMechanism, JointedMechanism):
         return (0.0, 0.0, -1.0 * self.gravity)
 
     @override
-    def efforts(
-        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    def motors(
+        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
-        return {
-            one.coordinate: drives.get(f"effort-{one.contact_name}", 0.0)
-            - one.damping * q_dot[one.coordinate]
-            for one in self.joints
-        }
+        found = {}
+        for one in self.joints:
+            x, name = one.coordinate, f"effort-{one.contact_name}"
+            found[x] = driving_force(one.effort, drives, q[x], q_dot[x], name)
+        return found
+
+    @override
+    def damped(self, q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        return {one.coordinate: -1.0 * one.damping * q_dot[one.coordinate] for one in self.joints}
 
     @override
     def start(self) -> Mapping[str, Scalar]:
@@ -454,5 +465,7 @@ class Robot(BoundedMechanism, JointedMechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        given = {f"effort-{one.contact_name}": one.effort for one in self.joints}
-        return {name: drive for name, drive in given.items() if drive is not None}
+        found: dict[str, Drive] = {}
+        for one in self.joints:
+            found |= driving(one.effort, f"effort-{one.contact_name}")
+        return found

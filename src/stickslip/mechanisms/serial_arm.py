@@ -7,8 +7,10 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.drives import Drive
+from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact
+from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force
 from stickslip.mechanisms.lining import checked_parts
 from stickslip.mechanisms.rigid_bodies import UNIT, Body, JointedMechanism, Vector
 from stickslip.quantities import Parametrised, Quantity
@@ -48,8 +50,18 @@ class Link(Parametrised):
     """Speed of the motor over that of its joint."""
     damping: Annotated[float, Quantity("d", "N m s/rad", low=0)] = 0.0
     """Damper in the joint."""
-    torque: Drive | None = None
-    """Torque at the joint, behind the gear [N m]."""
+    torque: Drive | DCMotor | None = None
+    """Torque at the joint, behind the gear [N m]; or a `DCMotor`, which has rotor and gear."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that a rotor is given once."""
+        super().__post_init__()
+        if isinstance(self.torque, DCMotor) and (self.rotor_inertia or self.gear_ratio != 1.0):
+            raise ParameterError(
+                "Link.torque is a DCMotor, which has rotor_inertia (J_r) and gear_ratio (n) of its"
+                " own: leave those of the Link out."
+            )
 
 
 def planar_bodies(links: Sequence[Link]) -> list[Body]:
@@ -59,7 +71,8 @@ def planar_bodies(links: Sequence[Link]) -> list[Body]:
     for i, link in enumerate(links):
         inertia = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, link.inertia))
         place, moment = (reach, 0.0, 0.0), (link.mass * link.centre, 0.0, 0.0)
-        rotor, gear = link.rotor_inertia, link.gear_ratio
+        motor = link.torque if isinstance(link.torque, DCMotor) else link
+        rotor, gear = motor.rotor_inertia, motor.gear_ratio
         found.append(Body(i - 1, UNIT, place, link.mass, moment, inertia, rotor=rotor, gear=gear))
         reach = link.length
     return found
@@ -126,13 +139,18 @@ class SerialArm(JointedMechanism):
         return (self.gravity, 0.0, 0.0)
 
     @override
-    def efforts(
-        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    def motors(
+        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
         return {
-            name: drives.get(f"torque-{i + 1}", 0.0) - link.damping * q_dot[name]
+            name: driving_force(link.torque, drives, q[name], q_dot[name], f"torque-{i + 1}")
             for i, (name, link) in enumerate(zip(self.coordinates, self.links, strict=True))
         }
+
+    @override
+    def damped(self, q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        pairs = zip(self.coordinates, self.links, strict=True)
+        return {name: -1.0 * link.damping * q_dot[name] for name, link in pairs}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -143,5 +161,7 @@ class SerialArm(JointedMechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        torques = {f"torque-{i + 1}": link.torque for i, link in enumerate(self.links)}
-        return {name: drive for name, drive in torques.items() if drive is not None}
+        found: dict[str, Drive] = {}
+        for i, link in enumerate(self.links):
+            found |= driving(link.torque, f"torque-{i + 1}")
+        return found

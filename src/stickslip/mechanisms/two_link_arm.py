@@ -87,6 +87,7 @@ class TwoLinkArm(JointedMechanism):
             length=self.upper_length,
             centre=self.upper_centre,
             inertia=self.upper_inertia,
+            torque=None,
             **motor,
         )
         lower = unchecked(
@@ -95,6 +96,7 @@ class TwoLinkArm(JointedMechanism):
             length=0.0,
             centre=self.lower_centre,
             inertia=self.lower_inertia,
+            torque=None,
             **motor,
         )
         return planar_bodies((upper, lower))
@@ -104,8 +106,8 @@ class TwoLinkArm(JointedMechanism):
         return (self.gravity, 0.0, 0.0)
 
     @override
-    def efforts(
-        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    def motors(
+        self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
         return {name: drives.get(f"{name}_drive", 0.0) for name in self.coordinates}
 

@@ -323,7 +323,7 @@ def draws_of(
 ) -> dict[str, Array]:
     """Return values (count,) of all uncertain parameters, of law and mechanism, by path."""
     draws: dict[str, Array] = {}
-    if estimates is not None and (estimates.intervals or not uncertainties):
+    if estimates is not None and (estimates.drawn or not uncertainties):
         draws |= estimates.draw(law, count, seed=seed)
     if not uncertainties:
         if not draws:

@@ -495,10 +495,10 @@ class _Uncertain:
         executor: Executor | None,
     ) -> None:
         self.law, self.count, self.seed, self.executor = law, count, seed, executor
-        self.known = known if known is not None and known.intervals else None
+        self.known = known if known is not None and known.drawn else None
         self.kept: tuple[str, ...] = ()
         if known is not None:
-            self.kept = (*known.not_fitted, *known.not_identified)
+            self.kept = known.kept
         self.paths: dict[str, None] = {}
         self.random = np.random.default_rng([seed, 2])  # of the noise
 

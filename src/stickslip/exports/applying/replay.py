@@ -1,5 +1,6 @@
 """A measured record beside the law of its joints, their simplified friction, and MuJoCo."""
 
+import copy
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +13,13 @@ from numpy.typing import NDArray
 from stickslip.described import Described
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import Measurement, as_recorded
+from stickslip.experiments import (
+    Measurement,
+    as_recorded,
+    between_gaps,
+    command_of,
+    with_voltage,
+)
 from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone
 from stickslip.formatting import quantity
 from stickslip.formulation import JointTorques
@@ -21,12 +28,23 @@ from stickslip.identification import (
     JointPiece,
     applied_force,
     contacts_along,
+    goes_straight,
     hold_of,
     joint_pieces,
+    torque_along,
     with_drive,
     with_inputs,
 )
-from stickslip.mechanisms import Mechanism, Robot, SerialArm, TwoLinkArm, motor_of, slip_of
+from stickslip.mechanisms import (
+    CurrentLoop,
+    DCMotor,
+    Mechanism,
+    Robot,
+    SerialArm,
+    TwoLinkArm,
+    motor_of,
+    slip_of,
+)
 from stickslip.quantities import turned
 from stickslip.simulation import simulate
 
@@ -39,6 +57,10 @@ MOST: Final = 12
 LAW: Final = "law"
 SIMPLIFIED: Final = "level and damping"
 MUJOCO: Final = "MuJoCo"
+HOLD: Final = "zero"
+"""What a motor is told keeps its value between samples, but for the goal of a continuous loop."""
+SLOW: Final = 1e-6
+"""Speed [m/s] or [rad/s] at which no limit of a motor is met that it does not meet at rest."""
 
 
 @final
@@ -54,8 +76,8 @@ class Replayed(metaclass=Described):
     cost: float
     """Difference from the force with the law, there [N] or [N m]."""
     position: float
-    """Difference from the measured position, under the measured forces [m] or [rad]; NaN where that
-    was not run."""
+    """Difference from the measured position, under what drove the record [m] or [rad]; NaN where
+    that was not run."""
     drift: float
     """Difference from the position with the law, there [m] or [rad]."""
 
@@ -75,7 +97,7 @@ class JointReplay(metaclass=Described):
     """Standard deviation of the measured force where the joint slips [N] or [N m]."""
     constant: float
     """Mean of what the law leaves of the measured force: a constant force of the sensor, which is
-    taken off for all models [N] or [N m]."""
+    taken off for all models [N] or [N m]. 0 where a motor drives."""
     horizon: float
     """Length of the simulated parts [s], each from the measured position and velocity."""
     parts: int
@@ -84,6 +106,9 @@ class JointReplay(metaclass=Described):
     """Whether the joint turns."""
     models: tuple[Replayed, ...]
     """The law first, then its simplification, then MuJoCo."""
+    driven_by: str = "force"
+    """What drove the record: ``"force"``, or of a motor its ``"voltage"``, ``"current"`` or
+    ``"reference"``. Each model's motor then has the back-EMF of that model's own speed."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -91,14 +116,21 @@ class JointReplay(metaclass=Described):
         force, length = turned("N", self.rotary), turned("m", self.rotary)
         what = "torque" if self.rotary else "force"
         own, near, *_ = self.models
+        by_motor = self.driven_by != "force"
+        measured = (
+            f"{what} of the motor under the recorded {self.driven_by}"
+            if by_motor
+            else (f"measured {what}")
+        )
         said = [
             f"On the record, level and damping change the {what} of the law by"
-            f" {quantity(near.cost, force)} rms; from the measured {what}, with a spread of"
+            f" {quantity(near.cost, force)} rms; from the {measured}, with a spread of"
             f" {quantity(self.spread, force)}, {_compared([m.force for m in self.models], force)}."
         ]
         if math.isfinite(own.position):
+            under = f"recorded {self.driven_by} of the motor" if by_motor else measured
             said.append(
-                f"Simulated {quantity(self.horizon, 's')} at a time under the measured {what}, they"
+                f"Simulated {quantity(self.horizon, 's')} at a time under the {under}, they"
                 f" change the position by {quantity(near.drift, length)} rms; from the measured"
                 f" position, {_compared([m.position for m in self.models], length)}."
             )
@@ -107,6 +139,7 @@ class JointReplay(metaclass=Described):
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
         return {
+            "driven_by": self.driven_by,
             "spread": self.spread,
             "constant": self.constant,
             "horizon": self.horizon,
@@ -127,15 +160,16 @@ def replayed(
 
     `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
     """
-    if motor_of(mechanism) is not None:
-        raise InputError(
-            "the law was fitted through a motor, whose record has a voltage or a current; a record"
-            " of forces is needed here."
-        )
-    own = _by_coordinate(mechanism, record)
+    commands: tuple[_Commanded, ...] = ()
+    if motor_of(mechanism) is None:
+        own = _by_coordinate(mechanism, record)
+        found = hold_of(mechanism, own, None)
+        hold = "first" if found is None else found.hold
+    else:
+        commands = tuple(_commanded(mechanism, record))
+        own = Measurement(trials=tuple(one.by_torque() for one in commands))
+        mechanism, hold = _without_current(mechanism), "first"
     torques = JointTorques.of(mechanism, [])
-    found = hold_of(mechanism, own, None)
-    hold = "first" if found is None else found.hold
     pieces = tuple(joint_pieces(torques, mechanism, own, hold=hold, resolved=True))
     if not pieces:
         raise InputError(
@@ -154,6 +188,7 @@ def replayed(
         contacts={coordinate: one.name for coordinate, one in along.items()},
         laws=(laws, near),
         places=places,
+        commands=commands,
     )
     return replay.judged(compiled)
 
@@ -184,6 +219,82 @@ def _by_coordinate(mechanism: Mechanism, measurement: Measurement) -> Measuremen
 
 
 @dataclass(frozen=True, kw_only=True)
+class _Commanded:
+    """What a motor was told between two gaps of a record."""
+
+    mechanism: Mechanism
+    """With the motor as it was in the record."""
+    record: Measurement
+    what: str
+    """Name of what was recorded of the motor."""
+    values: Array
+    """What it was told (n,)."""
+    straight: bool
+    """Whether that goes straight from sample to sample."""
+
+    @property
+    def motor(self) -> DCMotor:
+        """The motor."""
+        motor: Any = motor_of(self.mechanism)
+        assert motor is not None
+        found: DCMotor = motor
+        return found
+
+    def by_torque(self) -> Measurement:
+        """Return the same as a record of the motor's torque along the measured motion."""
+        name = slip_of(self.mechanism)
+        what = "position" if "position" in self.record.quantities() else "velocity"
+        motion = {what: {name: np.asarray(self.record.values(what))}}
+        return Measurement(
+            time=self.record.time,
+            force={name: torque_along(self.mechanism, self.record, HOLD)},
+            inputs=self.record.inputs,
+            overrides=self.record.overrides,
+            name=self.record.name,
+            **motion,  # type: ignore[arg-type]  # by the name of what was measured
+        )
+
+    def told(self, start: float, end: float) -> Sampled:
+        """Return what the motor is told from a time of the record to another; times from 0 on."""
+        time = np.asarray(self.record.time, dtype=float)
+        first = max(int(np.searchsorted(time, start, side="right")) - 1, 0)
+        last = int(np.searchsorted(time, end)) + 1
+        times, values = time[first:last] - start, self.values[first:last]
+        return Sampled(times=times, values=values, hold="first" if self.straight else "zero")
+
+
+def _commanded(mechanism: Mechanism, measurement: Measurement) -> Iterator[_Commanded]:
+    """Yield what lies between gaps of the records of a motor, with what it was told."""
+    if len(mechanism.coordinates) != 1:
+        raise InputError(
+            f"the motor of a record drives a mechanism of one coordinate here, and"
+            f" {type(mechanism).__name__} has {len(mechanism.coordinates)}."
+        )
+    for given in measurement.records():
+        if given.time is None or not {"position", "velocity"} & {*given.quantities()}:
+            raise InputError("a motion in time is needed: position or velocity, and a voltage.")
+        # where the loop samples, what it tells follows from the recorded goal
+        record = with_voltage(mechanism, given, HOLD)
+        set_up, what = as_recorded(mechanism, record), command_of(record)
+        for piece in between_gaps(record):
+            told = applied_force(set_up, piece)
+            yield _Commanded(
+                mechanism=set_up,
+                record=piece,
+                what=what or "voltage",
+                values=np.zeros(len(np.asarray(piece.time))) if told is None else told,
+                straight=goes_straight(piece, HOLD),
+            )
+
+
+def _without_current(mechanism: Mechanism) -> Mechanism:
+    """Return a mechanism whose motor has its rotor and no torque."""
+    motor: Any = motor_of(mechanism)
+    still = replace(motor, loop=CurrentLoop(), supply=None, supply_resistance=None, drive=None)
+    return replace(mechanism, drive=still)  # type: ignore[call-arg]  # it has one
+
+
+@dataclass(frozen=True, kw_only=True)
 class _Replay:
     """A record that models are compared on."""
 
@@ -196,6 +307,8 @@ class _Replay:
     """Laws by contact, and with what became of them."""
     places: Mapping[str, Tested]
     """Joints of the file by coordinate."""
+    commands: tuple[_Commanded, ...] = ()
+    """What the motor was told in each record; empty where forces were measured."""
 
     def judged(self, compiled: Compiled | None) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
         """Return what each model makes of each joint."""
@@ -208,7 +321,8 @@ class _Replay:
         for i, name in enumerate(self.mechanism.coordinates):
             columns = self._forces(i, name, [forces[one] for one in theirs])
             measured, own = columns[:2]
-            constants[name] = float(np.mean(measured - own)) if len(measured) else 0.0
+            known = len(measured) and not self.commands
+            constants[name] = float(np.mean(measured - own)) if known else 0.0
             rows[name] = [column - measured + constants[name] for column in columns], measured
         horizon = min(HORIZON, *(one.span for one in self.pieces))
         parts = list(self._parts(horizon))
@@ -244,6 +358,7 @@ class _Replay:
                 parts=len(parts),
                 rotary=one.subject.rotary,
                 models=models,
+                driven_by=self.commands[0].what if self.commands else "force",
             )
         return found, tuple(said)
 
@@ -310,17 +425,29 @@ class _Replay:
                 said.append(f"The record was not simulated: {' '.join(str(error).split())}")
                 return [None] * (len(self.laws) + len(theirs))
         for there in theirs.values():
-            found.append(np.concatenate([there.moved(one, known) for one in parts]))
+            found.append(
+                np.concatenate([there.moved(one, known, self._command_of(one)) for one in parts])
+            )
         return found
+
+    def _command_of(self, part: "_Part") -> tuple[DCMotor, Sampled] | None:
+        """Return the motor of a part and what it is told there; None without one."""
+        if not self.commands:
+            return None
+        own, time = self.commands[part.piece.record], part.piece.time[part.rows]
+        return own.motor, own.told(float(time[0]), float(time[-1]))
 
     def _simulated(self, part: "_Part", laws: Mapping[str, FrictionLaw], constants: Array) -> Array:
         names = self.mechanism.coordinates
-        time, forces = part.time, part.forces - constants
-        drives = {
-            name: Sampled(times=time, values=column, hold="first")
-            for name, column in zip(names, forces.T, strict=True)
-        }
-        rig = driven_by(part.piece.mechanism, drives)
+        time, forces, told = part.time, part.forces - constants, self._command_of(part)
+        if told is not None:
+            rig = with_drive(self.commands[part.piece.record].mechanism, told[1])
+        else:
+            drives = {
+                name: Sampled(times=time, values=column, hold="first")
+                for name, column in zip(names, forces.T, strict=True)
+            }
+            rig = driven_by(part.piece.mechanism, drives)
         whole = self.record.records()[part.piece.record]
         rig = with_inputs(rig, whole, part.piece.time[part.rows])
         place, rate = part.start
@@ -426,12 +553,24 @@ class _InMuJoCo:
             found[row] = data.qfrc_inverse[self.dofs]
         return found
 
-    def moved(self, part: _Part, constants: Array) -> Array:
-        """Return the positions that the measured forces lead to (n, m)."""
-        data = self.mujoco.MjData(self.model)
+    def moved(
+        self, part: _Part, constants: Array, command: tuple[DCMotor, Sampled] | None = None
+    ) -> Array:
+        """Return the positions that the measured forces, or what a motor was told, lead to (n, m).
+
+        A motor has the back-EMF of the speed here. Its slope by the speed is a damping that MuJoCo
+        integrates implicitly, and is given back at the speed before the step: no step is too long.
+        """
+        model, damping = self.model, 0.0
+        if command is not None:
+            motor, told = command
+            damping = 0.5 * float(motor.force(0.0, 0.0, -SLOW) - motor.force(0.0, 0.0, SLOW)) / SLOW
+            model = copy.copy(model)
+            model.dof_damping[self.dofs] += damping
+        data = self.mujoco.MjData(model)
         place, rate = part.start
         data.qpos[self.places], data.qvel[self.dofs] = place, rate
-        step, time = float(self.model.opt.timestep), part.time
+        step, time = float(model.opt.timestep), part.time
         times = np.arange(math.ceil(time[-1] / step) + 1) * step
         forces = np.column_stack(
             [np.interp(times + 0.5 * step, time, one) for one in (part.forces - constants).T]
@@ -439,8 +578,13 @@ class _InMuJoCo:
         found = np.empty((len(times), len(self.dofs)))
         for row, force in enumerate(forces):
             found[row] = data.qpos[self.places]
-            data.qfrc_applied[self.dofs] = force
-            self.mujoco.mj_step(self.model, data)
+            if command is not None:
+                x, v = data.qpos[self.places], data.qvel[self.dofs]
+                told_now = told.value(float(times[row]) + 0.5 * step)
+                data.qfrc_applied[self.dofs] = motor.force(told_now, x, v) + damping * v
+            else:
+                data.qfrc_applied[self.dofs] = force
+            self.mujoco.mj_step(model, data)
         return np.column_stack([np.interp(time, times, column) for column in found.T])
 
 

@@ -106,6 +106,10 @@ class MotionSegment:
     """Whether the load is the weight of the mechanism's mass."""
     response: SensorResponse = PROMPT
     """How the sensor shows friction that was measured; the motion is moved by its delay."""
+    winding: bool = False
+    """Whether the rows are those of the winding of a motor, in which no law stands: the recorded
+    current less that of the recorded voltage, times a torque constant. They have the segments of
+    the friction that was recorded with them."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""

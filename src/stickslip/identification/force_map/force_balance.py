@@ -54,7 +54,7 @@ from stickslip.identification.series.inverse_dynamics import (
     times_of,
 )
 from stickslip.identification.settings import Hold
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
@@ -92,10 +92,14 @@ def balanced(
     slipping: bool = False,
     wider: float = 1.0,
     resolved: bool = False,
+    winding: float = 0.0,
 ) -> tuple[MotionSegment, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
 
     Those that are to be `resolved`, as bristles ask for, pass what the noise of positions allows.
+    With a torque per current for `winding`, a record of a current and a voltage is driven by the
+    voltage, and the current is compared with that of the winding: driven by the current, whose
+    noise the torque constant multiplies, least squares found all that has its scale too small.
 
     Examples
     --------
@@ -113,7 +117,9 @@ def balanced(
     for number, given in enumerate(measurement.records()):
         t = times_of(given)
         record = with_voltage(mechanism, given, hold)
-        set_up = as_recorded(mechanism, record)
+        both = bool(winding) and {"voltage", "current"} <= {*record.quantities()}
+        driven = replace(record, current=None) if both else record
+        set_up = as_recorded(mechanism, driven)
         length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
@@ -122,10 +128,14 @@ def balanced(
                     min(wider * passed_by_balance(x, resolved=fine), HIGHEST)
                     for fine in (resolved, True)
                 )
-                stretch = partial(_stretch, set_up, piece, hold, samples, slipping=slipping)
+                own_drive = replace(piece, current=None) if both else piece
+                stretch = partial(_stretch, set_up, own_drive, hold, samples, slipping=slipping)
                 one = stretch(passed=band, finest=finest, resolved=resolved)
                 first = max((int(one.segment.max()) + 1 for one in found), default=0)
-                found.extend(_cut(replace(one, record=number), length, first))
+                for own in _cut(replace(one, record=number), length, first):
+                    found.append(own)
+                    if both:
+                        found.append(_in_winding(set_up, piece, own, band, winding))
     if not found:
         raise InputError(
             f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
@@ -173,12 +183,19 @@ class BalanceProblemBuilder:
     """What it passes in fits, over that."""
     finer: float = 1.0
     """Samples along which friction is predicted in fits, over the usual number."""
+    winding: float = 0.0
+    """Torque per current by which the balance of a winding counts; 0 where it does not."""
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
-        return self._along(
-            partial(balanced, hold=self.hold, segment=length, resolved=self.resolved), record
+        derive = partial(
+            balanced,
+            hold=self.hold,
+            segment=length,
+            resolved=self.resolved,
+            winding=self.winding,
         )
+        return self._along(derive, record)
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
         """Return the problem that is fitted: usually of rows that slip, as rests judge a law."""
@@ -190,6 +207,7 @@ class BalanceProblemBuilder:
             resolved=self.resolved,
             wider=self.wider,
             samples=self.finer * SAMPLES,
+            winding=self.winding,
         )
         return self._along(derive, record)
 
@@ -271,6 +289,39 @@ def _stretch(
     )
 
 
+def _in_winding(
+    mechanism: Mechanism,
+    record: Measurement,
+    own: MotionSegment,
+    passed: float,
+    per_current: float,
+) -> MotionSegment:
+    """Return the recorded current less that of the recorded voltage, as torque (n,) [N m].
+
+    It has the filter of the balance of forces, and rests count too: at rest, R alone is told.
+    """
+    motor = motor_of(mechanism)
+    assert motor is not None
+    raw, dt = positions_of(record), check_even(np.asarray(record.time))
+    tracked = "position" in record.quantities()
+    motion = filtered_motion(raw, dt, passed, tracked=tracked)
+    v = np.gradient(motion.position, dt)
+    model = motor.current(np.asarray(record.values("voltage")), motion.position, v)
+    left = per_current * (np.asarray(record.values("current")) - model)
+    picked = slice(None, None, max(1, round(own.passed / passed)))
+    kept, known = compared(motion, passed, slipping=False)[picked], np.flatnonzero(own.segment >= 0)
+    last = np.searchsorted(known, np.arange(len(kept)), side="right") - 1
+    numbers = own.segment[known[np.maximum(last, 0)]]
+    return MotionSegment(
+        record=own.record,
+        path=own.path,
+        friction=smoothed(left, passed)[picked],
+        segment=np.where(kept, numbers, -1),
+        passed=own.passed,
+        winding=True,
+    )
+
+
 def travelled(raw: Array, finest: float) -> Array:
     """Return positions (n,) along which bristles move, freed of chatter.
 
@@ -284,6 +335,36 @@ def travelled(raw: Array, finest: float) -> Array:
     moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
     found: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
     return found
+
+
+def torque_along(mechanism: Mechanism, record: Measurement, hold: Hold) -> Array:
+    """Return the force (n,) [N] of a motor along the motion of a record without gaps.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms import DCMotor
+    >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5))
+    >>> t = np.arange(0.0, 1.0, 0.01)
+    >>> record = Measurement(time=t, position=3.0 * t, voltage=0.0 * t + 6.0)
+    >>> round(float(torque_along(servo, record, "zero")[50]), 6)  # 0.5 (6 - 0.5 * 3) / 2
+    1.125
+    """
+    motor, command, raw = (
+        motor_of(mechanism),
+        applied_force(mechanism, record),
+        positions_of(record),
+    )
+    if motor is None or command is None or len(raw) < LEAST:
+        return 0.0 * raw
+    motion = filtered_motion(
+        raw,
+        check_even(np.asarray(record.time)),
+        passed_by_balance(raw, resolved=True),
+        tracked="position" in record.quantities(),
+    )
+    mean = mean_force(command, joined=goes_straight(record, hold))
+    return np.asarray(motor.force(mean, motion.position, motion.velocity))
 
 
 def mean_force(force: Array, *, joined: bool) -> Array:

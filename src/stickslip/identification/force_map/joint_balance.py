@@ -51,7 +51,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.settings import Hold
-from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms import Contact, Mechanism, motors_of
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -537,6 +537,12 @@ def _on_even_times(
 def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
     """Return the contact along each coordinate that one rubs along."""
     owner = type(mechanism).__name__
+    if len(mechanism.coordinates) > 1 and (motors := motors_of(mechanism)):
+        raise InputError(
+            f"{owner} has a DCMotor, {next(iter(motors))}, and fits of several joints take forces:"
+            " give the torque of each joint, and leave the motor out; of a robot, its rotor is part"
+            " of the armature."
+        )
     found: dict[str, Contact] = {}
     for contact in mechanism.contacts():
         label = f"{owner}: the contact {contact.name!r}"

@@ -139,23 +139,46 @@ class ForceMap(RecordProblem):
     @override
     def spans(self) -> Array:
         found = []
-        for one in self.stretches:
+        for one in self._of_friction:
             for number in np.unique(one.segment[one.rows_of(None)]):
                 own = one.path.time[one.segment == number]
                 found.append([one.record, own[0], own[-1]])
         return np.array(found, dtype=float)
 
     @property
+    def _of_friction(self) -> tuple[MotionSegment, ...]:
+        """The stretches in which the law stands."""
+        return tuple(one for one in self.stretches if not one.winding)
+
+    def _ordered(self, rows: NDArray[Any], segment: NDArray[np.intp]) -> NDArray[Any]:
+        """Return rows of all stretches (n, ...) in the order of the problem.
+
+        Those of a winding stand in the segment of the friction beside them, so that blocks of time
+        have both.
+        """
+        if len(self._of_friction) == len(self.stretches):
+            return rows
+        found: NDArray[Any] = rows[np.argsort(segment, kind="stable")]
+        return found
+
+    def _all_rows(self, columns: Sequence[Array]) -> Array:
+        """Return the rows that are compared of a column (n,) of each stretch."""
+        rows = [one.rows_of(None) for one in self.stretches]
+        segment = [one.segment[mask] for one, mask in zip(self.stretches, rows, strict=True)]
+        found = [column[mask] for column, mask in zip(columns, rows, strict=True)]
+        ordered: Array = self._ordered(np.concatenate(found), np.concatenate(segment))
+        return ordered
+
+    @property
     @override
     def times(self) -> Array:
-        return np.concatenate([one.path.time[one.rows_of(None)] for one in self.stretches])
+        return self._all_rows([one.path.time for one in self.stretches])
 
     @property
     @override
     def measured(self) -> Array:
         columns = [one.applied if self.of_applied else one.friction for one in self.stretches]
-        rows = [one.rows_of(None) for one in self.stretches]
-        return np.concatenate([c[r] for c, r in zip(columns, rows, strict=True) if c is not None])
+        return self._all_rows([column for column in columns if column is not None])
 
     @property
     @override
@@ -173,7 +196,7 @@ class ForceMap(RecordProblem):
                 load=one.path.load,
                 beside=self._beside(one),
             )
-            for one in self.stretches
+            for one in self._of_friction
         )
 
     def _beside(self, one: MotionSegment) -> dict[str, Array]:
@@ -216,8 +239,10 @@ class ForceMap(RecordProblem):
         locals_: Mapping[int, _Local] = near.memory
         if not locals_:
             return np.full(len(self.times), np.nan)
-        residual: Array = np.concatenate([one.residual for one in locals_.values()])
-        return self.measured - residual
+        segment = np.concatenate([one.segment[one.rows_of(None)] for one in self.stretches])
+        residual = np.concatenate([one.residual for one in locals_.values()])
+        ordered: Array = self._ordered(residual, segment)
+        return self.measured - ordered
 
     @override
     def linearise(
@@ -251,12 +276,14 @@ class ForceMap(RecordProblem):
                 done = {}
         good = all(np.all(np.isfinite(one.residual)) for one in done.values())
         if not done or not good:
-            return _failed(values, segment)
+            return _failed(values, self._ordered(segment, segment))
+        residual = np.concatenate([one.projected(one.residual) for one in done.values()])
+        table = np.concatenate([one.projected(one.slopes) for one in done.values()])
         return ResidualJacobian(
             values=values,
-            residual=np.concatenate([one.projected(one.residual) for one in done.values()]),
-            slopes=np.concatenate([one.projected(one.slopes) for one in done.values()]),
-            segment=segment,
+            residual=self._ordered(residual, segment),
+            slopes=self._ordered(table, segment),
+            segment=self._ordered(segment, segment),
             memory=done,
         )
 
@@ -281,8 +308,8 @@ class ForceMap(RecordProblem):
             try:
                 stretches = tuple(rederived(own))
             except (ParameterError, ArithmeticError):
-                rows = [one.segment[one.rows_of(only)] for one in self.stretches]
-                return _failed(values, np.concatenate(rows))
+                rows = np.concatenate([one.segment[one.rows_of(only)] for one in self.stretches])
+                return _failed(values, self._ordered(rows, rows))
             one = replace(self, stretches=stretches, rederived=None)
             return one.linearise(values, near, only=only, slopes=slopes)
 
@@ -318,6 +345,8 @@ class ForceMap(RecordProblem):
         change: Array,
     ) -> _Local:
         """Return one stretch linearised, of the rows in a mask (n,)."""
+        if one.winding:
+            return _in_winding(one, mask, len(change))
         offset = self.offset if own.offset is None else own.offset
         # a filter sees what comes later, too
         last = len(mask) if one.passed else int(np.flatnonzero(mask)[-1]) + 1
@@ -366,6 +395,19 @@ class ForceMap(RecordProblem):
             basis=basis,
             inverse=inverse,
         )
+
+
+def _in_winding(one: MotionSegment, mask: NDArray[np.bool_], count: int) -> _Local:
+    """Return the rows of a winding: they change with what the stretch is derived with alone."""
+    rows = int(mask.sum())
+    return _Local(
+        start=np.zeros(0),
+        states=np.zeros((0, len(mask))),
+        residual=one.friction[mask],
+        slopes=np.zeros((rows, count)),
+        basis=np.zeros((rows, 0)),
+        inverse=np.zeros((0, rows)),
+    )
 
 
 def moved(one: MotionSegment, change: Array) -> MotionSegment:

@@ -757,7 +757,8 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
     What a sampled motion hides of a bristle between samples is an error that repeats from block to
     block, which these do not show: bands and steps do. Noise of positions deflects bristles in all
     blocks: as much again moves estimates about as far once more (simulation extrapolation). So it
-    is with the back-EMF of a motor, which tells R from k_t by little. Empty where no bristle is
+    is with the back-EMF of a motor, which tells R from k_t by little, and with noise of a current
+    that a torque constant is multiplied with. Empty where no bristle is
     resolved, and no motor looked for.
 
     Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
@@ -788,13 +789,16 @@ def _moved_by_hold(fit: RecordFit) -> list[Array]:
 
 
 def _noisier(measurement: Measurement) -> Measurement:
-    """Return a measurement whose positions have as much noise again."""
+    """Return a measurement whose positions, and currents of a motor, have as much noise again."""
     random = np.random.default_rng(0)
-    records = [
-        replace(one, position=x + positive_noise(x) * random.standard_normal(len(x)))
-        for one in measurement.records()
-        for x in [np.asarray(one.values("position"))]
-    ]
+    records = []
+    for one in measurement.records():
+        for name in ("position", "current"):
+            if name in one.quantities():
+                x = np.asarray(one.values(name))
+                noisy = x + positive_noise(x) * random.standard_normal(len(x))
+                one = replace(one, **{name: noisy})  # type: ignore[arg-type]  # noqa: PLW2901
+        records.append(one)
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 

@@ -49,7 +49,7 @@ from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.identification.validation import Parameters, check_varied
-from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.mechanisms import Mechanism, motor_of, stops_of
 from stickslip.quantities import fields_of, full_path, parameters, vary
 
 Array = NDArray[np.float64]
@@ -57,6 +57,8 @@ SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
 SEEN = 16.0
 """Way along which a bristle yields, over the noise of positions, from which a record shows it."""
+ELECTRIC = ("mechanism.drive.resistance", "mechanism.drive.back_emf_constant")
+"""Paths of what the winding alone tells of a motor under a recorded current."""
 CONSTANT = 1e-6
 """Variation of a force over its size below which it never changes."""
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
@@ -400,13 +402,28 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
         mass=mass_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
+    winding = per_current(mechanism, measurement, others)
     if others:
+        derive = partial(derive, winding=winding)
         again = RederivedBalance(tuple(others), mechanism, measurement, derive)
         problem, starts = _with_rederived(problem, starts, again)
     if wanted.unknown:
         _refuse_overrides(measurement, problem.free_parameters)
-    build = BalanceProblemBuilder(mechanism, problem, hold, slipping, resolved)
+    build = BalanceProblemBuilder(mechanism, problem, hold, slipping, resolved, winding=winding)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def per_current(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> float:
+    """Return the torque per current by which the balance of a motor's winding counts in a fit.
+
+    It does where resistance or back-EMF are looked for, and a record has current and voltage; 0
+    elsewhere.
+    """
+    motor = motor_of(mechanism)
+    both = any({"current", "voltage"} <= {*one.quantities()} for one in measurement.records())
+    if motor is None or not both or not {*ELECTRIC} & {*unknown}:
+        return 0.0
+    return float(motor.gear_ratio * motor.torque_constant)
 
 
 def _with_rederived(
@@ -422,8 +439,9 @@ def _with_rederived(
     added = [item.start for item in items]
     free = problem.free_parameters
     free = replace(free, items=(*free.items, *items))
+    whole = replace(problem.with_free_parameters(free), rederived=again)
     return (
-        replace(problem.with_free_parameters(free), rederived=again),
+        replace(whole, stretches=tuple(again.derive(again.mechanism, again.measurement))),
         tuple(np.append(start, added) for start in starts),
     )
 

@@ -23,6 +23,7 @@ from stickslip.identification.records.problems import (
     RouteChoice,
     Wanted,
     held_otherwise,
+    per_current,
     prepared,
     simulated,
 )
@@ -151,6 +152,9 @@ def _chosen(
     usual = _by_segments(settings)
     if not driven(measurement):
         return usual
+    if per_current(mechanism, measurement, unknown) and _has_positions(mechanism, measurement):
+        why = "current and voltage were recorded, and simulated segments take one of them"
+        return RouteChoice(route="inverse-dynamics", settings=settings, reason=why)
     derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
     if derivable and not has_one_load(measurement):
         why = "simulated segments take one load, and that of the record changes"
@@ -272,13 +276,17 @@ def serves_inverse_dynamics(
     True
     """
     return (
-        len(mechanism.coordinates) == 1
-        and driven(measurement)
+        driven(measurement)
         and all(path.rpartition(".")[2] in ("inertia", "mass") for path in unknown)
-        and all(
-            record.time is not None and "position" in record.quantities()
-            for record in measurement.records()
-        )
+        and _has_positions(mechanism, measurement)
+    )
+
+
+def _has_positions(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether a mechanism has one coordinate, and its position was recorded in time."""
+    return len(mechanism.coordinates) == 1 and all(
+        record.time is not None and "position" in record.quantities()
+        for record in measurement.records()
     )
 
 

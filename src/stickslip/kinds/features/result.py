@@ -80,6 +80,9 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
+    alone: tuple[Estimate, ...] = ()
+    """Estimates that hold if this law does, where `estimates` hold whichever law does of those that
+    the features do not tell from it; empty elsewhere."""
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
@@ -98,6 +101,7 @@ class FeatureFit(Fit[Law_co]):
             self.correlation,
             levels=levels_at(self.mechanism),
             largest_speed=None,
+            alone=self.alone,
         )
 
     @property

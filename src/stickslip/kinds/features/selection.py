@@ -261,8 +261,7 @@ def _reaching(
         else:
             low, high = (min(e.low for e in [one, *same]), max(e.high for e in [one, *same]))
             found.append(replace(one, low=low, high=high))
-    fit = replace(best.fit, estimates=tuple(found))
-    return replace(best, fit=fit, alone=best.fit.estimates)
+    return replace(best, fit=replace(best.fit, estimates=tuple(found), alone=best.fit.estimates))
 
 
 def _told(one: Estimate, candidate: FeatureCandidate, usual: Collection[str]) -> bool:

@@ -46,9 +46,6 @@ class FeatureCandidate(Candidate[FeatureFit]):
 
     score_error: float = math.nan
     """Standard error of the score."""
-    alone: tuple[Estimate, ...] = ()
-    """Estimates that hold if this law does, where those of `fit` hold whichever law does of those
-    that the features do not tell from it; empty for other candidates."""
     second: Mapping[str, float] = field(default_factory=dict)
     """Relative errors on the record given to validate, if there is one."""
 
@@ -57,6 +54,11 @@ class FeatureCandidate(Candidate[FeatureFit]):
     def score(self) -> float:
         """Root mean square of the relative errors held out, infinite without a fit."""
         return self.fit.score if self.fit else math.inf
+
+    @property
+    def alone(self) -> tuple[Estimate, ...]:
+        """Estimates that hold if this law does; empty where those of `fit` do."""
+        return self.fit.alone if self.fit else ()
 
     @property
     def law(self) -> FrictionLaw | None:

@@ -90,9 +90,8 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
         f" {'the law' if isinstance(known.law, str) else 'the laws'}"
         f"{f'; and of {rig}' if of_rig else ''}. It has no measurement noise."
     )
-    kept = [*known.not_fitted, *known.not_identified]
-    if kept:
-        words = ", ".join(map(_in_words, kept))
+    if known.kept:
+        words = ", ".join(map(_in_words, known.kept))
         text += f" Fixed: {words}."
     return [Caption(text=text), *explained(band)]
 
