@@ -71,8 +71,13 @@ INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "stand
 """What the interval of an estimate is called, by the kind of uncertainty of a single reading."""
 SPAN, LEVELS, MANY, FEW = (0.3, 2.0), 48, 24, 8
 """Levels over those of a simpler law at which one with nuisances is scanned where it does not
-explain the travels, how many they are, and from how many of them descents begin: from fewer where
-runs are of many cycles."""
+explain the travels, how many they are beside one such level, and from how many of them descents
+begin: from fewer where runs are of many cycles."""
+WIDEST = 3.0
+"""How many times as many levels are scanned, at most, where simpler laws have several."""
+PRIOR = 1.5
+"""Standard deviation of what was drawn, over its value, where bristles take too long to follow it:
+factors of 5 up and down, or bounds, are beyond it."""
 FEW_TRIALS = 3
 """Settings, from the shortest to the longest travel, that such a scan runs."""
 UNSTATED = 0.02
@@ -129,8 +134,8 @@ def fit_readings(
     wide: _Problem | None = None
     if nuisances:
         level = [(problem.matrix @ end).tolist() for end in ends]
-        model, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
-        problem = _Problem(model, trials)
+        problem, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
+        model = problem.model
         ends = [problem.free_parameters(reached[0][:count])]
     best = problem.nearest(ends)
     if problem.rig:
@@ -149,9 +154,8 @@ def fit_readings(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    followed = wide is not None and not model.law.states
-    found = problem.fit(best, ends, walked=not followed, reached=reached)
-    return wide.followed(found, reached) if wide is not None and followed else found
+    found = problem.fit(best, ends, walked=wide is None or bool(model.law.states), reached=reached)
+    return wide.followed(found, reached, problem) if wide is not None else found
 
 
 def _freed(
@@ -162,8 +166,8 @@ def _freed(
     nuisances: Sequence[str],
     *,
     thorough: bool,
-) -> tuple[TravelModel, "_Problem", list[list[float]]]:
-    """Return the model with the nuisances that explain most, and that in which these are free.
+) -> tuple["_Problem", "_Problem", list[list[float]]]:
+    """Return the problem with the nuisances that explain most, and that in which these are free.
 
     All values that explain as well follow, the best first. `ends` are values of the free
     parameters, and `given` may have some of the nuisances too. Nuisances of bristles, whose runs
@@ -176,24 +180,30 @@ def _freed(
     cycles = under_cycles(trials)
     slow = (bool(model.law.states) and not thorough) or cycles
     few = bool(model.law.states) and not thorough
-    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if few else FREED])
+    beside = ends[: 1 if slow else 2]
+    points = wide.drawn(beside, drawn, more[: 1 if few else FREED])
     own = np.arange(len(wide.model.free)) < count
-    found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
+    ends_of = wide.descend(points, REFINED if slow else BRIEF, own)
+    plainest = ends_of[1][-len(drawn) * len(beside) :: len(drawn)]  # the first draw does least
+    found = _sorted(*ends_of)
     if not model.law.states:
         most = 1 if cycles else FREED
         found = wide.with_free(found, most)
         if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
             coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
-            scanned = coarse.scanned(points[-len(drawn) :], FEW if cycles else MANY)
+            levels = [end[0] for end in ends if end[0] > 0.0] or [float(points[-1][0])]
+            scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
             ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
             found = wide.with_free([*found, *_sorted(*ends_of)], most)
     elif thorough:
         found = wide.with_free(found, FREED)
     least = wide.cost(found[0])
     whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
-    limit = least + _Problem(whole, trials).room(least)
+    problem = _Problem(whole, trials)
+    problem.spent, problem.plain = len(nuisances), float(min(plainest))
+    limit = least + problem.room(least)
     reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
-    return whole, wide, reached
+    return problem, wide, reached
 
 
 def _sorted(found: Array, costs: Array) -> list[Array]:
@@ -291,7 +301,20 @@ class _Problem:
         self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
         self.floor = np.full(len(model.free), -math.inf)
         """Values below which none is run."""
+        self.spent, self.plain = 0, math.nan
+        """Nuisances that residuals have paid for too, and what was left without them."""
         self._seen: dict[tuple[float, ...], Array] = {}
+
+    def variance(self, cost: float) -> tuple[float, float]:
+        """Return the variance of standardised residuals and its degrees of freedom.
+
+        Where nuisances leave none, residuals that give the uncertainty of the readings are those of
+        the law without them: what they take off may be noise.
+        """
+        freedom = len(self.trials) - len(self.model.free)
+        if self.spent and not self.stated and freedom <= self.spent:
+            return variance_of(self.plain, freedom, stated=False)
+        return variance_of(cost, freedom - self.spent, stated=self.stated)
 
     def alone(self, i: int) -> "_Problem | None":
         """Return the problem in which a value that lies above another one is an unknown of its own.
@@ -461,11 +484,17 @@ class _Problem:
             return not np.linalg.norm(left) <= UNSTATED * np.linalg.norm(self.measured)
         return self.cost(free_parameters) > float(chi2.ppf(SIGNIFICANT, len(self.trials)))
 
-    def scanned(self, points: Array, most: int) -> Array:
-        """Return the best of many values of the first unknown beside the others of each point."""
-        levels = np.geomspace(*SPAN, LEVELS)
-        rows = np.repeat(points, len(levels), axis=0)
-        rows[:, 0] *= np.tile(levels, len(points))
+    def scanned(self, points: Array, levels: Sequence[float], most: int) -> Array:
+        """Return the best of many values of the first unknown beside the others of each point.
+
+        They reach beyond all levels of simpler laws: travels that rise and fall with the level have
+        several, and friction at rest moves these.
+        """
+        low, high = SPAN[0] * min(levels), SPAN[1] * max(levels)
+        share = math.log(high / low) / math.log(SPAN[1] / SPAN[0])
+        tried = np.geomspace(low, high, math.ceil(LEVELS * min(share, WIDEST)))
+        rows = np.repeat(points, len(tried), axis=0)
+        rows[:, 0] = np.tile(tried, len(points))
         rows = np.clip(rows, self.least, self.high)
         costs = np.sum(self.residuals_of(rows) ** 2, axis=1)
         return rows[np.argsort(costs, kind="stable")[:most]]
@@ -474,13 +503,13 @@ class _Problem:
         """Return how much more than the least cost values may leave that explain as well."""
         from scipy import stats
 
-        trials, freedom = self.trials, len(self.trials) - len(self.model.free)
+        trials = self.trials
         if len(trials) == 1:
             kind = trials[0].kind
             if kind == "standard" or self.spread.own or self.spread.shared:
                 return AS_WELL
             return 3.0 if kind == "rounding" else 1.0
-        factor, freedom_of = variance_of(cost, freedom, stated=self.stated)
+        factor, freedom_of = self.variance(cost)
         if freedom_of == 0.0:
             return AS_WELL
         return factor * float(stats.t.ppf(0.975, freedom_of)) ** 2
@@ -563,8 +592,7 @@ class _Problem:
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
         gain, condition = self._gain(best)
-        freedom = len(residuals) - len(values)
-        variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
+        variance = self.variance(float(np.sum(residuals**2)))
         scatter = self.spread.scatter(self.readings)
         doubtful = bool(self.spread.own or self.spread.shared)
         sources = self.weights.sources(self.readings, gain)
@@ -653,18 +681,21 @@ class _Problem:
         parts = [*parts, *((value[i] - half, value[i] + half) for value in reached)]
         return spanning(replace(one, reason=reason), parts, self._lowest(one))
 
-    def followed(self, fit: TravelFit, reached: Sequence[Start]) -> TravelFit:
+    def followed(self, fit: TravelFit, reached: Sequence[Start], narrow: "_Problem") -> TravelFit:
         """Return a fit whose intervals end where no values of nuisances explain the travels more.
 
-        The nuisances are the last unknowns here. Bristles take too long for that.
+        The nuisances are the last unknowns here. Bristles take too long for that: slopes tell how
+        far the fitted values follow them.
         """
         best = self.free_parameters(reached[0])
         least = self.cost(best)
-        target = least + _Problem(replace(self.model, free=self.model.free[: len(fit.estimates)]),
-                                  self.trials).room(least)  # fmt: skip
         told = [i for i, one in enumerate(fit.estimates) if not one.reason]
-        first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
-        ends, _ = self._ends([best], told, first, target)
+        if self.model.law.states:
+            ends = [[part] for part in self._marginal(best, len(fit.estimates), narrow)]
+            ends = [ends[i] for i in told]
+        else:
+            first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
+            ends, _ = self._ends([best], told, first, least + narrow.room(least))
         found = [*fit.estimates]
         for i, (part,) in zip(told, ends, strict=True):
             one, reason = found[i], ""
@@ -673,6 +704,18 @@ class _Problem:
             parts = [*(one.pieces or ((one.low, one.high),)), part]
             found[i] = spanning(replace(one, reason=reason), parts, self._lowest(one))
         return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
+
+    def _marginal(self, best: Array, count: int, narrow: "_Problem") -> list[tuple[float, float]]:
+        """Return intervals of the first values by slopes, the others as free as is plausible."""
+        room = narrow.room(self.cost(best))
+        factor, _ = narrow.variance(self.cost(best))
+        slopes = self.slopes_at(best) / math.sqrt(factor)
+        prior = np.zeros(len(best))
+        prior[count:] = 1.0 / (PRIOR * np.maximum(np.abs(best), self.scale)[count:])
+        table = np.linalg.pinv(slopes.T @ slopes + np.diag(prior**2))
+        values = self.matrix @ best
+        halves = np.sqrt(room / factor * np.diag(self.matrix @ table @ self.matrix.T))
+        return [(v - h, v + h) for v, h in zip(values, halves, strict=True)][:count]
 
     def _between(
         self, found: Sequence[Estimate], starts: Sequence[Array]
