@@ -246,7 +246,8 @@ def stepped(seed: int, number: int) -> dict[str, Any]:
     rival = [verdict.rival] if verdict.rival else []
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
-        hedged=bool(closest.dropped), error=error, stated=closest.score / variation,
+        hedged="predicts best, but" in verdict.sentence, error=error,
+        stated=closest.score / variation,
         intervals=[*_missed(closest.fit.estimates if same else (), _at(law, closest.fit.law))],
     ) | {"verdict": verdict.sentence, "seconds": seconds, "noise": noise}  # fmt: skip
 

@@ -365,3 +365,20 @@ def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
     np.testing.assert_array_equal(axes.lines[1].get_ydata(), verdict.best.fit.fitted)
     for one in (verdict, verdict.best.fit):
         assert "<table" in one._repr_html_()
+
+
+def test_a_law_whose_residuals_remember_is_not_recommended_without_the_forms_that_were_not_tried():
+    two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
+    laws = ["rate-and-state", "logarithmic"]
+    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
+    assert verdict.sentence.startswith("Rate-and-state friction with the ageing law predicts best,")
+    assert "a form that was not tried may hold" in verdict.sentence
+    assert "rate-and-two-states" in verdict.words.measure_next[0]
+
+
+def test_a_law_that_holds_to_the_noise_is_recommended_without_further_forms():
+    verdict = select_rate_state(
+        MACHINE, ["rate-and-state", "logarithmic"], pulled(law(), memory=1e-9), settings=SETTINGS
+    )
+    assert verdict.sentence.startswith("Use rate-and-state friction with the ageing law")
+    assert not any("not tried" in line for line in verdict.words.measure_next)

@@ -36,6 +36,8 @@ def descended(
 ) -> tuple[Array, Array]:
     """Return where damped Gauss-Newton descents from k starts end, and their costs.
 
+    `moving` tells which unknowns move, of all starts (p,) or of each (k, p).
+
     Examples
     --------
     >>> ends, costs = descended(
@@ -54,22 +56,23 @@ def descended(
     found = np.array(starts, dtype=float)
     left = residuals(found)
     costs = np.sum(left**2, axis=1)
+    moving = np.broadcast_to(moving, found.shape)
     damping = np.full(len(found), FIRST)
     slopes = np.zeros((*left.shape, found.shape[1]))
     stale = np.ones(len(found), dtype=bool)
-    live = np.isfinite(costs)
+    live = np.isfinite(costs) & moving.any(axis=1)
     for _ in range(steps):
         if not live.any():
             break
         at = np.flatnonzero(live & stale)
         if len(at):
             slopes[at] = slopes_of(residuals, found[at], left[at], low=low, high=high,
-                                   sizes=sizes, moving=moving)  # fmt: skip
+                                   sizes=sizes, moving=moving[at])  # fmt: skip
             stale[at] = False
         at = np.flatnonzero(live)
         size = np.maximum(np.abs(found[at]), sizes)
         step = size * _steps(slopes[at] * size[:, None, :], left[at], damping[at], found[at], low,
-                             high, moving)  # fmt: skip
+                             high, moving[at])  # fmt: skip
         there = np.clip(found[at] + step, low, high)
         moved = np.max(np.abs(there - found[at]) / size, axis=1)
         left_there = residuals(there)
@@ -102,14 +105,12 @@ def slopes_of(
     found = np.zeros((*left.shape, points.shape[1]))
     steps = STEP * np.maximum(np.abs(points), sizes)
     steps = np.where(points + steps <= high, steps, np.where(points - steps >= low, -steps, 0.0))
-    columns = np.flatnonzero(moving)
-    shifted = np.repeat(points[None], len(columns), axis=0)
-    for i, column in enumerate(columns):
-        shifted[i, :, column] += steps[:, column]
-    there = residuals(shifted.reshape(-1, points.shape[1])).reshape(len(columns), *left.shape)
-    for i, column in enumerate(columns):
-        step = steps[:, column, None]
-        found[:, :, column] = (there[i] - left) / np.where(step == 0.0, math.inf, step)
+    columns, rows = np.nonzero(np.broadcast_to(moving, points.shape).T)
+    shifted = points[rows]
+    step = steps[rows, columns]
+    shifted[np.arange(len(rows)), columns] += step
+    there = residuals(shifted) - left[rows]
+    found[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
     return found
 
 

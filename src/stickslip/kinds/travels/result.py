@@ -162,12 +162,11 @@ class TravelFit(Fit[Law_co]):
             shown = joined([quantity(value, one.unit, 3) for value in self.others])
             what = "the travels" if len(self.measured) > 1 else "the travel"
             return (f"Other values of {one.symbol} explain {what} as well: {shown}.",)
-        if not any(is_rig(e.path) for e in self.estimates):
-            return ()
+        rig = any(is_rig(e.path) for e in self.estimates)
         said = [
             f"{e.quantity.symbol} is not identified: {e.reason}."
             for e in self.estimates
-            if e.reason
+            if e.reason and rig
         ]
         scatter = math.sqrt(self.variance[0])
         if self.stated and scatter > POOR:
@@ -176,7 +175,7 @@ class TravelFit(Fit[Law_co]):
                 " the law or the mechanism is not that of the trials, or the search ended in a"
                 " local minimum. Try other start values."
             )
-        for values in self.rivals[:1]:
+        for values in self.rivals[: 1 if rig else 0]:
             shown = joined(
                 [
                     f"{e.quantity.symbol} = {quantity(v, e.quantity.unit, 3)}"

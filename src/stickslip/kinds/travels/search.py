@@ -23,6 +23,7 @@ from stickslip.identification import (
     under_cycles,
 )
 from stickslip.kinds.travels.descent import descended, slopes_of
+from stickslip.kinds.travels.profiles import profile_ends
 from stickslip.kinds.travels.propagation import (
     Propagated,
     agreeing_scale,
@@ -43,9 +44,9 @@ unknown."""
 POOR = 4.0
 """Mean square of standardised residuals beyond which, where a mechanism is unknown, searches begin
 from all further starting points."""
-STEPS, REFINED, BRIEF = 15, 4, 6
-"""Steps of a descent, at most: of a search, from a start that is already near, and beside a draw of
-nuisances."""
+STEPS, REFINED, BRIEF, FOLLOWED = 15, 4, 6, 8
+"""Steps of a descent, at most: of a search, from a start that is already near, beside a draw of
+nuisances, and of what follows another value."""
 WEIGHINGS = 2
 """Fits by weights that follow from the fit before, where the mechanism is uncertain."""
 NEAR = 100.0
@@ -61,13 +62,8 @@ APART = 1e-3
 STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 """Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
 it should, which its third derivatives change."""
-WALK = (0.3, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0)
-"""Lengths of an interval, that slopes at the best values give, at which its end is looked for."""
-OUT, OUTWARDS = (1.0, 1.5, 2.2, 4.0, 8.0, 16.0, 32.0, 64.0), 1e-3
-"""Lengths of an interval that known nuisances leave at which it is seen how far it goes where they
-follow, and its least length over the size of the value."""
-NEARBY = 0.2
-"""First step from a value that lies above another one, over its size, at most."""
+OUTWARDS = 1e-3
+"""Least length of an interval by which its ends are looked for, over the size of the value."""
 BESIDE = 6.0
 """Standard errors from the best values at which searches begin again: mean speeds and travels rise
 and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
@@ -75,8 +71,13 @@ INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "stand
 """What the interval of an estimate is called, by the kind of uncertainty of a single reading."""
 SPAN, LEVELS, MANY, FEW = (0.3, 2.0), 48, 24, 8
 """Levels over those of a simpler law at which one with nuisances is scanned where it does not
-explain the travels, how many they are, and from how many of them descents begin: from fewer where
-runs are of many cycles."""
+explain the travels, how many they are beside one such level, and from how many of them descents
+begin: from fewer where runs are of many cycles."""
+WIDEST = 3.0
+"""How many times as many levels are scanned, at most, where simpler laws have several."""
+PRIOR = 1.5
+"""Standard deviation of what was drawn, over its value, where bristles take too long to follow it:
+factors of 5 up and down, or bounds, are beyond it."""
 FEW_TRIALS = 3
 """Settings, from the shortest to the longest travel, that such a scan runs."""
 UNSTATED = 0.02
@@ -92,6 +93,8 @@ AS_WELL = 3.841458820694124
 """Chi-square over its least value up to which other values fit as well: 95 %."""
 SAME = 1e-3
 """Share of that room within which the readings do not prefer one of two minima."""
+LOWER = 0.05
+"""Share of that room by which a point beside the best one has to explain more to be the best."""
 FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
 
@@ -131,8 +134,8 @@ def fit_readings(
     wide: _Problem | None = None
     if nuisances:
         level = [(problem.matrix @ end).tolist() for end in ends]
-        model, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
-        problem = _Problem(model, trials)
+        problem, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
+        model = problem.model
         ends = [problem.free_parameters(reached[0][:count])]
     best = problem.nearest(ends)
     if problem.rig:
@@ -151,9 +154,8 @@ def fit_readings(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    followed = wide is not None and not model.law.states
-    found = problem.fit(best, ends, walked=not followed, reached=reached)
-    return wide.followed(found, reached) if wide is not None and followed else found
+    found = problem.fit(best, ends, walked=wide is None or bool(model.law.states), reached=reached)
+    return wide.followed(found, reached, problem) if wide is not None else found
 
 
 def _freed(
@@ -164,8 +166,8 @@ def _freed(
     nuisances: Sequence[str],
     *,
     thorough: bool,
-) -> tuple[TravelModel, "_Problem", list[list[float]]]:
-    """Return the model with the nuisances that explain most, and that in which these are free.
+) -> tuple["_Problem", "_Problem", list[list[float]]]:
+    """Return the problem with the nuisances that explain most, and that in which these are free.
 
     All values that explain as well follow, the best first. `ends` are values of the free
     parameters, and `given` may have some of the nuisances too. Nuisances of bristles, whose runs
@@ -178,24 +180,30 @@ def _freed(
     cycles = under_cycles(trials)
     slow = (bool(model.law.states) and not thorough) or cycles
     few = bool(model.law.states) and not thorough
-    points = wide.drawn(ends[: 1 if slow else 2], drawn, more[: 1 if few else FREED])
+    beside = ends[: 1 if slow else 2]
+    points = wide.drawn(beside, drawn, more[: 1 if few else FREED])
     own = np.arange(len(wide.model.free)) < count
-    found = _sorted(*wide.descend(points, REFINED if slow else BRIEF, own))
+    ends_of = wide.descend(points, REFINED if slow else BRIEF, own)
+    plainest = ends_of[1][-len(drawn) * len(beside) :: len(drawn)]  # the first draw does least
+    found = _sorted(*ends_of)
     if not model.law.states:
         most = 1 if cycles else FREED
         found = wide.with_free(found, most)
         if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
             coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
-            scanned = coarse.scanned(points[-len(drawn) :], FEW if cycles else MANY)
+            levels = [end[0] for end in ends if end[0] > 0.0] or [float(points[-1][0])]
+            scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
             ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
             found = wide.with_free([*found, *_sorted(*ends_of)], most)
     elif thorough:
         found = wide.with_free(found, FREED)
     least = wide.cost(found[0])
     whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
-    limit = least + _Problem(whole, trials).room(least)
+    problem = _Problem(whole, trials)
+    problem.spent, problem.plain = len(nuisances), float(min(plainest))
+    limit = least + problem.room(least)
     reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
-    return whole, wide, reached
+    return problem, wide, reached
 
 
 def _sorted(found: Array, costs: Array) -> list[Array]:
@@ -293,7 +301,20 @@ class _Problem:
         self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
         self.floor = np.full(len(model.free), -math.inf)
         """Values below which none is run."""
+        self.spent, self.plain = 0, math.nan
+        """Nuisances that residuals have paid for too, and what was left without them."""
         self._seen: dict[tuple[float, ...], Array] = {}
+
+    def variance(self, cost: float) -> tuple[float, float]:
+        """Return the variance of standardised residuals and its degrees of freedom.
+
+        Where nuisances leave none, residuals that give the uncertainty of the readings are those of
+        the law without them: what they take off may be noise.
+        """
+        freedom = len(self.trials) - len(self.model.free)
+        if self.spent and not self.stated and freedom <= self.spent:
+            return variance_of(self.plain, freedom, stated=False)
+        return variance_of(cost, freedom - self.spent, stated=self.stated)
 
     def alone(self, i: int) -> "_Problem | None":
         """Return the problem in which a value that lies above another one is an unknown of its own.
@@ -463,11 +484,17 @@ class _Problem:
             return not np.linalg.norm(left) <= UNSTATED * np.linalg.norm(self.measured)
         return self.cost(free_parameters) > float(chi2.ppf(SIGNIFICANT, len(self.trials)))
 
-    def scanned(self, points: Array, most: int) -> Array:
-        """Return the best of many values of the first unknown beside the others of each point."""
-        levels = np.geomspace(*SPAN, LEVELS)
-        rows = np.repeat(points, len(levels), axis=0)
-        rows[:, 0] *= np.tile(levels, len(points))
+    def scanned(self, points: Array, levels: Sequence[float], most: int) -> Array:
+        """Return the best of many values of the first unknown beside the others of each point.
+
+        They reach beyond all levels of simpler laws: travels that rise and fall with the level have
+        several, and friction at rest moves these.
+        """
+        low, high = SPAN[0] * min(levels), SPAN[1] * max(levels)
+        share = math.log(high / low) / math.log(SPAN[1] / SPAN[0])
+        tried = np.geomspace(low, high, math.ceil(LEVELS * min(share, WIDEST)))
+        rows = np.repeat(points, len(tried), axis=0)
+        rows[:, 0] = np.tile(tried, len(points))
         rows = np.clip(rows, self.least, self.high)
         costs = np.sum(self.residuals_of(rows) ** 2, axis=1)
         return rows[np.argsort(costs, kind="stable")[:most]]
@@ -476,13 +503,13 @@ class _Problem:
         """Return how much more than the least cost values may leave that explain as well."""
         from scipy import stats
 
-        trials, freedom = self.trials, len(self.trials) - len(self.model.free)
+        trials = self.trials
         if len(trials) == 1:
             kind = trials[0].kind
             if kind == "standard" or self.spread.own or self.spread.shared:
                 return AS_WELL
             return 3.0 if kind == "rounding" else 1.0
-        factor, freedom_of = variance_of(cost, freedom, stated=self.stated)
+        factor, freedom_of = self.variance(cost)
         if freedom_of == 0.0:
             return AS_WELL
         return factor * float(stats.t.ppf(0.975, freedom_of)) ** 2
@@ -565,8 +592,7 @@ class _Problem:
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
         gain, condition = self._gain(best)
-        freedom = len(residuals) - len(values)
-        variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
+        variance = self.variance(float(np.sum(residuals**2)))
         scatter = self.spread.scatter(self.readings)
         doubtful = bool(self.spread.own or self.spread.shared)
         sources = self.weights.sources(self.readings, gain)
@@ -581,9 +607,16 @@ class _Problem:
             found = self._told_apart(found, values, gain, variance[0])
         rivals = self._rivals(found, best, ends)
         if not self.rig:
+            found = self._together(found)
+            wider = [[(one.low, one.high)] for one in found]
+            if walked:
+                starts = [best, *map(self.free_parameters, rivals)]
+                wider, lowest = self._between(found, starts)
+                if self.cost(lowest) < self.cost(best) - LOWER * self.room(self.cost(best)):
+                    return self.fit(self.polished(lowest, STEPS), [best, *ends], walked=True)
             found = [
-                self._holding(i, one, best, rivals, reached, walked=walked)
-                for i, one in enumerate(self._together(found))
+                self._holding(i, one, parts, reached)
+                for i, (one, parts) in enumerate(zip(found, wider, strict=True))
             ]
         else:
             found = [self._reaching(one, [r[i] for r in rivals]) for i, one in enumerate(found)]
@@ -631,96 +664,184 @@ class _Problem:
         self,
         i: int,
         one: Estimate,
-        best: Array,
-        rivals: Sequence[Sequence[float]],
+        parts: Sequence[tuple[float, float]],
         reached: Sequence[Start],
-        *,
-        walked: bool,
     ) -> Estimate:
         """Return an estimate whose interval holds all values that explain the travels as well."""
-        if one.reason and (len(self.trials) > 1 or not self.stated):
+        single = len(self.trials) == 1
+        if one.reason and (not single or not self.stated):
             return one
-        if walked:
-            one = self._between(i, one, best)
-        parts = [(one.low, one.high)]
-        if walked:
-            for rival in rivals:
-                there = self.free_parameters(rival)
-                other = self._between(i, self._local(i, one, there), there)
-                parts.append((other.low, other.high))
-        half = 0.5 * (parts[0][1] - parts[0][0]) if one.bounded else 0.0
-        parts += [(value[i] - half, value[i] + half) for value in reached]
-        return spanning(one, parts, self._lowest(one))
+        reason = one.reason if not single else ""
+        if not all(math.isfinite(end) for end in parts[0]):
+            reason = INSENSITIVE
+            if single:
+                reason = "no value gives the travel at one end of the range of the reading"
+        low, high = parts[0]
+        half = 0.5 * (high - low) if one.bounded else 0.0
+        parts = [*parts, *((value[i] - half, value[i] + half) for value in reached)]
+        return spanning(replace(one, reason=reason), parts, self._lowest(one))
 
-    def _local(self, i: int, one: Estimate, there: Array) -> Estimate:
-        """Return an estimate at other unknowns, with the interval that slopes there give."""
-        gain, _ = self._gain(there)
-        known = np.where(np.isfinite(gain[i]), gain[i], 0.0)
-        spread = math.sqrt(self.room(self.cost(there)) * float(known @ self._covariance() @ known))
-        value = float((self.matrix @ there)[i])
-        low = max(value - spread, self._lowest(one))
-        return replace(one, value=value, low=low, high=value + spread, reason="")
-
-    def followed(self, fit: TravelFit, reached: Sequence[Start]) -> TravelFit:
+    def followed(self, fit: TravelFit, reached: Sequence[Start], narrow: "_Problem") -> TravelFit:
         """Return a fit whose intervals end where no values of nuisances explain the travels more.
 
-        The nuisances are the last unknowns here. Bristles take too long for that.
+        The nuisances are the last unknowns here. Bristles take too long for that: slopes tell how
+        far the fitted values follow them.
         """
         best = self.free_parameters(reached[0])
         least = self.cost(best)
-        target = least + _Problem(replace(self.model, free=self.model.free[: len(fit.estimates)]),
-                                  self.trials).room(least)  # fmt: skip
-        found = []
-        for i, one in enumerate(fit.estimates):
-            if one.reason:
-                found.append(one)
-                continue
-            if np.count_nonzero(self.matrix[i]) > 1:
-                found.append(self._above(i, one, best, target))
-                continue
-            parts = [*(one.pieces or ((one.low, one.high),))]
-            for side, end in ((-1.0, one.low), (1.0, one.high)):
-                step = max(abs(end - best[i]), OUTWARDS * float(self.scale[i]))
-                parts.append((best[i], self._outermost(i, best, side * step, target)))
-            found.append(spanning(one, [(min(p), max(p)) for p in parts], self._lowest(one)))
+        told = [i for i, one in enumerate(fit.estimates) if not one.reason]
+        if self.model.law.states:
+            ends = [[part] for part in self._marginal(best, len(fit.estimates), narrow)]
+            ends = [ends[i] for i in told]
+        else:
+            first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
+            ends, _ = self._ends([best], told, first, least + narrow.room(least))
+        found = [*fit.estimates]
+        for i, (part,) in zip(told, ends, strict=True):
+            one, reason = found[i], ""
+            if not all(math.isfinite(end) for end in part):
+                reason = INSENSITIVE
+            parts = [*(one.pieces or ((one.low, one.high),)), part]
+            found[i] = spanning(replace(one, reason=reason), parts, self._lowest(one))
         return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
 
-    def _above(self, i: int, one: Estimate, best: Array, target: float) -> Estimate:
-        """Return an estimate of what lies above another value, followed to where its interval ends.
+    def _marginal(self, best: Array, count: int, narrow: "_Problem") -> list[tuple[float, float]]:
+        """Return intervals of the first values by slopes, the others as free as is plausible."""
+        room = narrow.room(self.cost(best))
+        factor, _ = narrow.variance(self.cost(best))
+        slopes = self.slopes_at(best) / math.sqrt(factor)
+        prior = np.zeros(len(best))
+        prior[count:] = 1.0 / (PRIOR * np.maximum(np.abs(best), self.scale)[count:])
+        table = np.linalg.pinv(slopes.T @ slopes + np.diag(prior**2))
+        values = self.matrix @ best
+        halves = np.sqrt(room / factor * np.diag(self.matrix @ table @ self.matrix.T))
+        return [(v - h, v + h) for v, h in zip(values, halves, strict=True)][:count]
 
-        A static level and the speed up to which it acts are told in combination, which bends.
+    def _between(
+        self, found: Sequence[Estimate], starts: Sequence[Array]
+    ) -> tuple[list[list[tuple[float, float]]], Array]:
+        """Return what each estimate lies between from each start, and the best of all points.
+
+        The others follow. Slopes at the best values say nothing of what is farther away, nor that
+        a parameter has a bound. Bristles take too long for that.
         """
-        twin = self.alone(i)
-        if twin is None or not one.bounded:
-            return one
-        there = np.asarray(np.linalg.solve(twin.matrix, self.matrix @ best), dtype=np.float64)
-        half = min(one.high - one.value, NEARBY * abs(one.value))
-        step = max(half, OUTWARDS * float(self.scale[i]))
-        low, high = (twin._outermost(i, there, side * step, target) for side in (-1.0, 1.0))
-        return replace(one, low=max(low, self._lowest(one)), high=high)
+        single, (best, *others) = len(self.trials) == 1, starts
+        base = self.cost(best)
+        wider = [[(one.low, one.high)] for one in found]
+        if bool(self.model.law.states) and not single:
+            for i, parts in enumerate(wider):
+                parts += [self._local(i, there) for there in others]
+            return wider, best
+        told = [i for i, one in enumerate(found) if not one.reason or (single and self.stated)]
+        ends, lowest = self._ends(starts, told, [math.inf] * len(found), base + self.room(base))
+        for i, parts in zip(told, ends, strict=True):
+            one, (low, high) = found[i], parts[0]
+            if not single and one.bounded and (self.spread.own or self.spread.shared):
+                # the ends bend as chi-square does, but residuals scale no uncertainty of the
+                # mechanism
+                half = self._halves(best)[i]
+                low = one.value - (one.value - low) / half * (one.value - one.low)
+                high = one.value + (high - one.value) / half * (one.high - one.value)
+            wider[i] = [(low, high), *parts[1:]]
+        return wider, lowest
 
-    def _outermost(self, i: int, best: Array, step: float, target: float) -> float:
-        """Return the last value of an unknown with which the others still explain as well.
+    def _halves(self, there: Array) -> Array:
+        """Return half the interval of each value, of 95 %, that slopes at some unknowns give."""
+        return np.sqrt(self.room(self.cost(there)) * np.diag(self._table(there)))
 
-        They are followed from value to value, since far from the best ones they lie elsewhere.
+    def _table(self, there: Array) -> Array:
+        """Return the covariance of values (p, p) that slopes at some unknowns give."""
+        gain, _ = self._gain(there)
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        return np.asarray(known @ self._covariance() @ known.T)
+
+    def _ends(
+        self, starts: Sequence[Array], told: Sequence[int], most: Sequence[float], target: float
+    ) -> tuple[list[list[tuple[float, float]]], Array]:
+        """Return the ends of intervals of some values from each start, and the best of all points.
+
+        All walks are one ensemble. What lies above another value is an unknown in a problem of its
+        own. `most` has the lengths of the first steps, at most.
         """
-        moving = np.arange(len(best)) != i
-        inside, cost = best, self.cost(best)
-        for times in OUT:
-            there = inside.copy()
-            there[i] = best[i] + times * step
-            there = np.clip(there, self.least, self.high)
-            if there[i] == inside[i]:
-                break
-            ends, costs = self.descend(there[None], REFINED, moving)
-            if costs[0] > target:
-                ends, costs = self.descend(self._turned(ends[0]), REFINED, moving)
-            at = int(np.argmin(costs))
-            if costs[at] > target:
-                share = math.sqrt((target - cost) / (float(costs[at]) - cost))
-                return float(inside[i] + share * (there[i] - inside[i]))
-            inside, cost = ends[at], float(costs[at])
-        return float(inside[i])
+        above = np.count_nonzero(self.matrix, axis=1) > 1
+        ends, lowest = self._walked(starts, [i for i in told if not above[i]], most, target)
+        for i in told:
+            if not above[i]:
+                continue
+            twin = self.alone(i)
+            if twin is None:
+                ends[i] = [self._local(i, one) for one in starts]
+                continue
+            there = [
+                np.linalg.solve(twin.matrix, self.matrix @ one).astype(float) for one in starts
+            ]
+            found, low = twin._walked(there, [i], most, target)
+            ends[i] = found[i]
+            back = self.free_parameters((twin.matrix @ low).tolist())
+            lowest = min(lowest, back, key=self.cost)
+        return [ends[i] for i in told], lowest
+
+    def _walked(
+        self, starts: Sequence[Array], told: Sequence[int], most: Sequence[float], target: float
+    ) -> tuple[dict[int, list[tuple[float, float]]], Array]:
+        """Return the ends from each start of values that are unknowns, and the best point."""
+        lowest = min(starts, key=self.cost)
+        if not told:
+            return {}, lowest
+        along = []
+        for there in starts:
+            table = self._table(there)
+            for i in told:
+                half, way = (
+                    math.sqrt(self.room(self.cost(there)) * table[i, i]),
+                    np.zeros(len(there)),
+                )
+                if half > 0.0:
+                    way = np.linalg.solve(self.matrix, table[:, i] / table[i, i])
+                way[i] = 1.0
+                size = max(min(half, most[i]), OUTWARDS * float(self.scale[i]))
+                along += [-size * way, size * way]
+        seen = [lowest]
+
+        def descend(points: Array, moving: NDArray[np.bool_]) -> tuple[Array, Array]:
+            found, costs = self.descend(points, FOLLOWED, moving)
+            seen[0] = min(seen[0], found[np.argmin(costs)], key=self.cost)
+            return found, costs
+
+        at = np.tile(np.repeat(told, 2), len(starts))
+        inside, outside, share = profile_ends(
+            descend,
+            np.repeat(np.array(starts), 2 * len(told), axis=0),
+            at,
+            np.array(along),
+            low=self.least,
+            high=self.high,
+            least=min(map(self.cost, starts)),
+            target=target,
+            again=self._turned,
+        )
+        one, other = (points[np.arange(len(at)), at] for points in (inside, outside))
+        if len(self.scale) == 1:  # nothing follows: the end is that of a curve
+            ends = [self._crossing(*pair, target) for pair in zip(one, other, strict=True)]
+        else:
+            ends = np.where(np.isfinite(other), one + share * (other - one), other).tolist()
+        pairs = np.array(ends).reshape(len(starts), len(told), 2)
+        return {
+            i: [(float(low), float(high)) for low, high in pairs[:, k]] for k, i in enumerate(told)
+        }, seen[0]
+
+    def _crossing(self, inside: float, outside: float, target: float) -> float:
+        """Return the single unknown between two at which the cost meets the target."""
+        from scipy.optimize import brentq
+
+        def excess(value: float) -> float:
+            return self.cost(np.array([value])) - target
+
+        if not math.isfinite(outside) or excess(inside) >= 0.0:
+            return outside if math.isinf(outside) else inside
+        if excess(outside) <= 0.0:
+            return outside
+        return float(brentq(excess, inside, outside, rtol=1e-10, xtol=1e-300))
 
     def _turned(self, there: Array) -> Array:
         """Return unknowns, and the same with other powers of the speed."""
@@ -732,78 +853,13 @@ class _Problem:
                     rows[-1][i] = value
         return np.array(rows)
 
+    def _local(self, i: int, there: Array) -> tuple[float, float]:
+        """Return the interval of a value that slopes at some unknowns give."""
+        value, half = float((self.matrix @ there)[i]), float(self._halves(there)[i])
+        return value - half, value + half
+
     def _lowest(self, one: Estimate) -> float:
         return max(one.quantity.low, one.quantity.above or 0.0, 0.0)
-
-    def _between(self, i: int, one: Estimate, best: Array) -> Estimate:
-        """Return an estimate whose interval ends where the travels are explained no more.
-
-        The other values follow. Slopes at the best values say nothing of what is farther away, nor
-        that a parameter has a bound.
-        """
-        if bool(self.model.law.states) and len(self.trials) > 1:
-            return one
-        base = self.cost(best)
-        target = base + self.room(base)
-        if np.count_nonzero(self.matrix[i]) > 1:
-            return self._above(i, one, best, target)
-        gain, _ = self._gain(best)
-        known = np.where(np.isfinite(gain), gain, 0.0)
-        table = known @ self._covariance() @ known.T
-        if not table[i, i] > 0.0:
-            return one
-        half = math.sqrt(self.room(base) * table[i, i])
-        along = table[:, i] / table[i, i] * half
-        ends = [self._end(i, best, side * along, target) for side in (-1.0, 1.0)]
-        low, high = ends
-        reason = one.reason if len(self.trials) > 1 else ""
-        if not (math.isfinite(low) and math.isfinite(high)):
-            reason = INSENSITIVE
-            if len(self.trials) == 1:
-                reason = "no value gives the travel at one end of the range of the reading"
-        elif len(self.trials) > 1 and one.bounded and (self.spread.own or self.spread.shared):
-            # the ends bend as chi-square does, but residuals scale no uncertainty of the mechanism
-            low = one.value - (one.value - low) / half * (one.value - one.low)
-            high = one.value + (high - one.value) / half * (one.high - one.value)
-        return replace(one, low=low, high=high, reason=reason)
-
-    def _end(self, i: int, best: Array, along: Array, target: float) -> float:
-        """Return the value of a parameter in a direction with which the cost meets the target."""
-        unknown_step = np.linalg.solve(self.matrix, along)
-        points = np.clip(best + np.outer(WALK, unknown_step), self.least, self.high)
-        inside = np.flatnonzero(np.abs(points[:, i] - best[i]) > 0.0)
-        if not len(inside):
-            return float(best[i])
-        moving = np.arange(len(best)) != i
-        if moving.any():
-            points, costs = self.descend(points, REFINED, moving)
-        else:
-            costs = np.sum(self.residuals_of(points) ** 2, axis=1)
-        beyond = np.flatnonzero(costs > target)
-        if not len(beyond):
-            bounded = points[-1, i] <= self.least[i] or points[-1, i] >= self.high[i]
-            return float(points[-1, i]) if bounded else math.copysign(math.inf, along[i])
-        at = int(beyond[0])
-        near = best if at == 0 else points[at - 1]
-        if not moving.any():
-            return self._crossing(near, points[at], target)
-        inner = self.cost(best)
-        low = math.sqrt(max((inner if at == 0 else float(costs[at - 1])) - inner, 0.0))
-        high = math.sqrt(float(costs[at]) - inner)
-        share = (math.sqrt(max(target - inner, 0.0)) - low) / max(high - low, 1e-300)
-        return float(near[i] + min(max(share, 0.0), 1.0) * (points[at, i] - near[i]))
-
-    def _crossing(self, inside: Array, outside: Array, target: float) -> float:
-        """Return the single unknown between two at which the cost meets the target."""
-        from scipy.optimize import brentq
-
-        def excess(value: float) -> float:
-            return self.cost(np.array([value])) - target
-
-        low, high = float(inside[0]), float(outside[0])
-        if excess(low) >= 0.0:
-            return low
-        return float(brentq(excess, low, high, rtol=1e-10, xtol=1e-300))
 
     def _told_apart(
         self, found: Sequence[Estimate], values: Sequence[float], gain: Array, variance: float

@@ -20,6 +20,9 @@ SLOW = 5.0
 """Samples in the time D_c/V below which sampling hides how friction settles."""
 STRUCTURE = 5.0
 """Residuals over the scatter of neighbouring samples from which the law misses something."""
+ALIKE = 0.25
+"""Effective over actual sample size of the residuals below which the law misses something, or the
+noise remembers more than a few samples."""
 PLAIN = Scale(1.0, "")
 DISTANCES = ("friction.critical_distance", "friction.second_critical_distance")
 OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
@@ -75,24 +78,53 @@ def rate_state_wording(
     by_steps: bool,
 ) -> Wording:
     """Put a selection on velocity steps into words."""
-    closest, fit = ordered[0], ordered[0].fit
+    fit = ordered[0].fit
     assert fit is not None
     return Wording(
-        verdict=_verdict(closest, fit, rival, fault),
+        verdict=_verdict(ordered, fit, rival, fault),
         lede=_lede(ordered, fit, fault, by_steps=by_steps),
         settles=_settles(fit),
         cannot_tell=_cannot_tell(fit, rival, by_steps=by_steps),
-        measure_next=_measure_next(fit, rival, steps, checks, by_steps=by_steps),
+        measure_next=(
+            *_untried(ordered, fit),
+            *_measure_next(fit, rival, steps, checks, by_steps=by_steps),
+        )[:MOST],
         no_score=_no_score(ordered, rival),
     )
 
 
+def _misses(fit: RateStateFit) -> bool:
+    """Whether what a fit leaves is not noise alone, as far as neighbouring samples tell."""
+    remembered = fit.inference.effective < ALIKE * len(fit.best.residual)
+    return remembered or fit.over_scatter > STRUCTURE
+
+
+def _untried(ordered: Sequence[RateStateCandidate], fit: RateStateFit) -> tuple[str, ...]:
+    """Return which further forms are to be compared first, where the closest law misses something.
+
+    These are forms that contain one that was tried, with two states or another evolution.
+    """
+    tried = {one.law.name for one in ordered if one.law is not None}
+    left = [
+        name
+        for name, form in RATE_STATE_FORMS.items()
+        if form.evolution != "none" and name not in tried
+    ]
+    if not left or not _misses(fit):
+        return ()
+    return (
+        f"Nothing yet: first compare the forms that were not tried, {joined(left)}, by naming them"
+        " as laws.",
+    )
+
+
 def _verdict(
-    closest: RateStateCandidate,
+    ordered: Sequence[RateStateCandidate],
     fit: RateStateFit,
     rival: RateStateCandidate | None,
     fault: str,
 ) -> str:
+    closest = ordered[0]
     name = RATE_STATE_FORMS[fit.law.name].words
     if fault:
         return f"No candidate explains this record; the closest is {name}."
@@ -107,6 +139,15 @@ def _verdict(
             f"{capital(name)} predicts best, but its residuals are {ratio(fit.over_scatter)} the"
             " scatter of neighbouring samples"
         )
+    elif _misses(fit):
+        told = (
+            f"{capital(name)} predicts best, but its residuals are not noise of single samples"
+            f" (effective sample size {_effective(fit)})"
+        )
+        if _untried(ordered, fit):
+            told += ": a form that was not tried may hold"
+        if rival is not None:
+            told += f"; this record does not distinguish it from {_law(rival)}"
     elif fit.law.name == "constant-coefficient":
         told += f": no effect of speed is established, and $mu_0$ = {fit.estimates[0].plus_minus}"
     elif rival is not None:
@@ -193,10 +234,10 @@ def _cannot_tell(
     ]
     lines += sentences_of(fit.findings, "length")
     lines += sentences_of(fit.findings, "drift")
-    if fit.over_scatter > STRUCTURE:
+    if _misses(fit):
         lines.append(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"
-            f" {significant(fit.inference.effective, 2)} of {len(fit.best.residual):,}."
+            f" {_effective(fit)}."
         )
     speeds = fit.problem.record.path.lasting
     lines.append(
@@ -204,6 +245,10 @@ def _cannot_tell(
         f" {span(float(speeds[speeds > 0].min()), float(speeds.max()), 'm/s')}."
     )
     return tuple(lines[:MOST])
+
+
+def _effective(fit: RateStateFit) -> str:
+    return f"{significant(fit.inference.effective, 2)} of {len(fit.best.residual):,}"
 
 
 def _measure_next(
