@@ -6,11 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, fit, select
+from stickslip import Axis, CoulombViscous, LuGre, Measurement, SpringBlock, fit, select
 from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
 from stickslip.identification.settings import PROMPT, SensorResponse
+from stickslip.identification.terms import composed_laws
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.kinds.records.explained import Explained, _compared, explained
@@ -479,3 +480,36 @@ def test_dahl_with_a_level_that_fades_is_lugre_without_damping():
     rest = Structure((Term("level"), Term("inertia")))
     assert structure_of(faded, rest).having(Term("damping")) == structure_of(lugre, rest)
     assert structure_of(faded, rest).memories[0][1] == pytest.approx((2e-3, 1.0, 0.1, 0.5, 2.0))
+
+
+BRISTLE = LuGre(
+    kinetic_coefficient=2.0,
+    static_coefficient=3.0,
+    stribeck_velocity=0.01,
+    bristle_stiffness=1e4,
+    bristle_damping=10.0,
+    viscous_coefficient=1.0,
+)
+
+
+@pytest.mark.parametrize("shift", ["offset", "level_dir"])
+def test_a_law_of_one_level_has_a_constant_force_where_the_best_structure_has_either(shift):
+    # else LuGre friction left twice what LuGre by direction did, and another law was asked for
+    best = Structure((Term("inertia"), Term("level"), Term(shift))).shaped("", DAHL)
+    found = structure_of(BRISTLE, best)
+    assert found is not None
+    assert found.has("offset")
+    assert not found.has("level_dir")
+
+
+@pytest.mark.parametrize(("shape", "kept"), [(SIGN, False), (DAHL, True), ((1.0, 1.0), False)])
+def test_a_bristle_that_no_path_resolves_is_compared_with_one_like_it(monkeypatch, shape, kept):
+    monkeypatch.setattr(composed_laws, "polished", lambda balance, one: one)
+    monkeypatch.setattr(
+        composed_laws, "fit", lambda balance, one: SimpleNamespace(structure=one, rms=1.0)
+    )
+    best = Structure((Term("inertia"), Term("level"))).shaped("", shape)
+    balance = SimpleNamespace(resolves=lambda length, channel: length > 0.1, references={})
+    explanation = SimpleNamespace(balance=balance, best=SimpleNamespace(structure=best))
+    asked = Asked(explanation=explanation, laws={}, fits={})
+    assert bool(asked.fit_of("lugre", BRISTLE).structure.memories) is kept

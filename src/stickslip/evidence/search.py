@@ -12,7 +12,14 @@ from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
-from stickslip.evidence.structure import DAMPED, SHOWN_LATE, Family, Structure, fades
+from stickslip.evidence.structure import (
+    DAMPED,
+    SHIFTS,
+    SHOWN_LATE,
+    Family,
+    Structure,
+    fades,
+)
 from stickslip.evidence.terms import Term, through_bristle
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import (
@@ -188,15 +195,23 @@ class Search:
         return [polished(self.balance, one) for one in self._best(options, 1)]
 
     def _damped_memory(self, start: Structure) -> list[Structure]:
-        """Return LuGre friction of both directions with a damped bristle, at its best shape.
+        """Return LuGre friction with a damped bristle, at its best shape, beside each shift.
 
         Where damping is a multiple of the level, it hides the bristle: either alone explains less
         than a gap does, as each reversal shows a force of its own.
         """
+        return [
+            polished(self.balance, found)
+            for shift in SHIFTS
+            if (found := self._damped(start, shift)) != start
+        ]
+
+    def _damped(self, start: Structure, shift: str) -> Structure:
+        """Return a structure with the best damped bristle of each channel beside a shift."""
         found = start
         for channel, wanted in self.shapes.items():
             options = [
-                found.having(*(Term(kind, (), channel) for kind in ("level_dir", DAMPED, *more)))
+                found.having(*(Term(kind, (), channel) for kind in (shift, DAMPED, *more)))
                 for more in ((), ("viscous",))
             ]
             shaped = [
@@ -206,9 +221,7 @@ class Search:
                 if fades(shape)
             ]
             found = next(iter(self._best(shaped, 1)), found)
-        if found == start:
-            return []
-        return [polished(self.balance, found)]
+        return found
 
     def prune(self, found: Fit) -> Fit:
         """Return a fit without the terms and memories that do not earn their place."""

@@ -149,7 +149,12 @@ class Asked:
         made = partial(structure_of, law, best, covariates=balance.references)
         structure = made()
         shapes = () if structure is None else structure.memories
-        if not all(balance.resolves(shape[0], channel) for channel, shape in shapes):
+
+        def unseen(memories: Sequence[tuple[str, Shape]]) -> set[str]:
+            return {c for c, shape in memories if not balance.resolves(shape[0], c)}
+
+        # unless the best structure has such a bristle too, of which damping shows what paths do not
+        if unseen(shapes) - unseen(best.memories):
             structure = made(bristles=False)
         elif name in self.fits and not shapes:
             return self.fits[name]
@@ -224,8 +229,11 @@ def structure_of(
             terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
         both = any(isinstance(one, tuple) for one in leaf.names.values())
         terms += [Term(f"{kind}_dir", par, channel)] if both and kind in TWO_SIDED else []
-    if made.directional and not any(one.kind == "offset" for one in terms):
-        terms += [Term("level_dir" if made.memory and bristles else "offset", (), channel)]
+    shifted = made.directional or any(one.kind == "level_dir" for one in best.terms)
+    if shifted and not any(one.kind == "offset" for one in terms):
+        # beside a law of one level, fits look for a constant force in any case
+        odd = made.directional and made.memory and bristles
+        terms += [Term("level_dir" if odd else "offset", (), channel)]
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
     if made.memory is None or not bristles:
         return found
