@@ -2,11 +2,12 @@
 
 ``python -m benchmarks.friction_tables --numbers 0 40 --seed 1 --noise 0.02``; results are appended
 to a file line by line. Truths are five of the candidates in turn, or laws that are none of them
-(``--truths outside``), or a table that is in some way bad (``--bad few``). A verdict is *right* if
-it names the truth, or a law that predicts the true curve within the noise and is said not to be
-told from the truth; of a truth that is no candidate, if the prediction is within the noise, or a
-curve that is no law is said to come closer. It is a *false certainty* if it recommends another law,
-mentions neither the truth nor such a curve, and predicts worse than the noise.
+(``--truths outside``, ``dips``, ``falls``), or a table that is in some way bad (``--bad few``). A
+verdict is *right* if it names the truth, or a law that predicts the true curve within the noise and
+is said not to be told from the truth; of a truth that is no candidate, if the prediction is within
+the noise, or a curve that is no law is said to come closer. It is a *false certainty* if it
+recommends another law, mentions neither the truth nor such a curve, and predicts worse than the
+noise. How often such a curve is said to be possible where the law is right, is counted too.
 """
 
 import argparse
@@ -41,12 +42,13 @@ AXIS = Axis(inertia=1.0)
 Curve: TypeAlias = Callable[[Array], Array]
 BAD = (
     "few", "sparse", "repeats", "decades", "outlier", "understated", "overstated", "falling",
-    "frictionless",
+    "frictionless", "drifting",
 )  # fmt: skip
 """Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are
 measured once to three times; over four decades; with one reading that is wrong by ten times the
 noise; with a stated uncertainty three times too small or too large; of the falling branch of a
-Stribeck curve alone; of noise alone."""
+Stribeck curve alone; of noise alone; of friction that drifts by 5 to 20 % from the first reading to
+the last, in the order of the speeds or in any order."""
 
 
 def _of(one: FrictionLaw) -> Curve:
@@ -113,8 +115,59 @@ def _eyring(random: Random, level: float, speed: float) -> tuple[str, Curve]:
     return "", lambda v: level * np.arcsinh(v / s)
 
 
+def _mixed(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    """A film takes over the load from dry contact, and shears as a power of the speed."""
+    s, steep = between(random, 0.05, 0.4) * speed, float(random.uniform(1.0, 4.0))
+    n, film = float(random.uniform(0.4, 1.0)), level * float(random.uniform(0.4, 1.2))
+
+    def curve(v: Array) -> Array:
+        dry = 1.0 / (1.0 + (np.abs(v) / s) ** steep)
+        return np.sign(v) * (level * dry + film * (np.abs(v) / speed) ** n * (1.0 - dry))
+
+    return "", curve
+
+
+def _bowl(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    """A parabola over the logarithm of the speed."""
+    s, depth = between(random, 0.1, 0.5) * speed, float(random.uniform(0.05, 0.25))
+    return "", lambda v: level * np.sign(v) * (0.5 + depth * np.log(np.abs(v) / s) ** 2)
+
+
+def _kinked(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    """Friction that falls with the logarithm of the speed, and rises with the speed beyond."""
+    s, fall = between(random, 0.1, 0.5) * speed, float(random.uniform(0.1, 0.25))
+    rise = float(random.uniform(0.3, 1.5))
+
+    def curve(v: Array) -> Array:
+        u = np.abs(v) / s
+        beyond = rise * s / speed * np.maximum(u - 1.0, 0.0)
+        return level * np.sign(v) * (0.5 + fall * np.maximum(-np.log(u), 0.0) + beyond)
+
+    return "", curve
+
+
+def _fading(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    s, rest = between(random, 0.03, 0.5) * speed, float(random.uniform(0.2, 0.7))
+    return "", lambda v: level * np.sign(v) * (rest + (1.0 - rest) / (1.0 + np.abs(v) / s))
+
+
+def _weakening(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    s, fall = 0.02 * speed, float(random.uniform(0.05, 0.2))
+    return "", lambda v: level * np.sign(v) * (1.0 - fall * np.log1p(np.abs(v) / s))
+
+
+def _thinning(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    n = float(random.uniform(0.1, 0.5))
+    return "", lambda v: level * np.sign(v) * (np.abs(v) / speed) ** -n
+
+
 TRUTHS = (_coulomb, _viscous, _stribeck, _power, _directional)
-OUTSIDE = (_tanh, _logarithmic, _eyring)
+BEYOND = {
+    "outside": (_tanh, _logarithmic, _eyring),
+    "dips": (_mixed, _bowl, _kinked),
+    "falls": (_fading, _weakening, _thinning),
+}
+"""Truths that are no candidates, by what they have in common."""
 
 
 def _speeds(random: Random, speed: float, count: int, *, sides: int, decades: float) -> Array:
@@ -133,13 +186,13 @@ def _speeds(random: Random, speed: float, count: int, *, sides: int, decades: fl
 
 
 def drawn(
-    number: int, seed: int, noise: float, *, outside: bool = False, bad: str = ""
+    number: int, seed: int, noise: float, *, truths: str = "candidates", bad: str = ""
 ) -> tuple[dict[str, Any], Curve, Array, Measurement]:
     """Return what a table is of, the true curve, the noise at its speeds, and the table."""
     random = np.random.default_rng([41, seed, number])
     level, speed = between(random, 0.1, 1000.0), between(random, 0.01, 1.0)
-    truths = OUTSIDE if outside else TRUTHS
-    make = _stribeck if bad == "falling" else truths[number % len(truths)]
+    among = BEYOND.get(truths, TRUTHS)
+    make = _stribeck if bad == "falling" else among[number % len(among)]
     truth, curve = make(random, level, speed)
     sides = 2 if make is _directional else int(random.integers(1, 3))
     count = 5 if bad == "few" else int(random.integers(8, 13))
@@ -160,6 +213,10 @@ def drawn(
     f = f + size * random.normal(size=len(f))
     if bad == "outlier":
         f[int(random.integers(len(f)))] += 10.0 * size.mean() * random.choice([-1.0, 1.0])
+    if bad == "drifting":
+        order = np.arange(len(v)) if random.random() < 0.5 else random.permutation(len(v))
+        drift = float(random.uniform(0.05, 0.2) * random.choice([-1.0, 1.0]))
+        v, f, size = v[order], f[order] * np.linspace(1.0, 1.0 + drift, len(v)), size[order]
     table = Measurement(velocity=v, friction=f, load=1.0)
     if bad in {"understated", "overstated"}:
         stated = size.mean() * (3.0 if bad == "overstated" else 1.0 / 3.0)
@@ -200,6 +257,7 @@ def rated(
         "right": right,
         "false": verdict.best is not None and not (named or tied or close or closest.curve),
         "none": verdict.best is None,
+        "curve": closest.curve is not None,
         "verdict": verdict.sentence,
     }
 
@@ -229,11 +287,14 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     lines += [f"{row['number']:3} {row['kind']:12} {row['refused']}" for row in rows
               if "refused" in row]  # fmt: skip
     right, false, none = (sum(row[key] for row in known) for key in ("right", "false", "none"))
+    spare = sum(row["curve"] and row["error"] <= 1.0 for row in known)
     error = np.median([row["error"] for row in known])
     return [
         *lines,
-        f"{right} of {len(rows)} right, {false} false certainties, {none} without a law, median"
-        f" error over the noise {error:.2f}, {sum(row['seconds'] for row in rows):.0f} s",
+        f"{right} of {len(rows)} right, {false} false certainties, {none} without a law,"
+        f" another curve said {sum(row['curve'] for row in known)}, {spare} of them of a law within"
+        f" the noise, median error over the noise {error:.2f},"
+        f" {sum(row['seconds'] for row in rows):.0f} s",
     ]
 
 
@@ -242,7 +303,7 @@ def main() -> None:
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--noise", type=float, default=0.02, help="share of the friction")
-    parser.add_argument("--truths", choices=("candidates", "outside"), default="candidates")
+    parser.add_argument("--truths", choices=("candidates", *BEYOND), default="candidates")
     parser.add_argument("--bad", choices=("", *BAD), default="")
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
@@ -254,7 +315,7 @@ def main() -> None:
                     number,
                     given.seed,
                     given.noise,
-                    outside=given.truths == "outside",
+                    truths=given.truths,
                     bad=given.bad,
                 )
             )

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from tools.structure import TABLE, watched
 
-from stickslip import Axis, CoulombViscous, Measurement, fit, select
+from stickslip import Axis, CoulombViscous, Measurement, Stribeck, fit, select
 from stickslip.errors import InputError
 from stickslip.experiments.slicing import without_row
 from stickslip.kinds.friction_tables.selection import row_losses, suspects
 from stickslip.kinds.registry import kind_of
+from stickslip.selection import UNMEASURED
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 10)
@@ -81,6 +82,39 @@ def test_no_row_of_a_sound_table_is_left_out(seed):
     assert verdict.model_errors == ()
     assert verdict.closest.name == "stribeck"
     assert len(verdict.measurement.velocity) == len(BOTH)
+
+
+def test_a_law_says_that_others_are_possible_where_readings_leave_a_gap_in_a_dip():
+    # a film that takes over the load from dry contact; no reading where friction falls
+    speeds = np.array([0.028, 0.109, 0.154, 0.226, 0.230, 0.241, 0.289, 0.536])
+    v = np.concatenate([-speeds[::-1], speeds])
+
+    def dip(v):
+        dry = 1.0 / (1.0 + (np.abs(v) / 0.05) ** 3)
+        return np.sign(v) * (3.6 * dry + 5.9 * np.abs(v) ** 0.7 * (1.0 - dry))
+
+    verdict = select(AXIS, ["coulomb-viscous", "stribeck"], read(dip, v))
+    assert verdict.closest.name == "stribeck"
+    between = np.linspace(0.028, 0.109, 20)
+    error = verdict.closest.law.force(between, np.ones(20)) - dip(between)
+    assert np.abs(error).max() > 5.0 * verdict.closest.score  # nothing like what is stated
+    assert verdict.closest.curve is not None
+    assert "a curve of another shape" in verdict.sentence
+    assert UNMEASURED in verdict.words.cannot_tell
+
+
+def test_no_other_shape_is_said_where_readings_tell_the_law():
+    dense = np.geomspace(0.01, 1.0, 24)
+    law = Stribeck(
+        kinetic_coefficient=1.0,
+        static_coefficient=1.8,
+        stribeck_velocity=0.05,
+        viscous_coefficient=0.5,
+    )
+    table = read(lambda v: law.force(v, np.ones(48)), np.append(-dense[::-1], dense), noise=0.005)
+    verdict = select(AXIS, ["coulomb-viscous", "stribeck", "power-viscous"], table)
+    assert verdict.closest.name == "stribeck"
+    assert verdict.closest.curve is None
 
 
 def test_rounding_makes_no_row_suspicious():

@@ -27,9 +27,10 @@ from stickslip.identification.results import ModelError
 from stickslip.kinds.records.admissibility import objection
 from stickslip.kinds.records.design.experiments import design
 from stickslip.kinds.records.design.predictors import Predictor
+from stickslip.kinds.records.ladder import IDLE
 from stickslip.kinds.records.page.summary import opening_section
 from stickslip.kinds.records.selection import _on_second, verdict_on
-from stickslip.kinds.records.wording import first_of, record_wording
+from stickslip.kinds.records.wording import equals_of, first_of, record_wording
 from stickslip.selection.candidates import checked
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.verdict import corrections, score_text
@@ -277,6 +278,15 @@ def test_what_is_not_distinguished_is_listed():
     named = [c for c in found.candidates if "no significant improvement" in c.outcome]
     assert named
     assert "his record does not distinguish it from" in found.sentence + found.words.lede
+
+
+def test_a_law_that_was_not_scored_is_listed_if_the_criterion_prefers_it():
+    found = selected(table(3), laws=["coulomb-viscous", "direction-dependent"])
+    rich = next(c for c in found.candidates if c.name == "direction-dependent")
+    idle = dataclasses.replace(rich, validation=None, dropped=IDLE)
+    for change, listed in ((-1.0, ["direction-dependent"]), (1.0, [])):
+        one = dataclasses.replace(idle, aic=found.best.aic + change)
+        assert [c.name for c in equals_of(found.best, [found.best, one])] == listed
 
 
 def test_scores_have_the_digits_that_their_standard_error_allows():

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, Stribeck, fit
+from stickslip import Axis, CoulombViscous, Measurement, PowerViscous, RecordSettings, Stribeck, fit
 from stickslip.friction import law
 from stickslip.kinds.records import selection as records
 from stickslip.kinds.records.admissibility import objection, unidentified
@@ -46,6 +46,17 @@ def test_a_law_that_the_record_tells_has_no_simpler_one():
     found = fit(AXIS, Stribeck, table(1.0), settings=SETTINGS)
     assert not unidentified(found)
     assert not [*one_part_less(found)]
+
+
+def test_a_value_that_the_simpler_law_does_not_allow_begins_at_its_limit():
+    v = np.linspace(0.02, 1.0, 50)
+    v = np.concatenate([-v[::-1], v])
+    friction = np.sign(v) * 5.0 * np.abs(v) ** 0.12 + 0.01 * RANDOM.normal(size=100)
+    thin = fit(AXIS, PowerViscous, Measurement(velocity=v, friction=friction), settings=SETTINGS)
+    assert thin.law.exponent < 0.2
+    begins = [begin for _, begin in one_part_less(thin)]
+    powers = [one.law.viscous_exponent for one in begins if hasattr(one.law, "viscous_exponent")]
+    assert powers == [0.2]
 
 
 def test_levels_of_both_directions_begin_at_their_mean():

@@ -21,10 +21,10 @@ from stickslip.identification import (
     RecordFit,
     RecordSettings,
     RouteChoice,
-    interleaved,
     positions_of,
     refitted,
 )
+from stickslip.kinds.friction_tables.shapes import Readings, other_shape
 from stickslip.kinds.kind import Request
 from stickslip.kinds.records.admissibility import standard_uncertainty
 from stickslip.kinds.records.ladder import climbed
@@ -71,8 +71,6 @@ NOISES: Final = (0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 """... and variances of the noise, over that by which they bend."""
 STIFF: Final = 100.0
 """Variance of the level of a curve, over that by which it bends."""
-ENOUGH: Final = 5
-"""Speeds of a direction from which a curve is drawn through them."""
 ROUTE: Final = "force-map"
 """Route of fits to friction that was measured."""
 
@@ -223,41 +221,29 @@ def _worse(losses: Array, others: Array, errors: float, share: float) -> bool:
 
 
 def with_curve(candidate: RecordCandidate, *, uncertainty: float) -> RecordCandidate:
-    """Return a candidate with the errors of a curve if it predicts its table better."""
-    curve = _curve_through(candidate)
-    if curve is None:
+    """Return a candidate with the errors of a curve that is not excluded beside it, if one is not.
+
+    That is a smooth curve which predicts the table better, or the best of other shapes if these are
+    as far from the law as the table does not tell.
+    """
+    readings = Readings.of(candidate)
+    if readings is None:
         return candidate
-    smooth = replace(candidate, validation=curve)
-    worse = errs_more(candidate, smooth, errors=NEAR, uncertainty=uncertainty)
-    return replace(candidate, curve=curve) if worse else candidate
+    smooth = _smooth(readings)
+    if errs_more(
+        candidate, replace(candidate, validation=smooth), errors=NEAR, uncertainty=uncertainty
+    ):
+        return replace(candidate, curve=smooth)
+    other = other_shape(candidate, readings) if candidate.score > uncertainty else None
+    return candidate if other is None else replace(candidate, curve=other)
 
 
-def _curve_through(candidate: RecordCandidate) -> CrossValidation | None:
-    """Return the held-out errors of a curve through the table that a candidate was fitted to.
+def _smooth(readings: Readings) -> CrossValidation:
+    """Return the held-out errors of the smooth curve that predicts a table best.
 
     The curve is no law: a Gaussian process over the logarithm of the speed, one for each direction.
-    None where a direction has too few speeds, or the load varies.
     """
-    fit = candidate.fit
-    if fit is None or candidate.validation is None or not interleaved(fit.problem.spans):
-        return None
-    samples = fit.problem.samples
-    velocity, friction, load = (
-        np.concatenate([getattr(one, name) for one in samples])
-        for name in ("velocity", "friction", "load")
-    )
-    segment = fit.optimum.best.segment
-    if len(segment) != len(velocity) or np.ptp(load) > 0.0 or not friction.any():
-        return None
-    counts = [len(np.unique(velocity[side])) for side in (velocity > 0.0, velocity < 0.0)]
-    if not velocity.all() or any(0 < count < ENOUGH for count in counts):
-        return None
-    losses = _losses(np.log(np.abs(velocity)), np.sign(velocity), friction, segment)
-    return CrossValidation(losses=losses, extrapolation=math.nan)
-
-
-def _losses(x: Array, side: Array, friction: Array, segment: NDArray[np.intp]) -> tuple[float, ...]:
-    """Return the mean squares of held-out segments by the curve that predicts them best."""
+    x, side, friction = np.log(readings.speed), readings.side, readings.friction
     alike = side[:, None] == side[None, :]
     apart = np.subtract.outer(x, x) / max(float(np.ptp(x)), 1e-9)
     tried = []
@@ -265,10 +251,9 @@ def _losses(x: Array, side: Array, friction: Array, segment: NDArray[np.intp]) -
         covariance = alike * (np.exp(-0.5 * (apart / length) ** 2) + STIFF)
         inverse = np.linalg.inv(covariance + noise * np.eye(len(x)))
         weights = inverse @ friction
-        rows = [np.flatnonzero(segment == k) for k in np.unique(segment)]
-        left = [np.linalg.solve(inverse[np.ix_(r, r)], weights[r]) for r in rows]
+        left = [np.linalg.solve(inverse[np.ix_(r, r)], weights[r]) for r in readings.groups]
         tried.append(tuple(float(np.mean(one**2)) for one in left))
-    return min(tried, key=sum)
+    return CrossValidation(losses=min(tried, key=sum), extrapolation=math.nan)
 
 
 def select_table(request: Request) -> RecordVerdict:

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.friction import CandidateSpec, FrictionLaw, containment_of, law, one_step_simpler
 from stickslip.identification import FittedLaw, RecordFit
 from stickslip.kinds.records.admissibility import unidentified
+from stickslip.quantities import fields_of
 
 
 def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
@@ -68,7 +69,7 @@ def _nearest(
 ) -> tuple[FrictionLaw, dict[str, set[str]]] | None:
     """Return the simpler law nearest to a richer one, and which parameters each of its stands for.
 
-    None where the values of the richer law do not say those of the simpler one.
+    A value that the simpler one does not allow goes to the limit of what it does. None where the values of the richer law do not say those of the simpler one.
     """
     how = containment_of(type(rich), kind)
     if how is None:
@@ -77,7 +78,11 @@ def _nearest(
     for name, source in how.values.items():
         if isinstance(source, str) and getattr(rich, name) is not None:
             sources.setdefault(source, set()).add(name)
-    values = {name: _mean(rich, names) for name, names in sources.items()} | {**how.where}
+    allowed = fields_of(kind)
+    values = {
+        name: min(max(_mean(rich, names), allowed[name].low), allowed[name].high)
+        for name, names in sources.items()
+    } | {**how.where}
     needed = {one.name for one in fields(kind) if one.default is MISSING}
     return (kind(**values), sources) if needed <= {*values} else None
 

@@ -26,8 +26,10 @@ from stickslip.identification import (
     TrialComparison,
     difference,
     far_above_dry,
+    interleaved,
 )
 from stickslip.kinds.records.design.experiments import Experiment
+from stickslip.kinds.records.ladder import IDLE
 from stickslip.kinds.records.verdict import RecordCandidate, SecondRecord
 from stickslip.quantities import turned
 from stickslip.selection import (
@@ -125,14 +127,14 @@ def equals_of(
 
     Not those that are this law at their values, nor those with more parameters, an objection and
     neither a smaller error nor a smaller criterion of Akaike: with a part more that nothing asks
-    for, any law predicts alike.
+    for, any law predicts alike. What was not scored counts by that criterion alone.
     """
     found = [
         c
         for c in candidates
         if c.name != best.name and c.fit and best.name not in c.is_simpler
         if not c.fit.search_failure and not c.refuted
-        if as_good(c, best)
+        if as_good(c, best) or c.dropped == IDLE
         if not c.dropped
         or c.score < best.score
         or c.parameters < best.parameters
@@ -219,7 +221,7 @@ def _verdict(
     curve = _closer_curve(best, scale)
     if curve:
         return f"{found}, but {curve}."
-    if best.doubt:
+    if best.doubt and not best.curve:  # else it is said beside the errors
         return to_predict(name, first_of(best.doubt))  # all of them stand beside the errors
     if alike:
         return f"Use {name}; {not_distinguished(alike, 'this record')}."
@@ -387,9 +389,12 @@ def _cannot_tell(
     assert best.fit is not None
     others = _other_picks(best, candidates, picks)
     lines = [*far_above_dry(best.fit), *best.fit.sentences]
-    lines.append(UNMEASURED)
-    # What else there is to say never crowds out that criteria disagree.
-    return (*lines[: MOST - len(others)], *others)
+    # What else there is to say crowds out neither that criteria disagree, nor of a table, which has
+    # few speeds, that others are not known.
+    kept = (UNMEASURED,) if interleaved(best.fit.problem.spans) else ()
+    lines = lines[: MOST - len(others) - len(kept)]
+    lines += kept or ([UNMEASURED] if len(lines) + len(others) < MOST else [])
+    return (*lines, *others)
 
 
 def _other_picks(
