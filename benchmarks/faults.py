@@ -62,6 +62,8 @@ class Fault:
     """Kinds of `ModelError` and of findings of `check` that name it."""
     terms: tuple[str, ...] = ()
     """Kinds of terms of the force balance that are it, where it is an effect of friction."""
+    parts: tuple[str, ...] = ()
+    """Beginnings of the paths of parameters that are then not 0."""
     law: Callable[[Machine], FrictionLaw | None] = lambda machine: machine.rig.law
     """The law that a machine then has; None where there is none."""
     mass: float = math.nan
@@ -241,7 +243,12 @@ FAULTS: Mapping[str, Fault] = {
     "unknown-spring": Fault(machine=_spring, named=("position force", "spring")),
     "cogging": Fault(machine=_cogging, named=("position force",)),
     "imbalance": Fault(machine=_imbalance, named=("imbalance", "position force")),
-    "gravity": Fault(machine=_gravity, terms=("offset",), free=("mechanism.offset",)),
+    "gravity": Fault(
+        machine=_gravity,
+        terms=("offset",),
+        parts=("mechanism.offset",),
+        free=("mechanism.offset",),
+    ),
     "wrong-mass": Fault(mass=0.85, named=("inertia",)),
     "sensor-delay": Fault(
         machine=lambda m, _r: replace(m, position_delay=0.012), named=LATE
@@ -270,13 +277,15 @@ FAULTS: Mapping[str, Fault] = {
     "level-drift": Fault(machine=_drift, named=DRIFTS),
     "warm-up": Fault(machine=_warm, named=DRIFTS),
     "place-dependence": Fault(
-        machine=_placed, law=lambda _m: None, named=("law",), terms=("level_ripple", "level_slope")
+        machine=_placed, law=lambda _m: None, named=("law",), terms=("level_ripple", "level_slope"),
+        parts=("friction.level_position",),
     ),
     "asymmetry": Fault(
         machine=_asymmetric,
         law=_by_direction,
         named=("law",),
         terms=("viscous_dir", "power_dir"),
+        parts=("friction.forward_",),
         free=("mechanism.offset",),
     ),
     "stribeck-peak": Fault(
@@ -284,6 +293,7 @@ FAULTS: Mapping[str, Fault] = {
         law=_peaked,
         named=("law",),
         terms=("stribeck",),
+        parts=("friction.stribeck_velocity",),
         free=("friction.kinetic_coefficient",),
     ),
 }  # fmt: skip
@@ -413,6 +423,7 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
                     unknown=unknown,
                     fault=True,
                     right=(*fault.named, *fault.terms),
+                    parts=fault.parts,
                 )
             )
         )

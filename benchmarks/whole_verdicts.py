@@ -4,7 +4,9 @@
 `benchmarks.structures --route select` ask `select` as a user would, without named laws.
 
 A law is *right* if it is the true one, or if it predicts a fresh motion as well as the true law
-fitted to the same record (`SAME`). A fault is *named* if a finding has it, alone or in a group.
+fitted to the same record (`SAME`). A fault is *named* if a finding has it, alone or in a group, or
+the data check of a refused record; one that is an effect of friction or a constant force also if
+the fit of the law that is nearest has its parameter, whose interval leaves 0 out.
 A *false certainty* is an accusation of something that is not there; a law that is recommended
 without a doubt, a right equal or a finding beside it, and on the fresh motion errs by more than
 the error that was stated (`FAR`); or a parameter that is said to be settled and is outside twice
@@ -19,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.synthetic_truth import share
-from stickslip import FrictionLaw, Measurement, select
+from stickslip import FrictionLaw, Measurement, check, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit, RecordSettings, fit_record
 from stickslip.kinds import RecordVerdict
@@ -56,6 +58,8 @@ class Known:
     """Whether something is wrong with rig or record."""
     right: tuple[str, ...] = ()
     """Kinds of findings that are true."""
+    parts: tuple[str, ...] = ()
+    """Beginnings of paths of parameters that are then not 0."""
 
 
 def values_of(law: FrictionLaw, mechanism: Mechanism) -> dict[str, float]:
@@ -79,7 +83,14 @@ def selected(known: Known) -> dict[str, Any]:
     try:
         verdict = select(known.given, None, known.measurement, vary=[*known.unknown] or None)
     except StickslipError as error:
-        return {"refused": str(error), "seconds": time.process_time() - began}
+        checks = check(known.measurement, mechanism=known.given).findings
+        return {
+            "refused": str(error),
+            "checks": [one.kind for one in checks if one.severity != "info"],
+            "right": list(known.right),
+            "built_in": known.fault,
+            "seconds": time.process_time() - began,
+        }
     seconds = time.process_time() - began
     assert isinstance(verdict, RecordVerdict)
     fits = {c.name: c.fit for c in verdict.candidates if c.fit}
@@ -103,6 +114,7 @@ def selected(known: Known) -> dict[str, Any]:
         "kinds": [one.kind for one in verdict.model_errors],
         "checks": [one.kind for one in verdict.checks.findings if one.severity != "info"],
         "right": list(known.right),
+        "parts": [one for one in known.parts if _told(closest.fit, one)],
         "built_in": known.fault,
         "fitted_by": verdict.route,
         "score": closest.score,
@@ -116,6 +128,12 @@ def selected(known: Known) -> dict[str, Any]:
         "measure_next": list(words.measure_next),
         "seconds": seconds,
     }
+
+
+def _told(fit: RecordFit, part: str) -> bool:
+    """Whether a parameter whose path begins so is not 0, by its interval."""
+    own = [one for one in fit.estimates if one.path.startswith(part)]
+    return any(one.bounded and one.low * one.high > 0.0 for one in own)
 
 
 def _of_truth(known: Known, route: str) -> RecordFit | None:
@@ -181,6 +199,8 @@ def right(row: Mapping[str, Any]) -> bool:
 
 def named(row: Mapping[str, Any]) -> bool:
     """Whether the fault that is built in was said."""
+    if row.get("parts"):
+        return True
     said = [*row.get("kinds", ()), *row.get("checks", ())]
     return any(parts_of(kind) & {*row.get("right", ())} for kind in said)
 
@@ -211,7 +231,7 @@ def false_certainties(row: Mapping[str, Any]) -> list[str]:
 def in_line(title: str, row: Mapping[str, Any]) -> str:
     """Return a row in a line."""
     if "refused" in row:
-        return f"{title}: refused: {row['refused']}"
+        return f"{title}: refused{', named' if named(row) else ''}: {row['refused']}"
     law = "right law" if right(row) else "another law"
     fault = "" if not row["built_in"] else ", named" if named(row) else ", fault not said"
     false = false_certainties(row)

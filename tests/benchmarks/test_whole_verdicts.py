@@ -49,3 +49,16 @@ def test_a_fault_is_named_alone_or_in_a_group_and_nothing_else_may_be():
 def test_where_no_law_has_the_true_friction_one_is_right_that_errs_as_it_says():
     assert not right(TOLD | {"law": ""})
     assert right(TOLD | {"law": "", "score": 1.5})
+
+
+def test_an_effect_of_friction_is_named_by_its_parameter_and_a_wrong_column_by_the_data_check():
+    assert named(TOLD | {"built_in": True, "parts": ["friction.stribeck_velocity"]})
+    assert not named(TOLD | {"built_in": True, "parts": []})
+    assert named(
+        {
+            "refused": "the force acts against the motion",
+            "checks": ["drive"],
+            "right": ["force sign", "drive"],
+            "built_in": True,
+        }
+    )

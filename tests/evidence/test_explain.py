@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from benchmarks import force_maps
 from benchmarks.axis_records import ALL, record
+from benchmarks.faults import faulty
 from benchmarks.structures import friction_error, kinds_of
 
 from stickslip.evidence import (
@@ -80,6 +81,17 @@ def test_a_delay_is_found_between_the_steps_of_its_grid():
     # noise of the position, which the controller feeds back, costs about a sample
     assert fault.value == pytest.approx(0.0095, abs=0.0015)
     assert fault.interval[0] < fault.value < fault.interval[1]
+
+
+@pytest.mark.parametrize("seed", [7301, 7304])
+def test_an_amplifier_at_its_limit_is_found_between_quantiles_of_the_force_and_below_them(seed):
+    """Of these a sixteenth and a third of the samples are beyond the limit."""
+    machine, found = faulty("clipped-force", np.random.default_rng([seed, 13]))
+    limit = machine.force_limit * float(np.max(np.abs(found.force)))
+    told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
+    (fault,) = told.faults
+    assert fault.kinds == ("saturation",)
+    assert fault.value == pytest.approx(limit, rel=0.05)  # the filter rounds the corners
 
 
 def test_neighbours_among_faults_are_named_as_a_group():

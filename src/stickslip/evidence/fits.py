@@ -314,7 +314,7 @@ def _excess_stands_out(made: Design, values: Array) -> bool:
         on = np.abs(excess) > 1e-3 * np.abs(excess).max(initial=0.0)
         if not on.any() or on.all():
             return False
-        left = (made.force - made.columns @ values)[made.balance.use]
+        left = made.residual(values)[made.balance.use]  # at rest what the law leaves open is none
         if not np.mean(excess[on] ** 2) > EXCESS**2 * np.mean(left[~on] ** 2):
             return False
     return True

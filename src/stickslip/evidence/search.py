@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.evidence.balance import Balance
+from stickslip.evidence.balance import MOSTLY, Balance
 from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
@@ -28,6 +28,7 @@ from stickslip.evidence.vocabulary import (
     grid,
     hums,
     ripples,
+    saturations,
     shapes,
 )
 
@@ -50,6 +51,10 @@ TEXTBOOK = ("viscous", "offset", "viscous_dir")
 """The second start beside a level: the textbook law of both directions."""
 POWERS = (0.4, 0.6, 1.0)
 """Viscous exponents of the third start, a Stribeck law."""
+OPEN = 0.10
+"""Share of the friction that the best structure leaves from which limits are tried that are ..."""
+HALF = 0.5
+"""... above this share of the samples of the force only."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -130,6 +135,7 @@ class Search:
             *peaked,
             *self._late_memory(start),
             *self._damped_memory(start),
+            *self._capped(start),
         )
         for structure in starts:
             full = self.prune(self.fit(structure))
@@ -177,6 +183,46 @@ class Search:
             if math.isfinite(errors[best]):
                 found = options[best]
         return polished(self.balance, found)
+
+    def often_limited(self, start: Structure, found: Searched) -> Searched:
+        """Search from an amplifier that is at its limit half of the time, where nothing else holds.
+
+        Of such a force a level and a limit explain much in any case: it has to leave less than
+        `OPEN` of the friction where all others leave more.
+        """
+        if found.best.rms <= OPEN * found.scale:
+            return found
+        known = {term for term in self.terms if term.kind == "saturation"}
+        channels = {term.channel for term in known}
+        self.balance.limit_from(HALF)
+        further = [
+            term
+            for channel in channels
+            for term in saturations(self.balance, channel)
+            if term not in known
+        ]
+        self.terms += further
+        for structure in self._capped(start):
+            one = self.prune(self.fit(structure))
+            if one.ok and one.rms <= OPEN * found.scale and self.better(one, found.best):
+                return self.run(one.structure)
+        self.terms = [term for term in self.terms if term not in further]
+        self.balance.limit_from(MOSTLY)
+        return found
+
+    def _capped(self, start: Structure) -> list[Structure]:
+        """Return viscous friction below an amplifier's limit, at the best limit if any is possible.
+
+        Of a force that is often beyond the limit, what does not act and what grows with the speed
+        take up each other: neither pays alone.
+        """
+        options = [
+            start.having(Term("viscous", (), term.channel), term)
+            for term in self.terms
+            if term.kind == "saturation"
+        ]
+        able = [x for x in self._best(options, 1) if training_error(self.balance, x) < math.inf]
+        return [polished(self.balance, one) for one in able]
 
     def _late_memory(self, start: Structure) -> list[Structure]:
         """Return Dahl friction that is shown late, at its best length and delay.

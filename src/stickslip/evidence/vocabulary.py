@@ -23,7 +23,11 @@ EXPONENTS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.5)
 """Exponents of viscous powers."""
 STRIBECK_EXPONENTS = (1.0, 2.0)
 LIMITS = (0.8, 0.85, 0.9, 0.94, 0.97, 0.985, 0.995)
-"""Quantiles of the force at which an amplifier may saturate."""
+"""Quantiles of the force at which an amplifier may saturate, where few peaks are the largest."""
+BEYOND = tuple(0.7 * 0.87**k for k in range(21))
+"""Shares of the largest force that may lie beyond the limit. What is beyond the nearest of these is
+within a tenth of what is beyond the true one: its coefficient is 1 within the limits of its kind.
+"""
 LOAD_FREQUENCIES = (20.0, 40.0)
 """Frequencies [Hz] at which a load bounces on a gap."""
 LAGS = (0.004, 0.006, 0.008, 0.012, 0.016, 0.025)
@@ -123,10 +127,7 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
         yield Term("mass", (), channel)
     if balance.free:
         return
-    force = np.concatenate([np.abs(one.raw) for one in own])
-    for limit in np.quantile(force, LIMITS):
-        if limit > 0.0:
-            yield Term("saturation", (float(f"{limit:.3g}"),), channel)
+    yield from saturations(balance, channel)
     least, most = 3.0 * balance.resolved[channel], balance.span[channel] / 8.0
     for gap in grid(least, most, 10):
         yield Term("backlash", (gap,), channel)
@@ -135,6 +136,15 @@ def _faults(balance: Balance, channel: str) -> Iterator[Term]:
             yield Term("loose", (gap, frequency), channel)
     for frequency in grid(3.0, min(80.0, 2.0 * balance.fc), 30):
         yield Term("flexible", (frequency,), channel)
+
+
+def saturations(balance: Balance, channel: str) -> Iterator[Term]:
+    """Yield limits of the force that an amplifier may have."""
+    force = np.concatenate([np.abs(one.raw) for one in balance.of(channel)])
+    limits = np.concatenate([np.quantile(force, LIMITS), (1.0 - np.array(BEYOND)) * force.max()])
+    for limit in dict.fromkeys(float(f"{x:.3g}") for x in limits):
+        if limit >= balance.usual_force[channel] > 0.0:
+            yield Term("saturation", (limit,), channel)
 
 
 def shapes(balance: Balance, channel: str) -> list[Shape]:
