@@ -1,6 +1,7 @@
 """Fits of laws with contact inputs: told by the mechanism, a column, or a condition of a trial."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.friction import bound, law
 from stickslip.identification.contact_inputs import as_informed, inputs_along, typical_inputs
 from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.joint_fitting import _of_itself
 from stickslip.mechanisms import given_inputs
 
 WARM = law("level + viscous * exponential[temperature]")
@@ -387,3 +389,19 @@ def test_a_torque_that_changes_with_an_unknown_zero_is_no_known_input(gears):
     assert any(one.path == "mechanism.lower_inertia" for one in found.estimates)
     with pytest.raises(InputError, match="'transmitted', and TwoLinkArm tells it by"):
         fit(bare, kinds, record, settings=RecordSettings(position_zeros=True))
+
+
+@pytest.mark.parametrize(("field", "high", "said"), [
+    ("transmitted_coefficient", 1.02, True),
+    ("transmitted_coefficient", 0.4, False),
+    ("motor_friction", 1.3, True),
+    ("viscous_coefficient", 3.0, False),
+])  # fmt: skip
+def test_a_gear_that_may_lose_all_of_the_recorded_torque_predicts_it_by_itself(field, high, said):
+    class Lost(SimpleNamespace):
+        def __str__(self):
+            return "mu_t = 0.99"
+
+    one = Lost(path=f"friction.elbow.{field}", bounded=True, high=high)
+    found = [*_of_itself(SimpleNamespace(estimates=[one]))]
+    assert [text.startswith("The gear of elbow may lose all") for text in found] == [True] * said

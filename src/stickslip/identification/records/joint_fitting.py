@@ -75,6 +75,8 @@ ALIKE = 1e-6
 """Singular value of scaled slopes below which parameters do the same to all forces."""
 BENDS = 20
 """Times at which slopes by parameters that forces are not linear in are taken anew."""
+SHARES = (".transmitted_coefficient", ".motor_coefficient", ".motor_friction")
+"""Ends of paths of shares of the recorded torque that are lost."""
 SETTLED = 1e-6
 """Change of these parameters, over their values, at which slopes are no longer taken anew."""
 FOLLOWED = 1_000
@@ -392,6 +394,7 @@ class JointFitter:
             *said,
             *unexplained(fit, said),
             *((failure,) if failure else ()),
+            *_of_itself(fit),
             *fit.sentences,
         )
         return replace(fit, sentences=sentences, search_failure=failure, hold=self.hold)
@@ -479,6 +482,17 @@ class JointFitter:
         laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
         build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
         return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _of_itself(fit: RecordFit[Laws]) -> Iterator[str]:
+    """Yield what is to be said of gears that may lose all of their torque, in sentences."""
+    for one in fit.estimates:
+        if one.path.endswith(SHARES) and one.bounded and one.high >= 1.0:
+            yield (
+                f"The gear of {one.path.split('.')[1]} may lose all of its torque, {one}: friction"
+                " is then predicted from the recorded force itself, and how well says nothing of"
+                " the law. Fit a law without it, or record a motion with more inertia or weight."
+            )
 
 
 def _members(
