@@ -1,11 +1,13 @@
 """Where examples run: this environment's command, a plain terminal, nobody's IPython profile."""
 
+import contextlib
 import logging
 import os
 import sys
 import tempfile
 from pathlib import Path
 
+import commands
 from sphinx.application import Sphinx
 
 CONFIGURATION = """\
@@ -28,14 +30,17 @@ def sh(_, cell):
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    folder = tempfile.TemporaryDirectory()
-    app.connect("build-finished", lambda *_: folder.cleanup())
-    profile = Path(folder.name) / "profile_default"
+    until_finished = contextlib.ExitStack()
+    folder = Path(until_finished.enter_context(tempfile.TemporaryDirectory()))
+    app.connect("build-finished", lambda *_: until_finished.close())
+    (folder / "bin").mkdir()
+    until_finished.enter_context(commands.commands(folder / "bin"))
+    profile = folder / "profile_default"
     (profile / "startup").mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(CONFIGURATION, encoding="utf-8")
     (profile / "startup" / "sh.py").write_text(STARTUP, encoding="utf-8")
-    commands = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    os.environ |= {"IPYTHONDIR": folder.name, "PATH": commands}
+    places = [str(folder / "bin"), str(Path(sys.executable).parent), os.environ["PATH"]]
+    os.environ |= {"IPYTHONDIR": str(folder), "PATH": os.pathsep.join(places)}
     os.environ |= {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
     logging.getLogger("traitlets").setLevel(logging.WARNING)  # a line for each kernel
     return {"parallel_read_safe": True, "parallel_write_safe": True}

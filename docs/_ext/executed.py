@@ -17,7 +17,7 @@ KEPT = EXTENSIONS.parent / "_build" / "executed"
 
 def sources() -> Iterator[Path]:
     """Files that decide what a cell prints, beside the cells of its page."""
-    yield EXTENSIONS / "examples.py"
+    yield from (EXTENSIONS / "examples.py", EXTENSIONS / "commands.py")
     for path in sorted((ROOT / "src").rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
             yield path

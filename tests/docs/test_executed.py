@@ -13,8 +13,9 @@ EXTENSION = Path(__file__).parents[2] / "docs/_ext/executed.py"
 def executed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """The extension, in a project of one module."""
     pytest.importorskip("jupyter_cache", reason="documentation is built with the extra dev")
-    for path in (tmp_path / "src/package/module.py", tmp_path / "docs/_ext/examples.py"):
-        path.parent.mkdir(parents=True)
+    own = ("src/package/module.py", "docs/_ext/examples.py", "docs/_ext/commands.py")
+    for path in (tmp_path / one for one in own):
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("one = 1\n")
     module = module_at(EXTENSION)
     monkeypatch.setattr(module, "ROOT", tmp_path)

@@ -1,0 +1,127 @@
+"""`stickslip` in examples: each command runs in a copy of one process that has the package loaded.
+
+Most of what a short command takes is its start: modules to import, machine code to load.
+"""
+
+import contextlib
+import json
+import os
+import select
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+WARMED = ("simulate", "demo", "--json")
+"""Command that loads what most others need."""
+WAITS = 2.0
+"""Time after which it is looked whether whoever started the process is still there [s]."""
+CALLER = """\
+#!{python} -IS
+import json, os, socket, sys
+with socket.socket(socket.AF_UNIX) as one:
+    one.connect({place!r})
+    asked = json.dumps([sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
+    socket.send_fds(one, [len(asked).to_bytes(8, "big")], [0, 1, 2])
+    one.sendall(asked)
+    code = one.recv(8)
+sys.exit(int(code) if code else 1)
+"""
+
+
+@contextlib.contextmanager
+def commands(folder: Path) -> Iterator[None]:
+    """Put a command `stickslip` into a folder, which the process behind it serves."""
+    place = folder / "socket"
+    caller = folder / "stickslip"
+    caller.write_text(CALLER.format(python=sys.executable, place=str(place)), encoding="utf-8")
+    caller.chmod(0o755)
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(place))
+        listener.listen(64)
+        given = listener.fileno()
+        process = subprocess.Popen([sys.executable, __file__, str(given)], pass_fds=[given])
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def serve(listener: socket.socket) -> None:
+    """Run commands until the process that asked for this one has ended; load at the first."""
+    parent, loaded = os.getppid(), False
+    while os.getppid() == parent:
+        asked = select.select([listener], [], [], WAITS)[0]
+        with contextlib.suppress(ChildProcessError):  # copies that have ended leave nothing behind
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        if not asked:
+            continue
+        connection, _ = listener.accept()
+        if not loaded:
+            _load()
+            loaded = True
+        if os.fork() == 0:
+            listener.close()
+            _answer(connection)
+        connection.close()
+
+
+def _load() -> None:
+    """Load package and machine code; the copies share it."""
+    background = os.environ.get("STICKSLIP_BACKGROUND")
+    os.environ["STICKSLIP_BACKGROUND"] = "0"  # a copy of a process has none of its threads
+    with (
+        Path(os.devnull).open("w") as nothing,
+        contextlib.redirect_stdout(nothing),
+        contextlib.redirect_stderr(nothing),
+    ):
+        _run(WARMED)
+    for name in ("select", "fit", "check", "pages"):
+        __import__(f"stickslip.cli.{name}")
+    del os.environ["STICKSLIP_BACKGROUND"]
+    if background is not None:
+        os.environ["STICKSLIP_BACKGROUND"] = background
+
+
+def _run(arguments: Sequence[str]) -> int:
+    from stickslip.cli import main
+
+    try:
+        return main(arguments)
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else int(leaving.code is not None)
+
+
+def _answer(connection: socket.socket) -> None:
+    """Run what is asked for as if it had been started there, and end with its code."""
+    size, files, _, _ = socket.recv_fds(connection, 8, 3)
+    asked = b""
+    while len(asked) < int.from_bytes(size, "big"):
+        asked += connection.recv(1 << 16)
+    arguments, folder, environment = json.loads(asked)
+    for target, file in enumerate(files):
+        os.dup2(file, target)
+        os.close(file)
+    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115  # to the end
+    sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = open(2, "w", encoding="utf-8", closefd=False, buffering=1)  # noqa: SIM115
+    sys.argv = ["stickslip", *arguments]
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    code = 1
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+    finally:
+        with contextlib.suppress(OSError, ValueError):
+            sys.stderr.flush()
+        connection.sendall(str(code).encode())
+        os._exit(code)
+
+
+if __name__ == "__main__":
+    serve(socket.socket(fileno=int(sys.argv[1])))

@@ -1,0 +1,65 @@
+"""Commands of examples, which run in copies of one process, do what they do when started alone."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+EXTENSION = Path(__file__).parents[2] / "docs/_ext/commands.py"
+RIG = """
+[mechanism]
+type = "spring-block"
+mass = 1.0
+stiffness = 100.0
+compression = 0.1
+[friction.coulomb]
+kinetic_coefficient = 0.25
+"""
+Shell = Callable[[str], tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
+    """Run a script of the shell in a folder with a rig."""
+    spec = importlib.util.spec_from_file_location("commands", EXTENSION)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    folder, own = tmp_path_factory.mktemp("bin"), tmp_path_factory.mktemp("example")
+    (own / "rig.toml").write_text(RIG)
+    environment = os.environ | {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
+
+    def run(script: str) -> tuple[int, str, str]:
+        done = subprocess.run(
+            ["sh", "-c", script], cwd=own, env=environment, capture_output=True, check=False
+        )
+        return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+    with module.commands(folder):
+        yield run
+
+
+def test_a_command_reads_and_writes_in_the_folder_of_its_example(shell: Shell) -> None:
+    code, out, _ = shell("stickslip simulate rig.toml -o run.csv > seen.txt && ls")
+    assert (code, out.split()) == (0, ["rig.toml", "run.csv", "seen.txt"])
+
+
+def test_codes_and_messages_are_those_of_a_process_of_its_own(shell: Shell) -> None:
+    alone = f"{sys.executable} -m stickslip"
+    for arguments in ("fit nowhere.toml", "models coulomb", "nonsense"):
+        assert shell(f"stickslip {arguments}") == shell(f"{alone} {arguments}")
+
+
+def test_the_environment_is_that_of_the_example_and_not_of_the_last_one(shell: Shell) -> None:
+    wide, narrow = (shell(f"COLUMNS={n} stickslip -h")[1] for n in (150, 60))
+    assert wide != narrow
+    assert shell("COLUMNS=150 stickslip -h")[1] == wide
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(shell: Shell) -> None:
+    assert shell("stickslip schema | head -1") == (0, "{\n", "")
