@@ -9,7 +9,7 @@ import functools
 import importlib.util
 import inspect
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -26,6 +26,7 @@ from stickslip import (
     Capsule,
     ClutchTrain,
     DiscBrake,
+    Measurement,
     Pendulum,
     PendulumCart,
     SpringBlock,
@@ -33,6 +34,7 @@ from stickslip import (
     TwoFeet,
     TwoLinkArm,
     TwoMassAxis,
+    simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
@@ -593,3 +595,23 @@ def module_at(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def rounded_travels(
+    rig: SpringBlock, law: FrictionLaw, compressions: Sequence[float], digits: int
+) -> Measurement:
+    """Return travels of a law, rounded as a ruler would, for compressions of the spring."""
+    readings = []
+    for compression in compressions:
+        released = dataclasses.replace(rig, compression=compression)
+        travel = float(simulate(released, law, t_end=10.0).at(10.0)["x"][0])
+        readings.append(
+            Measurement(
+                travel=round(travel, digits),
+                uncertainty=0.5 * 10.0**-digits,
+                uncertainty_kind="rounding",
+                overrides={"mechanism.compression": compression},
+                name=f"{compression:g}",
+            )
+        )
+    return Measurement(trials=tuple(readings))

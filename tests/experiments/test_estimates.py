@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.support import rounded_travels
 
 from stickslip import (
     Axis,
@@ -158,7 +159,7 @@ def test_one_reading_that_was_rounded_gives_values_within_its_range_only():
 
 def test_the_covariance_of_a_fit_gives_its_intervals_and_its_correlation():
     law = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.6)
-    readings = _travels(law, (0.06, 0.08, 0.1, 0.12))
+    readings = rounded_travels(BLOCK, law, (0.06, 0.08, 0.1, 0.12), digits=3)
     found = fit(BLOCK, CoulombViscous, readings)
     known = found.law_estimates()
     spreads = np.sqrt(np.diag(known.covariance))
@@ -177,7 +178,11 @@ def test_the_covariance_of_a_fit_gives_its_intervals_and_its_correlation():
 
 
 def test_what_was_not_fitted_and_what_the_data_do_not_tell_is_said(read):
-    found = fit(BLOCK, LuGre, _travels(Coulomb(kinetic_coefficient=0.3), (0.06, 0.1)))
+    found = fit(
+        BLOCK,
+        LuGre,
+        rounded_travels(BLOCK, Coulomb(kinetic_coefficient=0.3), (0.06, 0.1), digits=3),
+    )
     rig = read(found.to_toml())
     assert "bristle_stiffness" in rig.estimates.not_fitted
     reading = Measurement(travel=0.2)
@@ -198,21 +203,3 @@ def test_levels_of_an_axis_whose_load_is_not_known_are_forces():
     weighed = fit(Axis(inertia=1.0), Coulomb, Measurement(**table, load=np.full(20, 8.0)))
     assert weighed.law_estimates().levels == "per load"
     assert loaded.largest_speed == 1.0
-
-
-def _travels(law, compressions):
-    from stickslip import simulate
-
-    rounded = []
-    for compression in compressions:
-        block = dataclasses.replace(BLOCK, compression=compression)
-        travel = round(float(simulate(block, law, t_end=10.0)["x"][-1]), 3)
-        rounded.append(
-            Measurement(
-                travel=travel,
-                uncertainty=0.0005,
-                uncertainty_kind="rounding",
-                overrides={"mechanism.compression": compression},
-            )
-        )
-    return Measurement(trials=tuple(rounded))

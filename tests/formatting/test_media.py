@@ -15,7 +15,7 @@ from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbr
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
 from stickslip.report.core.blocks import Fact, Facts
-from stickslip.report.core.documents import render
+from stickslip.report.core.page import render
 from stickslip.report.core.tables import Column, Number, Row
 from stickslip.results import Estimate
 from stickslip.selection.verdict import score_text

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.support import rounded_travels
 
 from stickslip import (
     Coulomb,
@@ -26,24 +27,6 @@ READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding
 
 def energy_balance(travel):
     return 100.0 * 0.1**2 / (2.0 * 9.81 * travel)
-
-
-def trials(law, compressions, digits):
-    """Return readings of a law's travels, rounded as a ruler would."""
-    readings = []
-    for compression in compressions:
-        rig = SpringBlock(mass=1.0, stiffness=100.0, compression=compression)
-        travel = float(simulate(rig, law, t_end=10.0).at(10.0)["x"][0])
-        readings.append(
-            Measurement(
-                travel=round(travel, digits),
-                uncertainty=0.5 * 10.0**-digits,
-                uncertainty_kind="rounding",
-                overrides={"mechanism.compression": compression},
-                name=f"{compression:g}",
-            )
-        )
-    return Measurement(trials=tuple(readings))
 
 
 def test_one_travel_gives_the_coefficient_of_the_energy_balance():
@@ -80,7 +63,7 @@ def test_the_fitted_law_reproduces_the_travel(law):
 
 def test_three_travels_give_both_parameters_of_the_law_that_made_them():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=0.5)
-    result = fit(RIG, CoulombViscous, trials(truth, (0.06, 0.1, 0.15), digits=9))
+    result = fit(RIG, CoulombViscous, rounded_travels(RIG, truth, (0.06, 0.1, 0.15), digits=9))
     # readings are rounded to 1e-9 m, which is 1e-8 of the travels
     assert result.law.kinetic_coefficient == pytest.approx(0.22, rel=1e-5)
     assert result.law.viscous_coefficient == pytest.approx(0.5, rel=1e-5)
@@ -88,7 +71,9 @@ def test_three_travels_give_both_parameters_of_the_law_that_made_them():
 
 def test_intervals_of_rounded_travels_cover_the_truth():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=0.5)
-    result = fit(RIG, CoulombViscous, trials(truth, (0.05, 0.07, 0.1, 0.12, 0.15), digits=3))
+    result = fit(
+        RIG, CoulombViscous, rounded_travels(RIG, truth, (0.05, 0.07, 0.1, 0.12, 0.15), digits=3)
+    )
     for estimate, true in zip(result.estimates, (0.22, 0.5), strict=True):
         assert estimate.low < true < estimate.high
 
@@ -190,14 +175,18 @@ def test_a_stop_at_the_very_instant_of_leaving_the_spring_does_not_end_a_fit():
 @pytest.mark.slow
 def test_bristle_stiffness_is_not_fitted_to_travels():
     soft = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3, static_switch=True)
-    result = fit(RIG, soft, trials(Coulomb(kinetic_coefficient=0.25), (0.06, 0.1, 0.15), digits=4))
+    result = fit(
+        RIG,
+        soft,
+        rounded_travels(RIG, Coulomb(kinetic_coefficient=0.25), (0.06, 0.1, 0.15), digits=4),
+    )
     paths = [estimate.path for estimate in result.estimates]
     assert paths == ["friction.kinetic_coefficient", "friction.viscous_coefficient"]
 
 
 def test_each_trial_keeps_the_kind_of_its_own_uncertainty():
     truth = Coulomb(kinetic_coefficient=0.25)
-    readings = trials(truth, (0.08, 0.12), digits=3).records()
+    readings = rounded_travels(RIG, truth, (0.08, 0.12), digits=3).records()
     mixed = Measurement(
         trials=(
             readings[0],

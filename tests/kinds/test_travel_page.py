@@ -28,7 +28,8 @@ from stickslip.kinds.report import verdict_page
 from stickslip.kinds.travels.page.runs import steps_heading
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup
-from stickslip.report.core.documents import Origin, render
+from stickslip.report.core.documents import Origin
+from stickslip.report.core.page import render
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

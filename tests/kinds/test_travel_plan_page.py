@@ -7,7 +7,7 @@ import pytest
 from stickslip import SpringBlock, plan
 from stickslip.kinds.travels.plan.page import plan_page
 from stickslip.kinds.travels.plan.tables import tables_of
-from stickslip.report.core.documents import render
+from stickslip.report.core.page import render
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
 

@@ -4,6 +4,7 @@ import dataclasses
 import json
 
 import pytest
+from tests.support import rounded_travels
 
 from stickslip import (
     Coulomb,
@@ -26,29 +27,13 @@ from stickslip.selection import compare_fixed_steps, criteria_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+COMPRESSIONS = (0.06, 0.1, 0.15)
 FAST = (
     Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
     Viscous(viscous_coefficient=5.0),
     CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5),
     Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.05),
 )
-
-
-def trials_of(law, compressions=(0.06, 0.1, 0.15), digits=4):
-    readings = []
-    for compression in compressions:
-        rig = dataclasses.replace(RIG, compression=compression)
-        travel = float(simulate(rig, law, t_end=10.0).at(10.0)["x"][0])
-        readings.append(
-            Measurement(
-                travel=round(travel, digits),
-                uncertainty=0.5 * 10.0**-digits,
-                uncertainty_kind="rounding",
-                overrides={"mechanism.compression": compression},
-                name=f"{compression:g}",
-            )
-        )
-    return Measurement(trials=tuple(readings))
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +83,7 @@ def test_the_verdict_is_a_json_document(paper_verdict):
 def test_three_compressions_rank_the_laws_and_find_the_one_that_made_them():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=1.5)
     laws = [law for law in FAST if law.name != "stribeck"]
-    verdict = select(RIG, laws, trials_of(truth))
+    verdict = select(RIG, laws, rounded_travels(RIG, truth, COMPRESSIONS, digits=4))
     assert verdict.ranked
     assert verdict.best.name == "coulomb-viscous"
     asked = [candidate for candidate in verdict.candidates if not candidate.beside]
@@ -109,7 +94,7 @@ def test_three_compressions_rank_the_laws_and_find_the_one_that_made_them():
 
 def test_a_simpler_law_is_taken_where_the_richer_one_is_no_better_within_doubt():
     truth = Coulomb(kinetic_coefficient=0.25)
-    verdict = select(RIG, FAST, trials_of(truth, digits=3))
+    verdict = select(RIG, FAST, rounded_travels(RIG, truth, COMPRESSIONS, digits=3))
     assert verdict.best.score <= 1e-3
     assert verdict.best.name == "coulomb"
 

@@ -12,7 +12,8 @@ from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
 from stickslip.kinds.report import verdict_page
-from stickslip.report.core.documents import Origin, render
+from stickslip.report.core.documents import Origin
+from stickslip.report.core.page import render
 
 RIG = """
 title = "Gouge"

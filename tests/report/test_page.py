@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import report
 from stickslip.plots import C1, VARIABLES, inline_svg
-from stickslip.report.core.documents import render, write
+from stickslip.report.core.page import render, write
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 LONG_NAME = "GeneralisedMaxwellSlipWithFortyElements1"

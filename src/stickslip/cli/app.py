@@ -101,8 +101,8 @@ def select(
     While laws are fitted to a record, press Ctrl-C once to stop with the best fit so far, twice
     to cancel.
     """
+    from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import measured
-    from stickslip.cli.options import reading_of
     from stickslip.cli.select import run
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
@@ -127,8 +127,8 @@ def demo(
     The rig is that of the source paper, a block that a spring pushes, with one measured travel.
     Other commands take it as `demo`, such as `stickslip simulate demo`.
     """
+    from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import measured
-    from stickslip.cli.options import reading_of
     from stickslip.cli.select import run
 
     reading = reading_of(ReadingOptions())
@@ -171,8 +171,8 @@ def init(
     With --urdf, joints of the log are found by the names of the description, and the rig file is
     that of the robot: joints that stood still are locked where they were.
     """
+    from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
-    from stickslip.cli.options import reading_of
 
     reading = reading_of(ReadingOptions(columns=columns, units=units, gain=gain))
     run(file, reading, output, urdf=urdf, force=force, as_json=as_json)
@@ -199,9 +199,9 @@ def fit(
 
     While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
+    from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
     from stickslip.cli.inputs import measured
-    from stickslip.cli.options import reading_of
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
     ask = partial(ask, parameters=parameters, estimation=estimation)
@@ -235,7 +235,7 @@ def check(
     Exits with code 2 if the check finds an error.
     """
     from stickslip.cli.check import run
-    from stickslip.cli.options import reading_of
+    from stickslip.cli.file_options import reading_of
 
     named = [*files, *(data or [])]
     run(named, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)

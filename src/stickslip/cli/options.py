@@ -1,18 +1,62 @@
 """Arguments and options of commands, and groups of them that are handed on together."""
 
 import shlex
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, final
 
 import typer
 
-from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Column, Reading, column_of, motor_constants, read_gain
+from stickslip.errors import InputError
 
 DEMO = Path("demo")
 """What stands for the rig that comes with the package."""
+
+
+def _rig(context: typer.Context, given: Path | None) -> Path | None:
+    """Return a rig file, None for the bundled rig; say what is missing or is no rig file."""
+    from stickslip.experiments import is_data_file
+
+    if context.resilient_parsing or given == DEMO:
+        return None
+    name = f"stickslip {context.info_name}"
+    if given is None:
+        raise InputError(
+            f"{name} needs a rig file (TOML): {name} rig.toml. `stickslip init record.csv` writes"
+            f" one for a data file; {name} demo takes the rig that comes with the package."
+        )
+    if is_data_file(given):
+        typed, own = (shlex.quote(str(one)) for one in (given, given.with_suffix(".toml")))
+        raise InputError(
+            f"{given} is a data file, not a rig file: `stickslip init {typed}` writes one for it;"
+            f" then {name} {own}."
+        )
+    return given
+
+
+Rig = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="RIG",
+        callback=_rig,
+        help="Rig file (TOML), or `demo` for the rig that comes with the package.",
+    ),
+]
+
+
+def _hush(wanted: bool) -> bool:
+    from stickslip.cli.console import hush
+
+    hush(wanted)
+    return wanted
+
+
+Quiet = Annotated[
+    bool,
+    typer.Option(
+        "-q", "--quiet", callback=_hush, is_eager=True, help="Print no progress and no remarks."
+    ),
+]
 MotorConstant = Annotated[
     str | None,
     typer.Option(
@@ -95,6 +139,7 @@ PlannedLaws = Annotated[
         help="Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file.",
     ),
 ]
+
 Data = Annotated[
     list[Path] | None,
     typer.Option(
@@ -167,6 +212,8 @@ Fixed = Annotated[
         help="Values of fixed parameters, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'.",
     ),
 ]
+
+
 Horizon = Annotated[
     float | None,
     typer.Option("--horizon", help="Prediction length on the second record [s]."),
@@ -244,6 +291,7 @@ ExecutorAt = Annotated[
         help="Dask cluster that does the work, by the address of its scheduler.",
     ),
 ]
+
 Goal = Annotated[
     str,
     typer.Option(
@@ -304,52 +352,6 @@ Resume = Annotated[
         "--resume",
         metavar="FILE",
         help="Save the state of the search to this file, and resume from it if it exists.",
-    ),
-]
-
-
-def _rig(context: typer.Context, given: Path | None) -> Path | None:
-    """Return a rig file, None for the bundled rig; say what is missing or is no rig file."""
-    from stickslip.experiments import is_data_file
-
-    if context.resilient_parsing or given == DEMO:
-        return None
-    name = f"stickslip {context.info_name}"
-    if given is None:
-        raise InputError(
-            f"{name} needs a rig file (TOML): {name} rig.toml. `stickslip init record.csv` writes"
-            f" one for a data file; {name} demo takes the rig that comes with the package."
-        )
-    if is_data_file(given):
-        typed, own = (shlex.quote(str(one)) for one in (given, given.with_suffix(".toml")))
-        raise InputError(
-            f"{given} is a data file, not a rig file: `stickslip init {typed}` writes one for it;"
-            f" then {name} {own}."
-        )
-    return given
-
-
-Rig = Annotated[
-    Path | None,
-    typer.Argument(
-        metavar="RIG",
-        callback=_rig,
-        help="Rig file (TOML), or `demo` for the rig that comes with the package.",
-    ),
-]
-
-
-def _hush(wanted: bool) -> bool:
-    from stickslip.cli.console import hush
-
-    hush(wanted)
-    return wanted
-
-
-Quiet = Annotated[
-    bool,
-    typer.Option(
-        "-q", "--quiet", callback=_hush, is_eager=True, help="Print no progress and no remarks."
     ),
 ]
 
@@ -692,57 +694,3 @@ class ProfileOptions:
     resume: Resume = None
     count: Workers = None
     executor: ExecutorAt = None
-
-
-def reading_of(asked: ReadingOptions) -> Reading:
-    """Return what the options of that name say together."""
-    texts = [part.strip() for given in asked.repair or () for part in given.split(",")]
-    names = [part.strip() for given in asked.conditions or () for part in given.split(",")]
-    constant = asked.motor_constant
-    return Reading(
-        columns=_columns(asked.columns),
-        units=_pairs("--unit", "position=mm", asked.units),
-        gain=_gains(_pairs("--gain", "force=35.15", asked.gain)),
-        repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
-        conditions=tuple(names),
-        motor_constant={} if constant is None else motor_constants(constant),
-        by="options",
-    )
-
-
-def _columns(given: Sequence[str] | None) -> dict[str, Column]:
-    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
-    found: dict[str, list[str]] = {}
-    name = ""
-    for part in (part for text in given or () for part in text.split(",")):
-        if "=" in part or not name or not part.strip():
-            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
-            found[name] = [column]
-        else:
-            found[name].append(part.strip())
-    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
-
-
-def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
-    """Split ``name=value`` pairs, parted by commas."""
-    found = {}
-    for pair in (part for text in given or () for part in text.split(",")):
-        name, equals, value = pair.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
-    """Return gains as numbers, or as texts with their unit."""
-    found: dict[str, float | str] = {}
-    for name, value in pairs.items():
-        try:
-            found[name] = read_gain(value)
-        except ParameterError:
-            raise InputError(
-                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
-                f' "position=0.5 um/count", got {name}={value}.'
-            ) from None
-    return found

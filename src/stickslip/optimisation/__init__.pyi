@@ -8,14 +8,14 @@ from stickslip.optimisation.cycle_metrics import load_shares as load_shares
 from stickslip.optimisation.cycle_metrics import measure as measure
 from stickslip.optimisation.cycle_metrics import slip_of_body as slip_of_body
 from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_limits
-from stickslip.optimisation.limits import Limits as _Limits
-from stickslip.optimisation.limits import Margin as Margin
 from stickslip.optimisation.optimise import optimise_profile as optimise_profile
 from stickslip.optimisation.parametrisation import KINDS as KINDS
 from stickslip.optimisation.parametrisation import KindName as KindName
 from stickslip.optimisation.problem import GOALS as GOALS
 from stickslip.optimisation.problem import Goal as Goal
 from stickslip.optimisation.problem import GoalName as GoalName
+from stickslip.optimisation.problem import Limits as _Limits
+from stickslip.optimisation.problem import Margin as Margin
 from stickslip.optimisation.problem import ScoredMotion as ScoredMotion
 from stickslip.optimisation.result import Optimum as Optimum
 from stickslip.optimisation.scenarios import Scenarios as Scenarios

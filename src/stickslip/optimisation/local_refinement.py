@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from stickslip.optimisation.cma_search import Told, judged_at
 from stickslip.optimisation.cycle_metrics import Cycle, motor_of, slip_of_body
-from stickslip.optimisation.limits import UNIT_OF_BACK_SLIP
 from stickslip.optimisation.parametrisation import Space
-from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
+from stickslip.optimisation.problem import FAILED, UNIT_OF_BACK_SLIP, Problem, ScoredMotion
 
 Array = NDArray[np.float64]
 At: TypeAlias = Callable[[Array], ScoredMotion | None]

@@ -16,10 +16,9 @@ from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cma_search import Memory, Told, search
 from stickslip.optimisation.cycle_metrics import fitted, measure, motor_of, slip_of_body
-from stickslip.optimisation.limits import Limits
 from stickslip.optimisation.local_refinement import polish
 from stickslip.optimisation.parametrisation import KindName, Space, kind_of, space_of
-from stickslip.optimisation.problem import FINER, GOALS, GoalName, Problem, ScoredMotion
+from stickslip.optimisation.problem import FINER, GOALS, GoalName, Limits, Problem, ScoredMotion
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from stickslip.drives import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError, ParameterError
-from stickslip.optimisation.limits import Limits
+from stickslip.optimisation.problem import Limits
 from stickslip.quantities import fields_of, named
 
 Array = NDArray[np.float64]

@@ -1,8 +1,8 @@
 """What is searched: the goal of a motion and what it breaks, over all scenarios."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Literal, TypeAlias, final
+from dataclasses import dataclass, field, fields
+from typing import Annotated, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,18 +11,104 @@ from stickslip.described import Described
 from stickslip.drives import Profile
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import SAMPLES, Cycle, fitted, measure, units_of_limits
-from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.scenarios import Scenarios
-from stickslip.quantities import vary
+from stickslip.quantities import Parametrised, Quantity, vary
 
 Array = NDArray[np.float64]
 
+UNIT_OF_BACK_SLIP = 1e-3
+"""What counts as one unit of violation where no back-slip at all is allowed [m]."""
+ROUNDING = 1e-9
+"""Share of a limit by which it may be exceeded: a motion that just reaches it is rounded."""
 SAFETY = 1e-5
 """Share of each limit that a search leaves: extremes are looked for more finely in the end."""
 FAILED = 10.0
 """Violation of a motion that cannot be gone through or does not repeat itself."""
 FINER = 4097
 """Times of a cycle at which the extremes of a result are looked for."""
+GoalName: TypeAlias = Literal["travel", "speed", "economy"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Limits(Parametrised):
+    """What a motion may take; a limit that is not given does not hold.
+
+    Parameters
+    ----------
+    position : float
+        Largest distance of the inner body from its middle: angle [rad] or half a stroke [m].
+    rate : float
+        Largest speed of it [rad/s] or [m/s].
+    effort : float, optional
+        Largest torque [N m] or force [N].
+    load_share : float
+        Least normal force over the weight. At 0 the run itself ends where the body lifts off.
+    back_slip : float, optional
+        Longest way that the body slips back in a cycle [m].
+
+    Examples
+    --------
+    >>> import math
+    >>> Limits(position=math.radians(60.0), rate=12.0, effort=0.6).load_share
+    0.0
+    """
+
+    position: Annotated[float, Quantity("q_max", above=0)]
+    rate: Annotated[float, Quantity("w_max", above=0)]
+    effort: Annotated[float, Quantity("tau_max", above=0)] | None = None
+    load_share: Annotated[float, Quantity("n_min", low=0, high=1)] = 0.0
+    back_slip: Annotated[float, Quantity("s_back", "m", low=0)] | None = None
+
+    def given(self) -> dict[str, float]:
+        """Return the limits that hold by name.
+
+        Examples
+        --------
+        >>> Limits(position=0.5, rate=2.0).given()
+        {'position': 0.5, 'rate': 2.0, 'load_share': 0.0}
+        """
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Margin(metaclass=Described):
+    """How far a motion stays from one limit.
+
+    Examples
+    --------
+    >>> Margin(name="rate", allowed=12.0, reached=11.5, unit="rad/s").margin
+    0.5
+    >>> Margin(name="position", allowed=0.01, reached=0.010000000000000231, unit="m").margin
+    0.0
+    """
+
+    name: str
+    """Which limit."""
+    allowed: float
+    """The limit."""
+    reached: float
+    """The extreme over the cycle, of all scenarios."""
+    unit: str
+    """Unit of both."""
+
+    @property
+    def margin(self) -> float:
+        """What is left [unit]; below 0 where the limit is broken, by more than rounding."""
+        left = self.allowed - self.reached
+        if self.name == "load_share":
+            left = -left
+        allowance = ROUNDING * (self.allowed or UNIT_OF_BACK_SLIP)
+        return 0.0 if -allowance <= left < 0.0 else left
+
+    @property
+    def share(self) -> float:
+        """What is left over the limit itself; for loads and where nothing is allowed, as it is."""
+        if self.name == "load_share":
+            return self.margin
+        return self.margin / (self.allowed or UNIT_OF_BACK_SLIP)
 
 
 @final
@@ -52,7 +138,6 @@ def _economy(cycle: Cycle) -> float:
     return cycle.travel / cycle.work if cycle.work > 0.0 else 0.0
 
 
-GoalName: TypeAlias = Literal["travel", "speed", "economy"]
 GOALS: Mapping[str, Goal] = {
     goal.name: goal
     for goal in (

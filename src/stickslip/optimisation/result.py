@@ -12,9 +12,8 @@ from stickslip.formatting import number, with_unit
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
-from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.parametrisation import kind_of
-from stickslip.optimisation.problem import Goal, ScoredMotion
+from stickslip.optimisation.problem import Goal, Limits, Margin, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.tables import Tabular
 from stickslip.trajectory import Trajectory

@@ -38,10 +38,10 @@ HOMES = {
     "Table": "core.tables",
     "inline": "core.markup",
     "mathml": "core.markup",
-    "render": "core.documents",
+    "render": "core.page",
     "symbol": "core.markup",
     "symbol_text": "core.markup",
-    "write": "core.documents",
+    "write": "core.page",
 }
 
 INSIDE = {

@@ -27,9 +27,7 @@ from stickslip.report.core.documents import Section as Section
 from stickslip.report.core.documents import SectionMaker as SectionMaker
 from stickslip.report.core.documents import colophon as colophon
 from stickslip.report.core.documents import made_sections as made_sections
-from stickslip.report.core.documents import render as render
 from stickslip.report.core.documents import versions as versions
-from stickslip.report.core.documents import write as write
 from stickslip.report.core.formulas import formula_text as formula_text
 from stickslip.report.core.formulas import published_dict as published_dict
 from stickslip.report.core.markup import inline as inline
@@ -39,6 +37,8 @@ from stickslip.report.core.markup import plain as plain
 from stickslip.report.core.markup import symbol as symbol
 from stickslip.report.core.markup import symbol_text as symbol_text
 from stickslip.report.core.markup import typeset as typeset
+from stickslip.report.core.page import render as render
+from stickslip.report.core.page import write as write
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
 from stickslip.report.core.shared_sections import certificate as certificate
 from stickslip.report.core.shared_sections import evidence as evidence

@@ -168,7 +168,7 @@ class CrossValidatedVerdict(Verdict[Candidate_co]):
         return taken
 
 
-def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
+def plan_of(fit: RecordFit, *, horizon: float) -> Plan:
     """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
     if interleaved(spans):
@@ -179,26 +179,26 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
             "hardly any rows of this record can be compared, and none can be held out: record"
             " longer, or `fit` one law without a held-out error."
         )
-    block = length / folds
+    block = length / FOLDS
     if fit.problem.simulates:
-        _check_block(fit.measurement, block, length, folds)
+        _check_block(fit.measurement, block, length)
     correlated = length / fit.inference.effective
     return Plan(
-        folds=folds,
+        folds=FOLDS,
         gap=min(correlated, 0.25 * block),
         horizon=min(horizon, block),
         length=length,
     )
 
 
-def _check_block(measurement: Measurement, block: float, length: float, folds: int) -> None:
+def _check_block(measurement: Measurement, block: float, length: float) -> None:
     """Refuse a record whose blocks have too few samples to be simulated."""
     times = [np.asarray(record.time) for record in measurement.records() if record.time is not None]
     if not times or any(block / interval_of(time) >= LEAST for time in times):
         return
     count = sum(time.size for time in times)
     raise InputError(
-        f"the record of {quantity(length, 's')}, {count} samples, is too short for {folds}"
+        f"the record of {quantity(length, 's')}, {count} samples, is too short for {FOLDS}"
         f" held-out blocks of at least {LEAST} samples: record longer, or `fit` one law without a"
         " held-out error."
     )

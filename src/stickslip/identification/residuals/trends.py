@@ -129,7 +129,7 @@ def has_trend(residual: Array, by: Array) -> bool:
     return chance < LEVEL
 
 
-def ljung_box(residual: Array, lags: int = LAGS) -> float:
+def ljung_box(residual: Array) -> float:
     """Return the probability of autocorrelations as large as these in white residuals (n,).
 
     Source: G. M. Ljung, G. E. P. Box, "On a measure of lack of fit in time series models", 1978.
@@ -142,10 +142,10 @@ def ljung_box(residual: Array, lags: int = LAGS) -> float:
     """
     r, n = residual - residual.mean(), len(residual)
     power = float(r @ r)
-    if power <= 0.0 or n <= lags:
+    if power <= 0.0 or n <= LAGS:
         return 1.0
-    squares = [float(r[k:] @ r[:-k]) ** 2 / (n - k) for k in range(1, lags + 1)]
-    return float(scipy.stats.chi2.sf(n * (n + 2.0) * sum(squares) / power**2, lags))
+    squares = [float(r[k:] @ r[:-k]) ** 2 / (n - k) for k in range(1, LAGS + 1)]
+    return float(scipy.stats.chi2.sf(n * (n + 2.0) * sum(squares) / power**2, LAGS))
 
 
 def noise_floor(mechanism: Mechanism, measurement: Measurement, compared: str) -> float:

@@ -49,15 +49,14 @@ def draw_contacts(run: Trajectory, *, until: float | None = None) -> Draw:
     return draw
 
 
-def draw_states(run: Trajectory, *, until: float | None = None, band: Band | None = None) -> Draw:
+def draw_states(run: Trajectory, *, band: Band | None = None) -> Draw:
     """Return a drawing of all coordinates against time, those of one unit together."""
-    last = run.span[1] if until is None else min(until, run.span[1])
-    seen = dense(run, last)
+    seen = dense(run, run.span[1])
     units: dict[str, list[str]] = {}
     for name in run.states:
         if run.units[name] in ("m", "rad") and ":" not in name:
             units.setdefault(run.units[name], []).append(name)
-    times = sorted({event.t for event in run.events if event.t <= last})
+    times = sorted({event.t for event in run.events})
 
     def draw(figure: Figure, narrow: bool) -> None:
         panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]

@@ -48,11 +48,10 @@ def draw_motion(
     *,
     views: Sequence[MotionView] = MOTION,
     chosen: str | None = None,
-    until: float | None = None,
     levels: Mapping[str, float] | None = None,
 ) -> Draw:
     """Return a drawing of runs against time, by default of displacement and velocity."""
-    last = until or max(horizon(run, views[0].column) for run in runs.values())
+    last = max(horizon(run, views[0].column) for run in runs.values())
     for view in views:
         _check(view, runs)
     look = looks(runs, chosen)

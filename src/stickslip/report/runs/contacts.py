@@ -18,15 +18,8 @@ from stickslip.plots import (
 )
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
-from stickslip.report.core.documents import (
-    Opening,
-    Origin,
-    Page,
-    Section,
-    colophon,
-    made_sections,
-    render,
-)
+from stickslip.report.core.documents import Opening, Origin, Page, Section, colophon, made_sections
+from stickslip.report.core.page import render
 from stickslip.report.core.shared_sections import ended_early, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out

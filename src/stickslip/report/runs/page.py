@@ -6,7 +6,8 @@ from stickslip.experiments import equated, unfitted_bristles
 from stickslip.formatting import count, joined, quantity
 from stickslip.plots import VALIDATION_SIZES, draw_validation, inline_svg
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure
-from stickslip.report.core.documents import Opening, Page, Section, colophon, made_sections, render
+from stickslip.report.core.documents import Opening, Page, Section, colophon, made_sections
+from stickslip.report.core.page import render
 from stickslip.report.core.shared_sections import ended_early
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.appendix import (
