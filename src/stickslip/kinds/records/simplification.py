@@ -69,7 +69,8 @@ def _nearest(
 ) -> tuple[FrictionLaw, dict[str, set[str]]] | None:
     """Return the simpler law nearest to a richer one, and which parameters each of its stands for.
 
-    A value that the simpler one does not allow goes to the limit of what it does. None where the values of the richer law do not say those of the simpler one.
+    A value that the simpler one does not allow goes to the limit of what it does.
+    None where the values of the richer law do not say those of the simpler one.
     """
     how = containment_of(type(rich), kind)
     if how is None:
