@@ -410,14 +410,16 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
         right = (*fault.named, *fault.terms)
         return row | explained(Axis(inertia=given), measurement, unknown, right)
     if route == "select":
+        true = fault.law(machine)
+        values = {} if true is None else values_of(true, axis)
         return (
             row
             | {"truth": name}
             | selected(
                 Known(
                     given=Axis(inertia=given),
-                    law=None if set(fault.terms) - {"offset"} else law,
-                    values={k: v for k, v in values_of(law, axis).items() if k not in fault.free},
+                    law=true,
+                    values={k: v for k, v in values.items() if k not in fault.free},
                     measurement=measurement,
                     fresh=moving(machine, random),
                     unknown=unknown,
