@@ -103,11 +103,13 @@ def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
             main(shlex.split(line.removeprefix("stickslip ")))
         assert not left.value.code, line
     assert load_rig("stickslip-report/law.toml").estimates.covariance_of
-    said = re.search(r"moves (\S+) mm per cycle, and (\S+) to (\S+) mm", README)
+    moves = r"moves (\S+) mm per cycle once the motion has settled, and (\S+) to (\S+) mm"
+    said = re.search(moves, README)
     assert said is not None
     printed = capsys.readouterr().out
     row = re.findall(r"cycle \d+ +(\S+) +(\S+) to (\S+) +mm", printed)[-1]
     assert [*row[1:]] == [said[2], said[3]]
+    assert printed.count(f"Travel per cycle, once the motion has settled: {said[1]} mm\n") == 2
     for folder in ("stickslip-report", "stickslip-run"):
         page = (tmp_path / folder / "index.html").read_text(encoding="utf-8")
         assert "This section could not be produced" not in page
