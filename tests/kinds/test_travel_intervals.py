@@ -66,19 +66,6 @@ def test_intervals_hold_a_law_that_explains_the_travels_as_well_along_a_valley_t
             assert one.low <= getattr(law, one.path.rpartition(".")[2]) <= one.high
 
 
-def test_friction_at_rest_is_looked_for_beside_all_levels_of_a_block_that_swings():
-    error = 0.3e-3
-    rig = SpringBlock(mass=1.0, stiffness=200.0, compression=0.1, attached=True)
-    path, settings = "mechanism.compression", (0.09, 0.11, 0.14, 0.16)
-    truth = Stribeck(kinetic_coefficient=0.4, static_coefficient=0.57, stribeck_velocity=0.03)
-    errors = np.random.default_rng(0).normal(0.0, error, len(settings))
-    measurement, _ = readings(rig, truth, path, settings, errors, stated=error)
-    found = fit(rig, Stribeck, measurement)
-    assert found.chi_square < 25.0  # four readings: 1e-4 of true laws leave more
-    level = found.estimate("kinetic_coefficient")
-    assert level.low <= 0.4 <= level.high
-
-
 def test_nuisances_that_take_up_the_noise_do_not_make_it_small():
     rig = Axis(inertia=1.0, drive=Pulse(level=20.0, duration=0.2))
     path, settings = "mechanism.drive.level", (14.0, 20.0, 28.0)
