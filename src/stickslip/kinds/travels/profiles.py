@@ -10,8 +10,9 @@ Array: TypeAlias = NDArray[np.float64]
 
 ROUNDS = 30
 """Steps of a walk, at most."""
-FAR = 64.0
-"""Way of a walk over the interval that slopes at its start give, from which on it ends nowhere."""
+FAR, LARGE = 64.0, 3.0
+"""Way of a walk over the interval that slopes at its start give, and over the value there, from
+which on it ends nowhere."""
 FIRST = 0.4
 """First step over that interval."""
 FLAT, STEEP = 0.15, 0.6
@@ -102,7 +103,8 @@ def profile_ends(
             step[walk] = longer * (point - inside[walk])
             inside[walk], outside[walk], height[walk] = point, point, reached
             way = abs(point[at[walk]] - starts[walk, at[walk]])
-            if way > FAR * abs(along[walk, at[walk]]):
+            size = LARGE * abs(starts[walk, at[walk]])
+            if way > max(FAR * abs(along[walk, at[walk]]), size):
                 break_off = np.copysign(np.inf, along[walk, at[walk]])
                 outside[walk, at[walk]], share[walk], live[walk] = break_off, 1.0, False
     return inside, outside, share

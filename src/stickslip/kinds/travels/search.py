@@ -31,7 +31,14 @@ from stickslip.kinds.travels.propagation import (
     propagated,
 )
 from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
-from stickslip.kinds.travels.start_values import Start, plausible, room_for, spread, starting_points
+from stickslip.kinds.travels.start_values import (
+    Start,
+    force_and_speed,
+    plausible,
+    room_for,
+    spread,
+    starting_points,
+)
 from stickslip.quantities import Quantity, parameters
 
 Array: TypeAlias = NDArray[np.float64]
@@ -75,9 +82,6 @@ explain the travels, how many they are beside one such level, and from how many 
 begin: from fewer where runs are of many cycles."""
 WIDEST = 3.0
 """How many times as many levels are scanned, at most, where simpler laws have several."""
-PRIOR = 1.5
-"""Standard deviation of what was drawn, over its value, where bristles take too long to follow it:
-factors of 5 up and down, or bounds, are beyond it."""
 FEW_TRIALS = 3
 """Settings, from the shortest to the longest travel, that such a scan runs."""
 UNSTATED = 0.02
@@ -154,8 +158,9 @@ def fit_readings(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    found = problem.fit(best, ends, walked=wide is None or bool(model.law.states), reached=reached)
-    return wide.followed(found, reached, problem) if wide is not None else found
+    followed = wide is not None and not model.law.states
+    found = problem.fit(best, ends, walked=not followed, reached=reached)
+    return wide.followed(found, reached, problem) if wide is not None and followed else found
 
 
 def _freed(
@@ -684,18 +689,22 @@ class _Problem:
     def followed(self, fit: TravelFit, reached: Sequence[Start], narrow: "_Problem") -> TravelFit:
         """Return a fit whose intervals end where no values of nuisances explain the travels more.
 
-        The nuisances are the last unknowns here. Bristles take too long for that: slopes tell how
-        far the fitted values follow them.
+        The nuisances are the last unknowns here. Bristles take too long for that. They stay
+        plausible: speeds below the largest of a run, beyond which more friction at rest is another
+        name of the level, and levels above half of the best one.
         """
         best = self.free_parameters(reached[0])
         least = self.cost(best)
         told = [i for i, one in enumerate(fit.estimates) if not one.reason]
-        if self.model.law.states:
-            ends = [[part] for part in self._marginal(best, len(fit.estimates), narrow)]
-            ends = [ends[i] for i in told]
-        else:
-            first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
-            ends, _ = self._ends([best], told, first, least + narrow.room(least))
+        _, speed = force_and_speed(self.model, self.trials, reached[0])
+        for i, path in enumerate(self.model.free):
+            if self.known[path][0].scale == "speed":
+                self.high[i] = max(speed, float(best[i]))
+            if np.count_nonzero(self.matrix[i]) > 1:  # at rest twice as much at most
+                base = np.flatnonzero(self.matrix[i])[0]
+                self.least[base] = max(self.least[base], 0.5 * best[base])
+        first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
+        ends, _ = self._ends([best], told, first, least + narrow.room(least))
         found = [*fit.estimates]
         for i, (part,) in zip(told, ends, strict=True):
             one, reason = found[i], ""
@@ -704,18 +713,6 @@ class _Problem:
             parts = [*(one.pieces or ((one.low, one.high),)), part]
             found[i] = spanning(replace(one, reason=reason), parts, self._lowest(one))
         return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
-
-    def _marginal(self, best: Array, count: int, narrow: "_Problem") -> list[tuple[float, float]]:
-        """Return intervals of the first values by slopes, the others as free as is plausible."""
-        room = narrow.room(self.cost(best))
-        factor, _ = narrow.variance(self.cost(best))
-        slopes = self.slopes_at(best) / math.sqrt(factor)
-        prior = np.zeros(len(best))
-        prior[count:] = 1.0 / (PRIOR * np.maximum(np.abs(best), self.scale)[count:])
-        table = np.linalg.pinv(slopes.T @ slopes + np.diag(prior**2))
-        values = self.matrix @ best
-        halves = np.sqrt(room / factor * np.diag(self.matrix @ table @ self.matrix.T))
-        return [(v - h, v + h) for v, h in zip(values, halves, strict=True)][:count]
 
     def _between(
         self, found: Sequence[Estimate], starts: Sequence[Array]

@@ -179,11 +179,11 @@ def _least(model: TravelModel, path: str, centre: float) -> float:
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
     """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
-    force, speed = _force_and_speed(model, trials, values)
+    force, speed = force_and_speed(model, trials, values)
     return force / speed
 
 
-def _force_and_speed(
+def force_and_speed(
     model: TravelModel, trials: Sequence[Trial], values: Start
 ) -> tuple[float, float]:
     """Return the friction [N] of the first parameter as a level, and the largest speed [m/s]."""
@@ -243,7 +243,7 @@ def plausible(
     """
     from scipy.stats import qmc
 
-    force, speed = _force_and_speed(model, trials, values)
+    force, speed = force_and_speed(model, trials, values)
     known = fields_of(type(model.law))
     law = model.with_values(values)
     slow = law.states and not thorough
