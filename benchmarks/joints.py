@@ -173,6 +173,16 @@ def drawn(
 ) -> tuple[TwoLinkArm, dict[str, FrictionLaw], list[Measurement], dict[str, Any]]:
     """Return an arm, its laws (drawn unless given by name), two records, and what they are of."""
     random = np.random.default_rng([seed, number])
+    while True:
+        if (found := _moved(kind, random, given)) is not None:
+            arm, laws, records, row = found
+            return arm, laws, records, {"kind": kind, "number": number, "seed": seed} | row
+
+
+def _moved(
+    kind: str, random: Random, given: Sequence[str]
+) -> tuple[TwoLinkArm, dict[str, FrictionLaw], list[Measurement], dict[str, Any]] | None:
+    """Return an arm as it moves, or None if one of its gears locks."""
     arm = _arm(random)
     rate = float(random.choice((100.0, 250.0, 500.0, 1000.0)))
     t = np.arange(0.0, 10.0, 1.0 / rate)
@@ -180,7 +190,7 @@ def drawn(
     names: dict[str, str] = {}
     laws: dict[str, FrictionLaw] = {}
     records: list[Measurement] = []
-    row: dict[str, Any] = {"kind": kind, "number": number, "seed": seed, "rate": rate}
+    row: dict[str, Any] = {"rate": rate}
     for _ in range(2):
         q, v, a = _motion(random, t, still)
         takes = JointTorques.of(arm, [])
@@ -203,6 +213,8 @@ def drawn(
                 forces[:, i] += gear_along(laws[joint], v[:, i], forces[:, i], weights[:, i])
             else:
                 forces[:, i] += friction_along(laws[joint], q[:, i], v[:, i])
+        if not np.all(np.isfinite(forces)):
+            return None
         if not records:
             noise, torque = between(random, 2e-5, 5e-4), between(random, 0.002, 0.05)
         found = Recorded(
