@@ -196,7 +196,7 @@ def _freed(
         found = wide.with_free(found, most)
         if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
             coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
-            levels = [end[0] for end in ends if end[0] > 0.0] or [float(points[-1][0])]
+            levels = [end[0] for end in ends if end[0] > 0.0] or [float(wide.scale[0])]
             scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
             ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)
             found = wide.with_free([*found, *_sorted(*ends_of)], most)
