@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import sys
 
 import numpy as np
 import pandas as pd
@@ -160,7 +161,7 @@ def test_a_cancelled_download_leaves_nothing_behind(upstream, monkeypatch):
     def cancelled(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stickslip.catalogue.dataset.sha256_of", cancelled)
+    monkeypatch.setattr(sys.modules["stickslip.catalogue.dataset"], "sha256_of", cancelled)
     with pytest.raises(KeyboardInterrupt):
         text_record().path()
     assert len(upstream.asked) == 1

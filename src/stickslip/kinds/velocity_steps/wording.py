@@ -129,6 +129,7 @@ def _verdict(
     if fault:
         return f"No candidate explains this record; the closest is {name}."
     told = f"Use {name}"
+    tie = "" if rival is None else f"; this record does not distinguish it from {_law(rival)}"
     if closest.dropped:
         told = (
             f"{capital(name)} predicts best, but not all of its parameters are identified:"
@@ -146,12 +147,11 @@ def _verdict(
         )
         if _untried(ordered, fit):
             told += ": a form that was not tried may hold"
-        if rival is not None:
-            told += f"; this record does not distinguish it from {_law(rival)}"
+        told += tie
     elif fit.law.name == "constant-coefficient":
         told += f": no effect of speed is established, and $mu_0$ = {fit.estimates[0].plus_minus}"
-    elif rival is not None:
-        told += f"; this record does not distinguish it from {_law(rival)}"
+    else:
+        told += tie
     if fit.law.evolution != "none" and not fit.separable:
         which = "the difference of $a$ and $b$" if len(fit.rate_symbols) < 3 else _rate(fit)
         return f"{told}. Only {which} is identified."

@@ -24,9 +24,9 @@ SAMPLES: Final = 700
 MOST_STEPS: Final = 20_000
 """Steps of a run up to which jumps are looked for at each."""
 JUMP: Final = 1e-3
+"""Share of its largest size by which a force jumps, or more."""
 LINE_POINTS: Final = 1200
 """Points of a line: more cannot be seen in a figure of 880 px."""
-"""Share of its largest size by which a force jumps, or more."""
 
 
 def labelled(name: str, unit: str) -> str:

@@ -90,7 +90,9 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
         x, y = axes.transData.inverted().transform(
             ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)
         )
-        label_at(axes, float(x), float(y), curve.text, curve.colour, offset=(0, 0), align="center")
+        name = label_at(axes, float(x), float(y), curve.text, curve.colour, offset=(0, 0),
+                        align="center")  # fmt: skip
+        name.set_in_layout(False)  # its place was found in the layout that is
 
 
 def label_ends(
