@@ -492,10 +492,13 @@ BRISTLE = LuGre(
 )
 
 
-@pytest.mark.parametrize("shift", ["offset", "level_dir"])
-def test_a_law_of_one_level_has_a_constant_force_where_the_best_structure_has_either(shift):
-    # else LuGre friction left twice what LuGre by direction did, and another law was asked for
-    best = Structure((Term("inertia"), Term("level"), Term(shift))).shaped("", DAHL)
+@pytest.mark.parametrize(
+    "shift", [Term("offset"), Term("level_dir"), Term("stribeck_dir", (0.1, 2.0))]
+)
+def test_a_law_of_one_level_has_a_constant_force_where_the_best_structure_has_a_like_one(shift):
+    # else LuGre friction left twice what LuGre by direction did, and another law was asked for;
+    # a Stribeck step by direction stands for a constant force, too, where motion is slow
+    best = Structure((Term("inertia"), Term("level"), shift)).shaped("", DAHL)
     found = structure_of(BRISTLE, best)
     assert found is not None
     assert found.has("offset")

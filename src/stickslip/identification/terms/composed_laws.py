@@ -181,13 +181,13 @@ PARTS = {
     "power": "power",
     "drag": "quadratic",
 }
+"""Kinds of terms, by the parts of laws that they are."""
 GEARS = {
     ("weight", "transmitted"): "weight",
     ("weight", "motor"): "motor_weight",
     ("weight2", "transmitted"): "weight2",
 }
 """The same of parts that grow with an input of the contact."""
-"""Kinds of terms, by the parts of laws that they are."""
 TWO_SIDED = ("stribeck", "viscous", "power")
 """Kinds with a difference between the directions of their own; that of levels is an offset."""
 
@@ -229,11 +229,14 @@ def structure_of(
             terms += [Term("load", (), channel, "load") if grows else Term(kind, par, channel)]
         both = any(isinstance(one, tuple) for one in leaf.names.values())
         terms += [Term(f"{kind}_dir", par, channel)] if both and kind in TWO_SIDED else []
-    shifted = made.directional or any(one.kind == "level_dir" for one in best.terms)
+    # that of a curve by direction may stand for a constant force
+    shifted = made.directional or any(
+        one.channel == channel and one.kind in DIRECTIONAL for one in best.terms
+    )
     if shifted and not any(one.kind == "offset" for one in terms):
         # beside a law of one level, fits look for a constant force in any case
-        odd = made.directional and made.memory and bristles
-        terms += [Term("level_dir" if odd else "offset", (), channel)]
+        bristled = made.directional and made.memory and bristles
+        terms += [Term("level_dir" if bristled else "offset", (), channel)]
     found = Structure(tuple(sorted(set(terms), key=str)), best.shapes).shaped(channel, SIGN)
     if made.memory is None or not bristles:
         return found
