@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.formatting import scale_of
+from stickslip.formatting import count, scale_of
 from stickslip.plots import (
     INK,
     MUTED,
@@ -33,6 +33,8 @@ from stickslip.trajectory import Trajectory
 SEPARATION_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 300))
 ROOM, NARROW_ROOM = 0.06, 0.12
 """Width of the number of a setting over that of all settings, in a wide and a narrow figure."""
+NAMES: Final = 30
+"""Letters of two names that have room beside a curve of a narrow figure."""
 
 
 def draw_separation(
@@ -138,7 +140,10 @@ def _name_laws(
 def _short(names: Sequence[str], titles: Mapping[str, str]) -> str:
     """Return the names of a group, or the first and how many others."""
     said = [titles.get(name, name) for name in names]
-    return ", ".join(said) if len(said) < 3 else f"{said[0]} and {len(said) - 1} others"
+    whole = ", ".join(said)
+    if len(said) < 2 or (len(said) == 2 and len(whole) <= NAMES):
+        return whole
+    return f"{said[0]} and {count(len(said) - 1, 'other')}"
 
 
 def _where_to_measure(axes: Axes, settings: Sequence[float]) -> None:
