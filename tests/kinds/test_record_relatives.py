@@ -75,7 +75,7 @@ def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
 
 def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted(monkeypatch):
     # an elasto-plastic axis: GMS left 1.3 times the noise, its own law would have left the noise
-    monkeypatch.setattr(explained, "noise_left", lambda _: 1.0)
+    monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
 
     def fitted(law, rms):
         values = SimpleNamespace(values={"mechanism.inertia": 2.0})

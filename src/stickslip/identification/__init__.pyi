@@ -99,9 +99,9 @@ from stickslip.identification.terms.dense_series import without_outliers as with
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
 from stickslip.identification.terms.findings import asked_of as asked_of
 from stickslip.identification.terms.findings import errors_of as errors_of
+from stickslip.identification.terms.findings import force_noise as force_noise
 from stickslip.identification.terms.findings import mass_held as mass_held
 from stickslip.identification.terms.findings import model_errors as model_errors
-from stickslip.identification.terms.findings import noise_left as noise_left
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel
 from stickslip.identification.travel_model import Trial as Trial

@@ -463,11 +463,15 @@ def _either(finding: str, late: float, cure: str = "") -> ModelError:
 
 def noise_left(found: Explanation) -> float:
     """Return the noise of the sensors in the band [N]: of force, and of motion times inertia."""
+    return math.hypot(force_noise(found), acceleration_noise(found.balance, found.best))
+
+
+def force_noise(found: Explanation) -> float:
+    """Return the noise of the force sensor in the band [N]."""
     balance = found.balance
-    force = max(
+    return max(
         resolution(one.raw) * math.sqrt(min(2.0 * one.h * balance.fc, 1.0)) for one in balance.parts
     )
-    return math.hypot(force, acceleration_noise(balance, found.best))
 
 
 def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:

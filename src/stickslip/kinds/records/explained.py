@@ -18,8 +18,8 @@ from stickslip.identification import (
     RecordSettings,
     asked_of,
     errors_of,
+    force_noise,
     model_errors,
-    noise_left,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import REFERENCE, Watch
@@ -44,7 +44,8 @@ RELATIVES = ("gms", ELASTIC)
 """Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
 leaves more than noise."""
 WHITE = 1.5
-"""Force that the closest law leaves over the noise of the sensors from which it is more."""
+"""Force that the closest law leaves over the noise of the force sensor from which it is more: noise
+of the motion is estimated by the best structure, and what this lacks would count as noise."""
 RATE = 100.0
 """Rate [1/s] at which an element or a bristle comes to its level where a search begins."""
 STATIC = 1.3
@@ -114,9 +115,9 @@ class Explained:
     ) -> tuple[CandidateSpec, FittedLaw] | None:
         """Return the next law that no structure is, begun from the closest law with a bristle.
 
-        None where the closest structure leaves no more than noise, or where motion is simulated:
-        along the measured one a fit of theirs takes seconds, and there minutes. That one of them
-        leaves little does not tell that another one leaves more.
+        None where the closest law leaves no more than noise of the force, or where motion is
+        simulated: along the measured one a fit of theirs takes seconds, and there minutes. That one
+        of them leaves little does not tell that another one leaves more.
         """
         # of a law without a bristle, rests are not among the rows that its fit leaves a force at
         bristled = [one for one in fits if one.law.states]
@@ -126,7 +127,7 @@ class Explained:
             return None
         composed = [one for one in bristled if one.law.name not in RELATIVES]
         left = min(composed, key=lambda one: one.rms, default=closest)
-        if len(left.law.states) < 2 and left.rms <= WHITE * noise_left(self.asked.explanation):
+        if len(left.law.states) < 2 and left.rms <= WHITE * force_noise(self.asked.explanation):
             return None
         spec = specification(name)
         assert isinstance(spec.law, type)
