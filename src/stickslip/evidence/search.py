@@ -55,6 +55,8 @@ OPEN = 0.10
 """Share of the friction that the best structure leaves from which limits are tried that are ..."""
 HALF = 0.5
 """... above this share of the samples of the force only."""
+RULED_OUT = 0.2
+"""Share of what other structures leave below which a limit of half the samples is one."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -187,8 +189,8 @@ class Search:
     def often_limited(self, start: Structure, found: Searched) -> Searched:
         """Search from an amplifier that is at its limit half of the time, where nothing else holds.
 
-        Of such a force a level and a limit explain much in any case: it has to leave less than
-        `OPEN` of the friction where all others leave more.
+        Of such a force a level and a limit explain much in any case: it has to leave less than a
+        fifth of what all others leave, where that is more than `OPEN` of the friction.
         """
         if found.best.rms <= OPEN * found.scale:
             return found
@@ -204,7 +206,7 @@ class Search:
         self.terms += further
         for structure in self._capped(start):
             one = self.prune(self.fit(structure))
-            if one.ok and one.rms <= OPEN * found.scale and self.better(one, found.best):
+            if one.ok and one.rms <= RULED_OUT * found.best.rms and self.better(one, found.best):
                 return self.run(one.structure)
         self.terms = [term for term in self.terms if term not in further]
         self.balance.limit_from(MOSTLY)
