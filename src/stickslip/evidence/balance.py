@@ -37,7 +37,8 @@ SHORTEST = 8.0
 ROOM_TEMPERATURE = 20.0
 """Temperature [°C] from which terms in the temperature count."""
 MOSTLY = 0.75
-"""Share of the samples of a force that an amplifier delivers, at least."""
+"""Share of the samples of a force that an amplifier delivers, at least: of a force that is nearly
+always beyond its limit, anything explains the rest."""
 POINTS = 20
 """Folds of a table, at most."""
 
@@ -184,23 +185,15 @@ class Balance:
         } | dict(resolved)
         self.speed: dict[str, float] = {}
         self.span: dict[str, float] = {}
+        self.usual_force: dict[str, float] = {}
         for c in self.channels:
             own = [one for one in parts if one.channel == c]
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
-        self.limit_from(MOSTLY)
+            force = np.abs(np.concatenate([one.raw for one in own]))
+            self.usual_force[c] = float(np.quantile(force, MOSTLY))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[tuple[float, float, float], Array] = {}
-
-    def limit_from(self, share: float) -> None:
-        """Let limits of the force be above a share of its samples.
-
-        Of a force that is nearly always beyond its limit, anything explains the rest.
-        """
-        self.usual_force: dict[str, float] = {}
-        for c in self.channels:
-            force = np.abs(np.concatenate([one.raw for one in self.of(c)]))
-            self.usual_force[c] = float(np.quantile(force, share))
 
     def _check_motion(self) -> None:
         """Refuse what rests throughout, as far as the sensor shows."""

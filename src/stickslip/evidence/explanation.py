@@ -111,7 +111,7 @@ def explain(
     start = _admissible(search, whole)
     # what the start cannot have may be found beside other terms
     search.terms += [term for term in whole.terms if term not in start.terms]
-    found = search.often_limited(start, search.run(start))
+    found = search.run(start)
     best = _refined(search, found.best)
     if best.structure.family != found.best.structure.family:
         best = _refined(search, best)

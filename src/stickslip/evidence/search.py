@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.evidence.balance import MOSTLY, Balance
+from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
 from stickslip.evidence.moves import moves
@@ -28,7 +28,6 @@ from stickslip.evidence.vocabulary import (
     grid,
     hums,
     ripples,
-    saturations,
     shapes,
 )
 
@@ -51,12 +50,6 @@ TEXTBOOK = ("viscous", "offset", "viscous_dir")
 """The second start beside a level: the textbook law of both directions."""
 POWERS = (0.4, 0.6, 1.0)
 """Viscous exponents of the third start, a Stribeck law."""
-OPEN = 0.10
-"""Share of the friction that the best structure leaves from which limits are tried that are ..."""
-HALF = 0.5
-"""... above this share of the samples of the force only."""
-RULED_OUT = 0.2
-"""Share of what other structures leave below which a limit of half the samples is one."""
 SHARE = 0.85
 """Share of the time, about, that the search takes."""
 USUAL_LEVELS = 3.0
@@ -185,32 +178,6 @@ class Search:
             if math.isfinite(errors[best]):
                 found = options[best]
         return polished(self.balance, found)
-
-    def often_limited(self, start: Structure, found: Searched) -> Searched:
-        """Search from an amplifier that is at its limit half of the time, where nothing else holds.
-
-        Of such a force a level and a limit explain much in any case: it has to leave less than a
-        fifth of what all others leave, where that is more than `OPEN` of the friction.
-        """
-        if found.best.rms <= OPEN * found.scale:
-            return found
-        known = {term for term in self.terms if term.kind == "saturation"}
-        channels = {term.channel for term in known}
-        self.balance.limit_from(HALF)
-        further = [
-            term
-            for channel in channels
-            for term in saturations(self.balance, channel)
-            if term not in known
-        ]
-        self.terms += further
-        for structure in self._capped(start):
-            one = self.prune(self.fit(structure))
-            if one.ok and one.rms <= RULED_OUT * found.best.rms and self.better(one, found.best):
-                return self.run(one.structure)
-        self.terms = [term for term in self.terms if term not in further]
-        self.balance.limit_from(MOSTLY)
-        return found
 
     def _capped(self, start: Structure) -> list[Structure]:
         """Return viscous friction below an amplifier's limit, at the best limit if any is possible.
