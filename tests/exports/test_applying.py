@@ -11,6 +11,7 @@ import pytest
 
 from stickslip import (
     Axis,
+    BamM3,
     Coulomb,
     CoulombViscous,
     LuGre,
@@ -27,6 +28,7 @@ from stickslip.exports import apply
 from stickslip.exports.applying.running import SHARE
 from stickslip.exports.simplification import PolynomialFriction, simplified
 from stickslip.exports.subject import Subject
+from stickslip.formatting import quantity
 from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
 
@@ -571,6 +573,17 @@ def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
     assert len(row.motions) == 6
     # at one temperature the law is a level and a damping
     assert max(one.simplification for one in row.motions) < 1e-9
+
+
+@pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (1.5, 0.2 + 1.5)])
+def test_a_gear_is_held_below_the_break_away_that_it_has_under_the_push_itself(share, held):
+    mujoco_or_skip()
+    gear = BamM3(kinetic_coefficient=0.2, transmitted_coefficient=share, viscous_coefficient=0.05)
+    (row,) = written(gear, DESK_ARM, "elbow", at={"transmitted": 1.0}, run=True).joints
+    hold = row.motions[0]
+    # of a gear that locks itself, any push: that at the stated torque
+    assert hold.said.startswith(f"Hold for 10 s under {quantity(SHARE * held, 'N m')}, 60 %")
+    assert hold.travel == 0.0
 
 
 def test_each_law_takes_the_inputs_that_it_depends_on_and_those_of_its_contact(tmp_path):
