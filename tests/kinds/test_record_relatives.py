@@ -1,5 +1,7 @@
 """Laws with a bristle that the force balance does not compose are compared too."""
 
+from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +14,7 @@ from stickslip.friction import specification
 from stickslip.identification import RouteChoice
 from stickslip.kinds.records import explained, selection
 from stickslip.kinds.records.explained import Explained, begun_from
+from stickslip.kinds.records.ladder import Climbed
 
 MAXWELL_SLIP = GMS(
     kinetic_coefficient=6.0,
@@ -73,16 +76,59 @@ def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
         assert Explained.errors_of(asked, "gms", MAXWELL_SLIP, left) == ()
 
 
+def fitted(law, rms):
+    values = SimpleNamespace(values={"mechanism.inertia": 2.0}, cost=rms**2, rows=1)
+    simulates = SimpleNamespace(simulates=False)
+    return SimpleNamespace(law=law, rms=rms, problem=simulates, fitted_law=values)
+
+
+def asking_for(law):
+    """Return what a force balance whose best law is a given one asks for."""
+    best = SimpleNamespace(specification=SimpleNamespace(law=law))
+    asked = SimpleNamespace(asked=SimpleNamespace(explanation=None, best=best))
+    asked.relative = partial(Explained.relative, asked)
+    return asked
+
+
+def test_where_laws_without_a_bristle_leave_more_than_noise_one_with_it_is_tried(monkeypatch):
+    # an axis whose bristles give by little more than an encoder step, called one without any
+    monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
+    asked, rigid = asking_for(STRIBECK), fitted(STRIBECK, 5.0)
+    spec, start = asked.relative([rigid], {"stribeck"})
+    assert (spec.name, start) == ("lugre", rigid.fitted_law)
+    assert asked.relative([fitted(STRIBECK, 1.4)], {"stribeck"}) is None
+    # others follow where it leaves clearly less, and more than noise
+    tried = {"stribeck", "lugre"}
+    assert asked.relative([rigid], tried) is None
+    assert asked.relative([rigid, fitted(BRISTLE, 4.0)], tried) is None
+    assert asked.relative([rigid, fitted(BRISTLE, 1.4)], tried) is None
+    spec, _ = asked.relative([rigid, fitted(BRISTLE, 2.0)], tried)
+    assert spec.name == "gms"
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_bristles_whose_stiffness_no_record_tells_are_not_scored(monkeypatch, told):
+    # exact stick smeared by a filter reads as a bristle, of any stiffness
+    monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
+    unknown = frozenset() if told else frozenset(["bristle_stiffness"])
+    monkeypatch.setattr(selection, "unidentified", lambda _: unknown)
+    rigid = selection.unfitted(specification("stribeck"), "")
+    rigid = replace(rigid, fit=fitted(STRIBECK, 5.0))
+
+    def fit(spec, *_):
+        return replace(rigid, name=spec.name, fit=fitted(BRISTLE, 0.5))
+
+    found = Climbed(specs=(specification("stribeck"),), tried=(rigid,))
+    found = selection._with_relatives(fit, found, asking_for(STRIBECK), None)
+    assert [one.name for one in found.tried] == ["stribeck", "lugre"]
+    assert bool(found.tried[1].dropped) is not told
+
+
 def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted(monkeypatch):
     # an elasto-plastic axis: GMS left 1.3 times the noise, its own law would have left the noise
     monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
 
-    def fitted(law, rms):
-        values = SimpleNamespace(values={"mechanism.inertia": 2.0})
-        simulates = SimpleNamespace(simulates=False)
-        return SimpleNamespace(law=law, rms=rms, problem=simulates, fitted_law=values)
-
-    asked = SimpleNamespace(asked=SimpleNamespace(explanation=None))
+    asked = asking_for(BRISTLE)
     fits = [fitted(BRISTLE, 4.0), fitted(MAXWELL_SLIP, 1.3)]
     spec, start = Explained.relative(asked, fits, {"lugre", "gms"})
     assert spec.name == "elasto-plastic"

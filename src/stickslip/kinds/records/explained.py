@@ -43,6 +43,10 @@ ELASTIC = "elasto-plastic"
 RELATIVES = ("gms", ELASTIC)
 """Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
 leaves more than noise."""
+BRISTLE = "lugre"
+"""Law with a bristle that is tried where all others have none and leave more than noise."""
+CLEARLY = 1.5
+"""Force that laws without a bristle leave, over what one with it leaves, from which it is less."""
 WHITE = 1.5
 """Force that the closest law leaves over the noise of the force sensor from which it is more: noise
 of the motion is estimated by the best structure, and what this lacks would count as noise."""
@@ -117,17 +121,29 @@ class Explained:
 
         None where the closest law leaves no more than noise of the force, or where motion is
         simulated: along the measured one a fit of theirs takes seconds, and there minutes. That one
-        of them leaves little does not tell that another one leaves more.
+        of them leaves little does not tell that another one leaves more. Where no law with a
+        bristle was tried, as the path hardly resolves one, LuGre friction comes first, and the
+        others where it leaves clearly less.
         """
+        closest = min(fits, key=lambda one: one.rms, default=None)
+        if closest is None or closest.problem.simulates:
+            return None
+        noise = WHITE * force_noise(self.asked.explanation)
         # of a law without a bristle, rests are not among the rows that its fit leaves a force at
         bristled = [one for one in fits if one.law.states]
-        closest = min(bristled, key=lambda one: one.rms, default=None)
-        name = next((one for one in RELATIVES if one not in tried), None)
-        if closest is None or name is None or closest.problem.simulates:
+        if not bristled:
+            first = specification(BRISTLE)
+            new = closest.rms > noise and BRISTLE not in tried
+            return (first, closest.fitted_law) if new else None
+        closest = min(bristled, key=lambda one: one.rms)
+        rigid = [one.rms for one in fits if not one.law.states]
+        told = self.asked.best.specification.law.states
+        if not told and CLEARLY * closest.rms > min(rigid, default=math.inf):
             return None
+        name = next((one for one in RELATIVES if one not in tried), None)
         composed = [one for one in bristled if one.law.name not in RELATIVES]
         left = min(composed, key=lambda one: one.rms, default=closest)
-        if len(left.law.states) < 2 and left.rms <= WHITE * force_noise(self.asked.explanation):
+        if name is None or (len(left.law.states) < 2 and left.rms <= noise):
             return None
         spec = specification(name)
         assert isinstance(spec.law, type)

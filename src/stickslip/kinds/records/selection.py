@@ -41,9 +41,10 @@ from stickslip.kinds.records.admissibility import (
     resting,
     standard_uncertainty,
     unexplained,
+    unidentified,
     variation_of,
 )
-from stickslip.kinds.records.explained import Explained, explained
+from stickslip.kinds.records.explained import BRISTLE, Explained, explained
 from stickslip.kinds.records.ladder import Climbed, climbed
 from stickslip.kinds.records.next_measurements import experiments_after
 from stickslip.kinds.records.simplification import one_part_less, untold
@@ -89,6 +90,8 @@ ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 TOO_FAR = 2.0
 """Residual over that of a law from which one that lacks a part need not be scored."""
+STIFFNESS = "bristle_stiffness"
+RIGID = "not scored: the record does not tell how stiff its bristles are"
 NOT_AS_WELL = "not scored: it leaves far more than the law that has a part more"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
@@ -307,7 +310,11 @@ def _with_relatives(
             return found
         rival = min(fits, key=lambda one: one.rms).fitted_law
         one = fitted(new[0], [new[1]], rival.cost / rival.rows, watch)
+        rigid = new[0].name == BRISTLE and one.fit and STIFFNESS in unidentified(one.fit)
+        one = replace(one, dropped=RIGID) if rigid else one
         found = replace(found, specs=(*found.specs, new[0]), tried=(*found.tried, one))
+        if rigid:
+            return found
 
 
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
