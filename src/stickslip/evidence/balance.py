@@ -36,9 +36,9 @@ SHORTEST = 8.0
 """Least length of a piece, over 1/fc."""
 ROOM_TEMPERATURE = 20.0
 """Temperature [°C] from which terms in the temperature count."""
-MOSTLY = 0.75
-"""Share of the samples of a force that an amplifier delivers, at least: of a force that is nearly
-always beyond its limit, anything explains the rest."""
+DELIVERED = 0.3
+"""Share of the samples of a force that an amplifier delivers, at least: a force that is nearly
+always beyond its limit is not known."""
 POINTS = 20
 """Folds of a table, at most."""
 
@@ -191,7 +191,7 @@ class Balance:
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
             force = np.abs(np.concatenate([one.raw for one in own]))
-            self.usual_force[c] = float(np.quantile(force, MOSTLY))
+            self.usual_force[c] = float(np.quantile(force, DELIVERED))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[tuple[float, float, float], Array] = {}
 
