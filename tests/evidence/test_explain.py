@@ -107,6 +107,17 @@ def test_friction_with_several_bristles_is_not_called_an_amplifier_at_its_limit(
     assert not told.faults
 
 
+def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks():
+    """Over 15 s, an error of 9 mHz turns the ripple by an eighth, which a drift would undo."""
+    _, found = faulty("aliased-ripple", np.random.default_rng([7330, 17]))
+    told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
+    (fault,) = told.faults
+    assert fault.kinds == ("hum",)
+    low, high = fault.interval
+    assert low < 32.7497 < high
+    assert high - low < 0.01
+
+
 def test_neighbours_among_faults_are_named_as_a_group():
     found = explain([record(truth_of("f_gap2"), 11).series])
     (fault,) = found.faults

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from typing import Any, Self, final
 
 import numpy as np
@@ -281,6 +282,15 @@ class Balance:
         if key not in self._late:
             self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
+
+    def within(self, low: float, high: float) -> "Balance":
+        """Return the balance without rows in which a measured force from a limit on has a part."""
+        found = copy(self)
+        found.use = self.use.copy()
+        for one in self.parts:
+            ends = spread_out((one.raw <= low) | (one.raw >= high), int(1.0 / self.fc / one.h) + 1)
+            found.use[one.rows] &= ~ends[:: one.every]
+        return found
 
     @contextmanager
     def passing(self) -> Iterator[None]:
