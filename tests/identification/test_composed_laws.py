@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from benchmarks.faults import FAULTS, faulty
 
 from stickslip import Axis, CoulombViscous, LuGre, Measurement, SpringBlock, fit, select
 from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
@@ -400,6 +401,35 @@ def test_a_level_that_does_not_grow_with_the_load_is_said(share, said):
     assert found.kind == "load"
     assert said in found.finding
     assert found.interval[0] < 6.0 < found.interval[1]
+
+
+def broken(name, seed, change=lambda one: one):
+    """Return what is said of a rig of the benchmark with a fault, whose mass is looked for."""
+    _, record = faulty(name, np.random.default_rng([seed, list(FAULTS).index(name)]))
+    record = change(record)
+    asked = asked_of(Axis(inertia=1.0), record, "zero", ("mechanism.inertia",), PROMPT)
+    return model_errors(asked.explanation, record, "zero", PROMPT)
+
+
+def clipped(record, share):
+    force = np.asarray(record.force)
+    most = share * np.max(np.abs(force))
+    return replace(record, force=np.clip(force, -most, most))
+
+
+def test_a_fault_that_samples_at_the_end_of_a_range_alone_ask_for_may_be_that_range():
+    (found,) = broken("clipped-sensor", 7330)
+    assert found.kind == "backlash or saturation"
+    assert "more force than was recorded where it stays at its extreme" in found.finding
+
+
+def test_a_fault_that_the_other_samples_ask_for_too_is_named_beside_a_range():
+    (found,) = broken("unknown-spring", 7330, lambda one: clipped(one, 0.95))
+    assert found.kind == "spring"
+
+
+def test_where_lost_samples_make_the_position_jump_nothing_is_called_late():
+    assert [one.kind for one in broken("dropped-samples", 7330)] == ["unexplained"]
 
 
 def test_outliers_are_counted_and_blame_nothing_else():

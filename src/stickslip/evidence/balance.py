@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from typing import Any, Self, final
 
 import numpy as np
@@ -36,9 +37,9 @@ SHORTEST = 8.0
 """Least length of a piece, over 1/fc."""
 ROOM_TEMPERATURE = 20.0
 """Temperature [°C] from which terms in the temperature count."""
-MOSTLY = 0.75
-"""Share of the samples of a force that an amplifier delivers, at least: of a force that is nearly
-always beyond its limit, anything explains the rest."""
+DELIVERED = 0.3
+"""Share of the samples of a force that an amplifier delivers, at least: a force that is nearly
+always beyond its limit is not known."""
 POINTS = 20
 """Folds of a table, at most."""
 
@@ -191,7 +192,7 @@ class Balance:
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
             force = np.abs(np.concatenate([one.raw for one in own]))
-            self.usual_force[c] = float(np.quantile(force, MOSTLY))
+            self.usual_force[c] = float(np.quantile(force, DELIVERED))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[tuple[float, float, float], Array] = {}
 
@@ -281,6 +282,15 @@ class Balance:
         if key not in self._late:
             self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
+
+    def within(self, low: float, high: float) -> "Balance":
+        """Return the balance without rows in which a measured force from a limit on has a part."""
+        found = copy(self)
+        found.use = self.use.copy()
+        for one in self.parts:
+            ends = spread_out((one.raw <= low) | (one.raw >= high), int(1.0 / self.fc / one.h) + 1)
+            found.use[one.rows] &= ~ends[:: one.every]
+        return found
 
     @contextmanager
     def passing(self) -> Iterator[None]:

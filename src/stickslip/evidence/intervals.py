@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import Fit, design, estimated, fit, possible, sandwich
 from stickslip.evidence.values import (
+    changes,
     column_keys,
     free_values,
     logarithms,
@@ -54,7 +55,8 @@ def refined(balance: Balance, found: Fit) -> Fit:
         wild = not sane(balance, structure) or not possible(made, values)
         return float(left @ left) + (forbidden if wild else 0.0)
 
-    simplex = np.vstack([start, start + SIMPLEX * np.eye(len(start))])
+    first = changes(balance, found.structure, which, SIMPLEX)
+    simplex = np.vstack([start, start + np.diag(first)])
     options = {
         "maxfev": BUDGET,
         "xatol": 2e-3,

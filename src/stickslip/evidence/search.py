@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import SIGN, Shape
 from stickslip.evidence.fits import Fit, acceleration_noise, fit, friction_scale, training_error
-from stickslip.evidence.moves import moves
+from stickslip.evidence.moves import Move, moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import (
     DAMPED,
@@ -301,14 +301,22 @@ class Search:
             key = (move.term.kind, move.term.channel, move.gone and move.gone.kind)
             if key not in seen:
                 seen.add(key)
-                fresh.append(move.applied(structure))
-        proposed = fresh[:BEST_MOVES]
+                fresh.append(move)
+        proposed = [self._moved(structure, move) for move in fresh[:BEST_MOVES]]
         proposed += self.late(structure)
         for channel in self.balance.channels:
             proposed += self._remembering(structure, channel)
         if len(structure.terms) > 1:
             proposed += [structure.without(term) for term in structure.free]
         return [one for one in proposed if _has_columns(one)]
+
+    def _moved(self, structure: Structure, move: Move) -> Structure:
+        """Return a structure after a move.
+
+        A limit is taken off its grid first: a part of what is beyond the nearest may act.
+        """
+        found = move.applied(structure)
+        return polished(self.balance, found) if move.term.kind == "saturation" else found
 
     def late(self, structure: Structure, kinds: Sequence[str] = SHOWN_LATE) -> list[Structure]:
         """Return the structure with the best delays, or filters, of the force."""

@@ -185,7 +185,7 @@ def _viscous_clock(part: Part, term: Term) -> Array:
 
 
 def _hum(part: Part, term: Term) -> Array:
-    phase = 2.0 * math.pi * term.par[0] * part.t
+    phase = 2.0 * math.pi * term.par[0] * part.since
     return np.column_stack([np.sin(phase), np.cos(phase)])
 
 

@@ -19,6 +19,8 @@ STEPS = 2
 """Gauss-Newton steps of new members of the search."""
 NUDGE = 0.03
 """Change of the logarithm of a parameter for the slope of columns."""
+TURN = 0.2
+"""Most by which a wave may turn [rad] at its end where its frequency is changed for a slope."""
 SHORTENED = (1.0, 0.4, 0.15)
 """Shares of a step that are tried."""
 LONGEST = 0.5
@@ -27,6 +29,8 @@ EXPONENTS = (0.2, 2.5)
 """Limits of the exponent of a viscous power: one of less is nearly a level."""
 SLOW = 0.5
 """Largest Stribeck velocity over the largest speed, at which the step has gone."""
+WAVES = ("ripple", "level_ripple", "imbalance")
+"""Kinds of waves along the way."""
 LEAST_PERIODS = 1.8
 """Least periods of a ripple in the range of the position."""
 LATEST = 0.06
@@ -151,13 +155,32 @@ def _seen(balance: Balance, channel: str, v_s: float) -> bool:
     return top / 1e3 < v_s < 1.2 * SLOW * top
 
 
+def changes(
+    balance: Balance, structure: Structure, which: Sequence[Value], usual: float
+) -> list[float]:
+    """Return changes (k,) of logarithms after which columns are alike: the usual, or less.
+
+    A wave of a hundred periods is another one at its end if its frequency changes by a hundredth.
+    """
+    found = []
+    for one in which:
+        turns = 0.0
+        if isinstance(one.owner, Term) and one.owner.kind == "hum":
+            turns = 2.0 * math.pi * balance.length * one.of(structure)
+        elif isinstance(one.owner, Term) and one.owner.kind in WAVES:
+            turns = balance.span[one.owner.channel] * one.of(structure)
+        found.append(min(usual, TURN / max(turns, TURN)))
+    return found
+
+
 def slopes(
-    balance: Balance, structure: Structure, which: Sequence[Value], values: Array, step: float
+    balance: Balance, structure: Structure, which: Sequence[Value], values: Array, usual: float
 ) -> Array:
     """Return slopes (n, k) of the residual's negative by the logarithms of parameters."""
     owners = design(balance, structure).owners
     logs, found = logarithms(structure, which), []
-    for i in range(len(which)):
+    steps = changes(balance, structure, which, usual)
+    for i, step in enumerate(steps):
         ends = []
         for sign in (1.0, -1.0):
             there = logs.copy()

@@ -29,7 +29,7 @@ from stickslip.evidence import (
     usual_band,
     vocabulary,
 )
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, check
 from stickslip.formatting import (
     capital,
     number,
@@ -109,7 +109,10 @@ CALLED: Final[Mapping[str, str]] = {
 """Kinds as nouns."""
 MECHANICAL: Final = ("spring", "mass")
 """Kinds that look like given parameters of a mechanism of several joints if these are wrong."""
-PARAMETERS: Final = "an error of the given parameters of the mechanism"
+PARAMETERS: Final = ("parameters", "an error of the given parameters of the mechanism")
+"""What these may look like instead: name and noun."""
+CUT_OFF: Final = ("saturation", "more force than was recorded where it stays at its extreme")
+"""What a fault may be instead that such samples alone ask for: name and noun."""
 
 
 @final
@@ -247,18 +250,28 @@ def model_errors(
     """Return the faults of an explanation, the largest first, and forces that no law has.
 
     Where much is left unexplained no cause is named, as that of the nearest structure would be a
-    guess, but that something is late or elastic if this explains more than is left.
+    guess, but that something is late or elastic if this explains more than is left: not where
+    the position jumps, as after lost samples, and forces would too.
     """
     far = _fitted_outliers(found.balance, measurement)
     others = any(one.taken is not None for one in found.balance.series)
     error = partial(_error, measurement=measurement, hold=hold, response=response)
     if _leaves_much(found):
         group = [_any_of(one) for one in found.faults if one.kinds[0] in LATE_OR_ELASTIC]
-        larger = [error(one, of_mechanism=False) for one in group if one.size > found.best.rms]
+        if group and check(measurement).of("jump"):
+            group = []
+        larger = [error(one) for one in group if one.size > found.best.rms]
         return (*larger, _unexplained(found, measurement), *far)
     instead = _late_instead(found, measurement, response)
+    inside = _inside(found, measurement) if found.faults else None
+
+    def beside(fault: Fault) -> tuple[str, str] | None:
+        if others and fault.kinds[0] in MECHANICAL:
+            return PARAMETERS
+        return None if _remains(inside, found, fault) else CUT_OFF
+
     errors = [
-        error(one, of_mechanism=others and one.kinds[0] in MECHANICAL)
+        error(one, instead=beside(one))
         for one in found.faults
         if instead is None or not {*one.kinds} & {*CORRECTED}  # one cause, said once
     ]
@@ -278,6 +291,26 @@ def model_errors(
         if one is not None
     ]
     return (*sorted(errors, key=lambda one: -one.share), *far)
+
+
+def _inside(found: Explanation, measurement: Measurement) -> Balance | None:
+    """Return the balance without the samples at which the force stays at its extreme, if any do."""
+    ends = [x.numbers for x in check(measurement).of("saturation") if "share" in x.numbers]
+    if not ends or len(found.balance.channels) > 1:
+        return None
+    levels = [one["level"] for one in ends]
+    low = max((x for x in levels if x < 0.0), default=-math.inf)
+    return found.balance.within(low, min((x for x in levels if x > 0.0), default=math.inf))
+
+
+def _remains(inside: Balance | None, found: Explanation, fault: Fault) -> bool:
+    """Whether a fault earns its place without the samples at which the force stays at an end."""
+    if inside is None:
+        return True
+    best = without = found.best.structure
+    for term in best.faults:
+        without = without.without(term) if term.kind in fault.kinds else without
+    return Rule().better(fit(inside, best), fit(inside, without), found.scale)
 
 
 def _any_of(fault: Fault) -> Fault:
@@ -546,7 +579,7 @@ def _error(
     hold: Hold,
     response: SensorResponse,
     *,
-    of_mechanism: bool,
+    instead: tuple[str, str] | None = None,
 ) -> ModelError:
     kind = fault.kinds[0]
     value = fault.value or 0.0
@@ -562,11 +595,11 @@ def _error(
         measured="friction" in measurement.quantities(),
     )
     others = [one for one in dict.fromkeys(CALLED[k] for k in fault.kinds) if one != CALLED[kind]]
-    others += [PARAMETERS] if of_mechanism else []
+    others += [instead[1]] if instead else []
     finding = _undecided(fault, sized, others) if others else f"{SAID[kind](sized)}."
     what = f"{CALLED[kind]} explains" if not others else "one of these explains"
     return ModelError(
-        kind=f"{_group(fault.kinds)} or parameters" if of_mechanism else _group(fault.kinds),
+        kind=f"{_group(fault.kinds)} or {instead[0]}" if instead else _group(fault.kinds),
         finding=finding,
         consequence=(
             f"{capital(what)} {sized.force} of the force, {percent(fault.share)} of the friction."
@@ -590,7 +623,7 @@ def _undecided(fault: Fault, sized: _Sized, others: list[str]) -> str:
     each = " in each second" if fault.kinds[0] == "skew" else ""
     own = f"{CALLED[fault.kinds[0]]} of {sized.text}{each}"
     choice = " or ".join([own, *others])
-    if set(fault.kinds) <= set(LATE_OR_ELASTIC):
+    if set(fault.kinds) <= set(LATE_OR_ELASTIC) and CUT_OFF[1] not in others:
         return (
             f"Something late or elastic acts between force and motion: {choice}. The record does"
             " not tell which."
