@@ -28,6 +28,7 @@ from benchmarks.faults import explained
 from benchmarks.rigs import Array, Random, between
 from benchmarks.whole_verdicts import Known, in_line, parts_of, selected, totals, values_of
 from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck
+from stickslip.friction import law as composed
 from stickslip.identification.estimation.bristle_integration import Path as Motion
 from stickslip.identification.estimation.bristle_integration import follow
 
@@ -198,16 +199,36 @@ def explained_of(number: int, seed: int) -> dict[str, Any]:
     return row | {"verdict": verdict_of(row)}
 
 
+def _by_temperature(law: FrictionLaw, size: float) -> FrictionLaw | None:
+    """Return a law whose friction falls with the temperature; None where none is composed for it.
+
+    Its values are those at 0 degrees: the records begin at 20.
+    """
+    if not isinstance(law, CoulombViscous):
+        return None
+    cold = 1.0 + 20.0 * size
+    made = composed("level * linear[temperature] + viscous * linear[temperature]")(
+        kinetic_coefficient=cold * law.kinetic_coefficient,
+        viscous_coefficient=cold * law.viscous_coefficient,
+        level_temperature_slope=-size / cold,
+        viscous_temperature_slope=-size / cold,
+    )
+    assert isinstance(made, FrictionLaw)
+    return made
+
+
 def judged(number: int, seed: int) -> dict[str, Any]:
     """Return what a selection without named laws says of a record."""
     row, law, record, fresh = drawn(number, seed)
     fault = row["fault"]
+    warm = fault == "temperature"
+    true = _by_temperature(law, row["size"]) if warm else law
     either = [EITHER] if row["truth"] == "dahl" else []
     return row | selected(
         Known(
             given=AXIS,
-            law=None if fault == "temperature" else law,
-            values=values_of(law, AXIS),
+            law=true,
+            values=values_of(true or law, AXIS),
             measurement=record,
             fresh=fresh,
             fault=fault in ("delay", "lag", "drift", "outliers"),

@@ -6,7 +6,8 @@ stays fastened and swings before it rests, an axis that is pushed and a capsule,
 those of `TRUTHS`, of which the last two are not among the candidates. A rig has three to eight
 settings, read with errors of 0.1 to 1 mm, stated or not, or rounded. ``--levels`` judges fastened
 blocks with Coulomb friction alone, three travels each. ``--fault 0.05`` gives selection a
-stiffness, inertia or drive that is wrong by this share.
+stiffness, inertia or drive that is wrong by this share, and with ``--drift 0.1`` friction rises or
+falls by this share from the first trial to the last, in the order of the settings.
 
 A verdict is *right* if it names the true law, or says that the readings do not tell it from the one
 named, or names none, or names one that predicts as well: its error on noise-free travels at
@@ -26,7 +27,7 @@ import argparse
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -57,7 +58,7 @@ from stickslip.errors import StickslipError
 from stickslip.identification import Estimate
 from stickslip.kinds import TravelCandidate, TravelVerdict
 from stickslip.mechanisms import Torque, slip_of
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 
 RESULTS = "travel_truth.jsonl"
 ROUTE = "travels"
@@ -99,6 +100,18 @@ class TravelRig:
     """Standard error of a reading [m]."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
+    drift: float = 0.0
+    """Share by which friction changes from the first trial to the last."""
+
+    def law_at(self, share: float) -> FrictionLaw:
+        """Return the law of a trial, from 0 for the first to 1 for the last."""
+        factor = 1.0 + self.drift * share
+        forces = {
+            path: factor * value
+            for path, one, value in parameters(self.law, "friction")
+            if one.scale.startswith(("level", "slope", "force"))
+        }
+        return vary(self.law, "friction", forces) if self.drift else self.law
 
     def travel(self, setting: float, law: FrictionLaw | None = None) -> float:
         """Return the travel [m] at a setting, of the true law if none is given."""
@@ -203,8 +216,9 @@ def _law(random: Random, truth: str, level: float, load: float, speed: float) ->
 def readings(rig: TravelRig, random: Random) -> Measurement:
     """Return the travels of a rig as somebody would have written them down."""
     trials = []
-    for setting in rig.settings:
-        true = rig.travel(setting)
+    places = np.linspace(0.0, 1.0, len(rig.settings)).tolist()
+    for setting, place in zip(rig.settings, places, strict=True):
+        true = rig.travel(setting, rig.law_at(place))
         for _ in range(rig.repeats):
             read = round(true, 3) if rig.noise == "rounded" else random.normal(true, rig.error)
             stated = {"rounded": {"travel": 0.0005}, "normal": {"travel": rig.error}}
@@ -234,6 +248,7 @@ def judge(
     route: str = ROUTE,
     fault: float = 0.0,
     levels: bool = False,
+    drift: float = 0.0,
 ) -> dict[str, Any]:
     """Return what selection makes of the travels of one random rig."""
     random = np.random.default_rng([seed, number])
@@ -241,6 +256,7 @@ def judge(
     truth = "coulomb" if levels else TRUTHS[number // len(KINDS) % len(TRUTHS)]
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
     rig = draw(random, kind, truth, levels=levels)
+    rig = replace(rig, drift=drift * float(random.choice((-1.0, 1.0)))) if drift else rig
     began = time.process_time()
     try:
         measurement = readings(rig, random)
@@ -259,12 +275,14 @@ def judge(
     true = _true_names(rig, truth)
     intervals = _intervals(rig, best.fit.estimates if best and best.fit else ())
     alone = best.alone if best and best.name in true else ()
-    told = best is None or not true.isdisjoint((best.name, *(c.name for c in ties)))
+    said = () if best is None else (best.name, *(c.name for c in ties), *best.otherwise)
+    told = best is None or not true.isdisjoint(said)
     right = told or min(errors.values()) <= rig.error
     false = (not right) or any(one["far"] for one in intervals)
     return row | {
         "named": best.name if best else None,
         "ties": [c.name for c in ties],
+        "drifting": [] if best is None else [*best.otherwise],
         "verdict": verdict.sentence,
         "kind": rig.kind,
         "noise": rig.noise,
@@ -317,7 +335,6 @@ def _true_names(rig: TravelRig, truth: str) -> set[str]:
 
 def _wrong(rig: TravelRig, fault: float) -> Mechanism:
     """Return the mechanism as somebody gives it who is wrong by a share."""
-    from stickslip.quantities import parameters
 
     path = STEPS[rig.kind]
     known = {name: value for name, _, value in parameters(rig.mechanism, "mechanism")}
@@ -343,6 +360,8 @@ def _intervals(rig: TravelRig, estimates: Sequence[Estimate]) -> list[dict[str, 
         name = estimate.path.rpartition(".")[2]
         if isinstance(rig.law, DirectionDependent) and name == "kinetic_coefficient":
             ends = rig.law.forward_kinetic_coefficient, rig.law.backward_kinetic_coefficient
+        elif rig.drift and getattr(rig.law, name, None) is not None:
+            ends = getattr(rig.law, name), getattr(rig.law_at(1.0), name)
         elif isinstance(rig.law, PowerViscous) and name == "viscous_coefficient":
             continue
         else:
@@ -434,11 +453,15 @@ def main() -> None:
     sets = {"all": LAWS, "fast": FAST}
     parser.add_argument("--laws", choices=sets, default="all", help="fast: those without bristles")
     parser.add_argument("--fault", type=float, default=0.0, help="share by which a rig is wrong")
+    parser.add_argument("--drift", type=float, default=0.0, help="share by which friction drifts")
     parser.add_argument("--levels", action="store_true", help="three travels of fastened blocks")
     parser.add_argument("--fits", action="store_true", help="fits with the true law, no selection")
     given = parser.parse_args()
-    rated: Callable[..., dict[str, Any]] = partial(judge, fault=given.fault, levels=given.levels)
+    rated: Callable[..., dict[str, Any]] = partial(
+        judge, fault=given.fault, levels=given.levels, drift=given.drift
+    )
     route = f"{ROUTE}{'-levels' if given.levels else ''}{given.fault or ''}"
+    route += f"-drift{given.drift}" if given.drift else ""
     if given.fits:
         rated, route = judge_fit, f"{ROUTE}-fits"
     for line in run(

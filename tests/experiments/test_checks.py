@@ -501,8 +501,17 @@ def test_a_friction_map_says_what_it_covers():
     speeds = np.linspace(-0.3, 0.3, 7)
     both = np.repeat(speeds, 3)
     checks = check(Measurement(velocity=both, friction=20 * np.sign(both) + both))
-    assert checks.sentences == ("21 points at 7 velocities from −0.3 m/s to 0.3 m/s.",)
+    covers, order = checks.sentences
+    assert covers == "21 points at 7 velocities from −0.3 m/s to 0.3 m/s."
+    assert order.startswith("The speeds are in order from row to row; if they were measured in")
     assert checks.worst == "info"
+
+
+def test_speeds_in_another_order_or_measured_again_later_are_not_said_to_be_in_order():
+    speeds = np.array([0.1, 0.2, 0.3, 0.4, 0.1])
+    for v in (speeds, speeds[[2, 0, 1, 3]]):
+        checks = check(Measurement(velocity=v, friction=20.0 + v))
+        assert checks.of("order") == ()
 
 
 def test_a_friction_map_of_one_direction_without_repeats_says_so():

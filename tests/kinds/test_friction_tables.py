@@ -167,3 +167,56 @@ def test_a_selection_is_three_frames_from_its_algorithm_and_runs_few_modules():
     seen = watched(TABLE)
     assert seen["frames"] == 3
     assert seen["modules"] <= 91  # 97 before tables were a kind of their own
+
+
+def drifting_table(order, drift=-0.15):
+    """Readings of Coulomb + viscous friction that drifts from the first row to the last."""
+    v = BOTH[order]
+    f = np.sign(v) + 1.5 * v
+    noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
+    return Measurement(velocity=v, friction=f * np.linspace(1.0, 1.0 + drift, len(v)) + noise)
+
+
+def test_a_drift_in_the_order_of_the_speeds_is_said_to_be_possible():
+    # friction that differs by direction was named without a doubt
+    table = drifting_table(np.arange(len(BOTH)))
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous", "direction-dependent"], table)
+    assert verdict.closest.name == "direction-dependent"
+    said = "Coulomb + viscous with friction that drifts by −1"
+    assert said in verdict.sentence
+    assert "coulomb-viscous" in verdict.equals
+    (advice,) = [line for line in verdict.words.measure_next if "random order" in line]
+    assert "repeat the first speed at the end" in advice
+
+
+def test_a_drift_in_another_order_is_found_and_taken_out():
+    # what was 1 % noise left 5 % with every law
+    order = np.random.default_rng(3).permutation(len(BOTH))
+    table = drifting_table(order)
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous", "direction-dependent"], table)
+    assert verdict.closest.name == "coulomb-viscous"
+    (error,) = verdict.model_errors
+    assert error.kind == "drift"
+    low, high = error.interval
+    assert low < -0.15 < high < 0.0
+    level, slope = verdict.closest.fit.estimates[:2]
+    assert level.low < 1.0 < level.high
+    assert slope.low < 1.5 < slope.high
+    assert not any("random order" in line for line in verdict.words.measure_next)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_nothing_is_said_of_a_drift_where_the_first_speed_comes_again_unchanged(seed):
+    v = np.append(SPEEDS, SPEEDS[0])
+    table = read(lambda v: 2.0 + 3.0 * v, v, seed=seed)
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous"], table)
+    assert verdict.sentence == "Use Coulomb + viscous friction."
+    assert not any("drift" in line for line in (*verdict.words.measure_next, verdict.words.lede))
+
+
+def test_a_law_that_no_drift_explains_stays_certain_whatever_the_order():
+    table = read(stribeck, BOTH, noise=0.01)
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous", "stribeck"], table)
+    assert verdict.closest.name == "stribeck"
+    assert verdict.equals == ()
+    assert any("random order" in line for line in verdict.words.measure_next)

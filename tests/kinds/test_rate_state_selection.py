@@ -21,6 +21,8 @@ from stickslip.kinds import (
 from stickslip.kinds.registry import kind_of_route
 from stickslip.kinds.velocity_steps.page import sections
 from stickslip.kinds.velocity_steps.selection import held_out, rate_state_laws
+from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.kinds.velocity_steps.wording import _untried
 from stickslip.report.core.documents import Origin, Page, made_sections
 from stickslip.report.core.page import render
 
@@ -383,3 +385,17 @@ def test_a_law_that_holds_to_the_noise_is_recommended_without_further_forms():
     )
     assert verdict.sentence.startswith("Use rate-and-state friction with the ageing law")
     assert not any("not tried" in line for line in verdict.words.measure_next)
+
+
+def test_a_form_whose_fit_failed_is_not_said_to_be_untried():
+    two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
+    laws = ["rate-and-state", "logarithmic"]
+    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
+    failed = RateStateCandidate(
+        name="rate-and-two-states", title="", fit=None, dropped="the search ended nowhere."
+    )
+    (line,) = _untried([*verdict.candidates, failed], verdict.candidates[0].fit)
+    untried, _, rest = line.partition("; ")
+    assert "not tried" in untried
+    assert "rate-and-two-states" not in untried.replace(",", "").split()
+    assert rest == "give start values of rate-and-two-states: the fit failed."

@@ -237,3 +237,45 @@ def test_travels_in_wrong_units_are_warned_of_beside_a_verdict() -> None:
     checks = kind_of_route(verdict.route).comparison(verdict).checks
     assert checks is not None
     assert [one.kind for one in checks.findings] == ["units"]
+
+
+DRIFTED = (0.06, 0.08, 0.1, 0.12, 0.14)
+
+
+def drifting_readings(drift, compressions=DRIFTED):
+    """Travels under Coulomb friction whose level drifts from the first trial to the last."""
+    trials = []
+    for i, compression in enumerate(compressions):
+        level = 0.25 * (1.0 + drift * i / (len(compressions) - 1))
+        rig = dataclasses.replace(RIG, compression=compression)
+        ends = simulate(rig, Coulomb(kinetic_coefficient=level), t_end=10.0).at((0.0, 10.0))["x"]
+        trials.append(
+            Measurement(
+                travel=float(ends[1] - ends[0]),
+                uncertainty={"travel": 3e-4},
+                uncertainty_kind="standard",
+                overrides={"mechanism.compression": compression},
+            )
+        )
+    return Measurement(trials=tuple(trials))
+
+
+def test_a_drift_in_the_order_of_the_settings_is_said_to_be_possible():
+    # a friction level that rises by a tenth looks like a viscous part
+    laws = [Coulomb, "coulomb-viscous"]
+    verdict = select(RIG, laws, drifting_readings(0.1))
+    assert verdict.best.name == "coulomb-viscous"
+    assert "Coulomb with friction that drifts by 1" in verdict.sentence
+    assert list(verdict.best.otherwise) == ["coulomb"]
+    level = verdict.best.fit.estimates[0]
+    assert level.low < 0.25  # that of the first trial, if it drifts
+    assert level.high > 0.275  # and of the last
+    (advice,) = [line for line in verdict.words.measure_next if "random order" in line]
+    assert "repeat the first compression at the end" in advice
+
+
+def test_nothing_is_said_of_a_drift_where_the_first_setting_comes_again():
+    verdict = select(RIG, [Coulomb], drifting_readings(0.0, (0.06, 0.1, 0.14, 0.06)))
+    assert verdict.best.name == "coulomb"
+    assert verdict.best.otherwise == {}
+    assert "drift" not in json.dumps(verdict.to_dict()["measure_next"])

@@ -15,6 +15,7 @@ from stickslip.experiments.checking import (
     mains,
     map_coverage,
     motion,
+    order,
     signal_quality,
     stationarity,
 )
@@ -177,6 +178,7 @@ def _findings(
     records = measurement.records()
     if measurement.kind == "scalars":
         yield from map_coverage.settings(records)
+        yield from () if grave else order.settings(records)
     yield from map_coverage.alike(records)
     if not grave:
         yield from map_coverage.repeated(records)
@@ -270,6 +272,7 @@ def _record(
     if record.kind == "friction-map":
         yield from map_coverage.coverage(record)
         if not grave:
+            yield from order.speeds(record)
             yield from signal_quality.plausible(record, None)
     if not grave:
         yield from consistency.coefficient(record, mechanism)

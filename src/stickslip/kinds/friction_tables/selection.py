@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,6 +24,7 @@ from stickslip.identification import (
     positions_of,
     refitted,
 )
+from stickslip.kinds.friction_tables.drift import drift_of, drifting_instead
 from stickslip.kinds.friction_tables.shapes import Readings, other_shape
 from stickslip.kinds.kind import Request
 from stickslip.kinds.records.admissibility import standard_uncertainty
@@ -270,6 +271,13 @@ def select_table(request: Request) -> RecordVerdict:
     )
     verdict_of = asked.judged(measurement)
     verdict = verdict_of()
+    errors: list[ModelError] = []
+    if measurement.trials:
+        return verdict
+    if drift := drift_of(verdict.closest, verdict.candidates, measurement):
+        measurement, errors = drift.without(measurement), [drift.finding]
+        verdict_of = asked.judged(measurement)
+        verdict = verdict_of(errors)
     otherwise: dict[str, str] = {}
     stated = standard_uncertainty(measurement, "friction")
     for row in suspects(verdict.closest, stated):
@@ -279,10 +287,13 @@ def select_table(request: Request) -> RecordVerdict:
             closest = again().closest
             seen = WithoutRow.of(row, verdict.closest, closest, measurement)
             if seen.wrong:
-                return again(error=seen.finding(measurement))
-            if seen.otherwise and closest.name not in verdict.equals:
+                return again([*errors, seen.finding(measurement)])
+            if seen.otherwise:
                 otherwise[closest.name] = if_wrong(row, closest.title)
-    return verdict_of(otherwise=otherwise) if otherwise else verdict
+    if not errors:
+        otherwise |= drifting_instead(verdict.closest, verdict.candidates, measurement)
+    otherwise = {name: said for name, said in otherwise.items() if name not in verdict.equals}
+    return verdict_of(errors, otherwise) if otherwise else verdict
 
 
 @final
@@ -326,12 +337,12 @@ class _Selection:
                 executor=asked.executor,
             )
 
-        def told(c: RecordCandidate, error: ModelError | None) -> RecordCandidate:
-            errors = () if error is None else (error,)
-            return c if c.fit is None else replace(c, fit=replace(c.fit, known_errors=errors))
+        def told(c: RecordCandidate, errors: Sequence[ModelError]) -> RecordCandidate:
+            known = tuple(errors)
+            return c if c.fit is None else replace(c, fit=replace(c.fit, known_errors=known))
 
         def verdict_of(
-            error: ModelError | None = None, otherwise: Mapping[str, str] | None = None
+            errors: Sequence[ModelError] = (), otherwise: Mapping[str, str] | None = None
         ) -> RecordVerdict:
             def beside(closest: RecordCandidate, exact: float) -> RecordCandidate:
                 found = with_curve(closest, uncertainty=exact)
@@ -340,7 +351,7 @@ class _Selection:
             verdict = verdict_on(
                 mechanism,
                 measurement,
-                [told(c, error) for c in judged],
+                [told(c, errors) for c in judged],
                 None,
                 plan,
                 asked.purpose or "simulate",

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks
+from stickslip.experiments import QUANTITIES, Checks, order_advice
 from stickslip.formatting import (
     Scale,
     capital,
@@ -437,6 +437,7 @@ def _measure_next(
         lines.append(f"{one.what} Predicted {observed}: {said}.")
     lines += longer(checks)
     lines += [f"{one.measure}." for one in checks.of("drift")[:1]]
+    lines += order_advice(checks.findings)
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
         lines.append(
             "Find what differs between the two records (load, temperature, lubrication, gains):"

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, refuse_faults
+from stickslip.experiments import Measurement, check, order_advice, refuse_faults
 from stickslip.formatting import joined, lower_first
 from stickslip.friction import (
     DirectionDependent,
@@ -49,6 +49,7 @@ from stickslip.kinds.travels.contradictions import (
     contradiction,
     refuted_by_travels,
 )
+from stickslip.kinds.travels.drift import drifting
 from stickslip.kinds.travels.fit import compile_for, payable
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.separations import Proposal, Separation, propose, separations
@@ -150,7 +151,15 @@ def select_travels(
     words = (
         undecided(trials, candidates, closest, open_)
         if open_
-        else wording(trials, candidates, best, proposal, against, ranked=scored)
+        else wording(
+            trials,
+            candidates,
+            best,
+            proposal,
+            against,
+            ranked=scored,
+            order=order_advice(check(measurement).findings),
+        )
     )
     return TravelVerdict(
         mechanism=mechanism,
@@ -398,13 +407,24 @@ def _ranked(
     if against is None:
         marked = mark_passed_over(scored, best)
         ties = [c for c in marked if c is not best and not c.distinguished]
-        whole = reaching(best, ties)
+        drifts = _drifting(marked, best, t_end)
+        whole = reaching(best, [*ties, *drifts])
+        whole = replace(whole, otherwise={c.name: c.drifts for c in drifts})
         marked, best = [whole if c is best else c for c in marked], whole
     else:  # where no law is named, none is passed over for it
         marked, best = scored, closest_of(scored) or best
     others = [c for c in marked if c is not best]
     others.sort(key=lambda c: (c.beside, bool(c.dropped), math.inf if c.score is None else c.score))
     return [best, *others], best, against, []
+
+
+def _drifting(
+    candidates: Sequence[TravelCandidate], best: TravelCandidate, t_end: float
+) -> list[TravelCandidate]:
+    """Return laws that are ruled out, are simpler, and are not if friction drifts over trials."""
+    ruled_out = [c for c in candidates if c.distinguished and c.parameters < best.parameters]
+    with_drift = [found for c in ruled_out if (found := drifting(c, t_end))]
+    return [c for c in with_drift if not told_apart(c, best)]
 
 
 def _explaining(

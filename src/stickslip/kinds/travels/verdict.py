@@ -61,6 +61,11 @@ class TravelCandidate(Candidate[TravelFit]):
     alone: tuple[Estimate, ...] = ()
     """Estimates with the intervals that they have if this law holds, of the law that is named;
     those of its fit hold whichever law holds that the readings do not rule out."""
+    drifts: str = ""
+    """The law with the drift beside which it was fitted, in words; empty where none was."""
+    otherwise: Mapping[str, str] = field(default_factory=dict)
+    """Laws that explain the readings as well as this one if friction drifts from trial to trial, in
+    words, by name."""
     passed_over: str = ""
     """Why the law is not taken whatever its score; empty if it may be."""
     distinguished: bool = True
@@ -125,6 +130,7 @@ class TravelCandidate(Candidate[TravelFit]):
             "beside": self.beside,
             "alone": [estimate.to_dict() for estimate in self.alone],
             "distinguished": self.distinguished,
+            "otherwise": dict(self.otherwise),
             "influence_on_travel": dict(self.influence),
             "fit": self.fit.to_dict() if self.fit else None,
             "criteria_as_given": asdict(self.given),

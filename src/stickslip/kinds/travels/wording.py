@@ -58,8 +58,9 @@ def wording(
     against: Contradiction | None,
     *,
     ranked: bool,
+    order: Sequence[str] = (),
 ) -> Wording:
-    """Put a selection into words."""
+    """Put a selection into words, with what to measure where settings are in `order`."""
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:
@@ -81,7 +82,7 @@ def wording(
         measure_next=(
             tuple(f"Check: {lower_first(line)}" for line in against.check[:3])
             if against
-            else _measure_next(explained, best, proposal)
+            else (*_measure_next(explained, best, proposal)[: 3 - len(order)], *order)
         ),
         no_score="" if against else _no_score(trials, ranked=ranked),
     )
@@ -224,6 +225,7 @@ def _ranked(
     best: TravelCandidate,
 ) -> tuple[str, str]:
     equals = [c.title for c in explained if c is not best and not c.distinguished]
+    equals += best.otherwise.values()
     doubt = f"; {not_distinguished(equals, 'these readings', most=6)}" if equals else ""
     scored = f"each of the {len({t.setting for t in trials})} settings predicted from the others"
     held_out = held_out_text(

@@ -10,7 +10,7 @@ from stickslip.formatting import Scale, capital, joined, quantity, ratio, signif
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.kinds.velocity_steps.result import RateStateFit
 from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate
-from stickslip.selection import ONE_LAW, Wording, corrections, score_text
+from stickslip.selection import LEFT_OUT, ONE_LAW, Wording, corrections, score_text
 
 MOST = 3
 """Items of a list at most."""
@@ -99,23 +99,37 @@ def _misses(fit: RateStateFit) -> bool:
     return remembered or fit.over_scatter > STRUCTURE
 
 
-def _untried(ordered: Sequence[RateStateCandidate], fit: RateStateFit) -> tuple[str, ...]:
-    """Return which further forms are to be compared first, where the closest law misses something.
+def _unfitted(
+    ordered: Sequence[RateStateCandidate], fit: RateStateFit
+) -> tuple[list[str], list[str]]:
+    """Return which further forms were not tried, and whose fit failed; none of a fit to noise.
 
     These are forms that contain one that was tried, with two states or another evolution.
     """
-    tried = {one.law.name for one in ordered if one.law is not None}
-    left = [
-        name
-        for name, form in RATE_STATE_FORMS.items()
-        if form.evolution != "none" and name not in tried
-    ]
-    if not left or not _misses(fit):
-        return ()
-    return (
-        f"Nothing yet: first compare the forms that were not tried, {joined(left)}, by naming them"
-        " as laws.",
-    )
+    forms = [name for name, form in RATE_STATE_FORMS.items() if form.evolution != "none"]
+    fitted = {one.law.name for one in ordered if one.law is not None}
+    failed = {one.name for one in ordered if one.law is None and one.dropped != LEFT_OUT}
+    if not _misses(fit):
+        return [], []
+    rest = [name for name in forms if name not in fitted]
+    return [one for one in rest if one not in failed], [one for one in rest if one in failed]
+
+
+def _untried(ordered: Sequence[RateStateCandidate], fit: RateStateFit) -> tuple[str, ...]:
+    """Return which further forms are to be compared first, where the closest law misses something.
+
+    A form whose fit failed was tried: it needs other start values.
+    """
+    left, failed = _unfitted(ordered, fit)
+    said = []
+    if left:
+        said.append(
+            f"first compare the forms that were not tried, {joined(left)}, by naming them as laws"
+        )
+    if failed:
+        names = f"{joined(failed)}: {'their fits' if len(failed) > 1 else 'the fit'} failed"
+        said.append(f"give start values of {names}")
+    return (f"Nothing yet: {'; '.join(said)}.",) if said else ()
 
 
 def _verdict(
@@ -145,8 +159,10 @@ def _verdict(
             f"{capital(name)} predicts best, but its residuals are not noise of single samples"
             f" (effective sample size {_effective(fit)})"
         )
-        if _untried(ordered, fit):
-            told += ": a form that was not tried may hold"
+        left, failed = _unfitted(ordered, fit)
+        if left or failed:
+            which = "was not tried" if left else "could not be fitted"
+            told += f": a form that {which} may hold"
         told += tie
     elif fit.law.name == "constant-coefficient":
         told += f": no effect of speed is established, and $mu_0$ = {fit.estimates[0].plus_minus}"

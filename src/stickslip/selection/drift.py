@@ -1,0 +1,42 @@
+"""Friction that drifts evenly from the first reading to the last, in the order of readings."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.formatting import number
+from stickslip.selection.verdict import in_sentence
+
+LIKELY: Final = 0.25
+"""Largest drift over all readings, over the friction, that is thought of."""
+
+
+def along(count: int) -> NDArray[np.float64]:
+    """Return how far along its measurement each of so many readings is, from 0 to 1."""
+    return np.linspace(0.0, 1.0, count)
+
+
+def drift_text(drift: float) -> str:
+    """Return by which share friction drifts.
+
+    Examples
+    --------
+    >>> drift_text(-0.083)
+    '−8.3 %'
+    """
+    return f"{number(100.0 * drift, 2)} %"
+
+
+def if_drifting(title: str, drift: float, what: str) -> str:
+    """Return a law, and the drift over rows or trials with which it explains readings.
+
+    Examples
+    --------
+    >>> if_drifting("Coulomb", 0.1, "row")
+    'Coulomb with friction that drifts by 10 % from the first row to the last'
+    """
+    return (
+        f"{in_sentence(title)} with friction that drifts by {drift_text(drift)} from the first"
+        f" {what} to the last"
+    )
