@@ -148,11 +148,18 @@ def inputs_along(
 def _known(
     mechanism: Mechanism, contact: str, told: ContactInputs, record: Measurement, time: Array
 ) -> dict[str, Array]:
-    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones."""
+    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones.
+
+    Where friction was measured, forces beside it are those of the record, if it has them.
+    """
     own: Mapping[str, Any] = of_contact(told, contact)
-    given = set(given_names(mechanism, contact))
-    first = {name: own[name] for name in own if name not in given}
-    found = {**own, **recorded_inputs(record, time), **first}
+    seen = recorded_inputs(record, time)
+    if {"motor", "external"} <= seen.keys():
+        seen = gear_inputs(seen["motor"], seen["external"]) | seen
+    later = set(given_names(mechanism, contact))
+    later |= seen.keys() if "friction" in record.quantities() else set()
+    first = {name: own[name] for name in own if name not in later}
+    found = {**own, **seen, **first}
     columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
     return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
 
