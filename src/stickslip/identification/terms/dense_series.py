@@ -35,7 +35,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.settings import PROMPT, Hold, SensorResponse
-from stickslip.mechanisms import Mechanism, input_names, of_contact
+from stickslip.mechanisms import Mechanism, input_names, motor_of, of_contact
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -226,6 +226,29 @@ def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:
 def finds_mass(unknown: Sequence[str]) -> bool:
     """Whether a mass is among what is to be found."""
     return any(path.endswith(("inertia", "mass")) for path in unknown)
+
+
+def loads_motor(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether the mechanism loads the gear of its motor with more than inertia and a constant.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> from stickslip.mechanisms import DCMotor
+    >>> motor = DCMotor(resistance=4.0, torque_constant=0.4)
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9], voltage=[1.0, 2.0])
+    >>> arm = Pendulum(mass=0.5, length=0.1, drive=motor)
+    >>> loads_motor(arm, record), loads_motor(Axis(inertia=1.0, drive=motor), record)
+    (True, False)
+    """
+    if motor_of(mechanism) is None or not driven(measurement):
+        return False
+    told = []
+    for record in measurement.records():
+        own, x = as_recorded(mechanism, record), positions_of(record)
+        inputs = inputs_along(own, record, np.asarray(record.time), position=x, velocity=0.0)
+        told.append(inputs.get("external", 0.0 * x))
+    return bool(np.ptp(np.concatenate(told)) > 0.0)
 
 
 def tells_no_scale(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
