@@ -21,6 +21,8 @@ LOADED: Mapping[str, tuple[str, ...]] = {
     "bam-m6": ("bam-m5",),
 }
 """Laws of gears under load, and the ones of which one must be shown to hold for each."""
+EXPONENT = "fading_exponent"
+"""Parameter of gear laws that is looked for: held at 2 where it was 1, M5 was named for M4."""
 IDLE = "not scored: it leaves hardly less than a law that it contains"
 
 
@@ -100,10 +102,17 @@ def with_gears(
         shown = [one for one in below if one in fits.known and fits.is_shown(fits.known[one])]
         if name in done or (below and not shown):
             continue
-        specs = (*found.specs, specification(name))
+        specs = (*found.specs, _with_exponent(specification(name)))
         tried = fitted_side_by_side(fitted, specs, watch, executor, done)
         found = replace(found, specs=specs, tried=tuple(tried))
     return found
+
+
+def _with_exponent(one: CandidateSpec) -> CandidateSpec:
+    """Return a candidate that looks for the exponent by which its level fades, if it does."""
+    kind = one.law if isinstance(one.law, type) else type(one.law)
+    fades = EXPONENT in {field.name for field in fields(kind)}
+    return replace(one, free=(*kind.fit_order, EXPONENT)) if fades else one
 
 
 def _criterion(c: RecordCandidate, size: float) -> float:
