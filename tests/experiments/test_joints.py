@@ -151,3 +151,36 @@ force.elbow = 2.4e-4
     rig.write_text(text.replace("QUANTITY", "current"))
     with pytest.raises(InputError, match=r"current\.elbow is not a quantity.*as force\.elbow"):
         load_rig(rig)
+
+
+def test_joints_have_contact_inputs_of_their_own():
+    warm = {"shoulder": 20.0 + TIME, "elbow": 35.0}
+    one = arm(inputs={"temperature": warm, "pressure": 2e5})
+    assert one.input_names() == ("temperature", "pressure")
+    assert one.contact_inputs() == {"pressure": 2e5}
+    assert one.contact_inputs("elbow") == {"pressure": 2e5, "temperature": 35.0}
+    part = rows_of(one, 10, 20)
+    np.testing.assert_array_equal(part.joints["shoulder"].inputs["temperature"], 20.0 + TIME[10:20])
+    read = load_measurement(one.to_dataframe())
+    np.testing.assert_allclose(read.joints["shoulder"].inputs["temperature"], 20.0 + TIME)
+    assert "temperature" in str(one)
+    with pytest.raises(UnknownNameError, match=r"inputs, temperature.*'elbo'.*'elbow'"):
+        arm(inputs={"temperature": {"elbo": 20.0}})
+    with pytest.raises(InputError, match="by joint, but no position"):
+        Measurement(time=TIME, position=TIME, inputs={"temperature": {"elbow": 20.0}})
+    with pytest.raises(ParameterError, match=r"inputs\.temperature"):
+        arm(inputs={"temperature": {"elbow": -300.0}})
+
+
+def test_a_rig_file_names_the_temperature_of_each_joint(folder):
+    text = RIG.replace(
+        'force.shoulder = "m1" }', 'force.shoulder = "m1", temperature.elbow = "T" }'
+    )
+    text = text.replace('force.elbow = "N m" }', 'force.elbow = "N m", temperature.elbow = "K" }')
+    (folder / "warm.toml").write_text(text, encoding="utf-8")
+    rows = (folder / "arm.csv").read_text(encoding="utf-8").splitlines()
+    told = [f"{rows[0]},T", *(f"{row},{300.15}" for row in rows[1:])]
+    (folder / "arm.csv").write_text("\n".join(told), encoding="utf-8")
+    found = load_rig(folder / "warm.toml").measurement
+    np.testing.assert_allclose(found.joints["elbow"].inputs["temperature"], 27.0, rtol=1e-12)
+    assert "temperature" not in found.joints["shoulder"].contact_inputs()

@@ -301,12 +301,14 @@ UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 @pytest.mark.parametrize("separator", [" ", ","])
 def test_a_recording_of_universal_robots_is_read_joint_by_joint(tmp_path, separator):
     fields = ("target_q", "actual_q", "actual_qd", "actual_current", "target_moment")
+    fields += ("joint_temperatures",)
     time = np.arange(400) / 125
     rates = 1.0 + np.arange(6)
     angle = np.sin(np.outer(time, rates))
     speed = rates * np.cos(np.outer(time, rates))
     ahead = np.sin(np.outer(time + 0.05, rates))
-    columns = np.hstack([1000 + time[:, None], ahead, angle, speed, 2 * speed, 3 * speed])
+    heat = 25.0 + np.outer(time, rates)
+    columns = np.hstack([1000 + time[:, None], ahead, angle, speed, 2 * speed, 3 * speed, heat])
     names = ["timestamp", *(f"{one}_{k}" for one in fields for k in range(6))]
     file = tmp_path / "ur.csv"
     np.savetxt(file, columns, delimiter=separator, header=separator.join(names), comments="")
@@ -321,12 +323,14 @@ def test_a_recording_of_universal_robots_is_read_joint_by_joint(tmp_path, separa
     assert guess.moving == tuple(f"{name}_joint" for name in UR)
     assert guess.columns["position.wrist_3_joint"] == "actual_q_5"
     assert guess.columns["current.elbow_joint"] == "actual_current_2"
+    assert guess.columns["temperature.elbow_joint"] == "joint_temperatures_2"
     assert guess.motor_constant["elbow_joint"] == "1 N m/A"
     assert [*guess.delays.values()] == [pytest.approx(0.05, abs=1e-3)] * 6
     read = load_measurement(
         file, columns=guess.columns, motor_constant=guess.motor_constant, layout=guess.layout
     )
     np.testing.assert_allclose(read.values("force.elbow_joint"), 2 * speed[:, 2], rtol=1e-12)
+    np.testing.assert_allclose(read.joints["elbow_joint"].inputs["temperature"], heat[:, 2])
 
 
 def test_a_log_of_libfranka_is_read_in_milliseconds(tmp_path):

@@ -11,6 +11,7 @@ import pytest
 
 from stickslip import (
     Axis,
+    BamM3,
     Coulomb,
     CoulombViscous,
     LuGre,
@@ -18,14 +19,16 @@ from stickslip import (
     Rig,
     Stribeck,
     export,
+    load_rig,
     simulate,
 )
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
 from stickslip.exports.applying.running import SHARE
 from stickslip.exports.simplification import PolynomialFriction, simplified
 from stickslip.exports.subject import Subject
+from stickslip.formatting import quantity
 from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
 
@@ -570,6 +573,55 @@ def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
     assert len(row.motions) == 6
     # at one temperature the law is a level and a damping
     assert max(one.simplification for one in row.motions) < 1e-9
+
+
+@pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (1.5, 0.2 + 1.5)])
+def test_a_gear_is_held_below_the_break_away_that_it_has_under_the_push_itself(share, held):
+    mujoco_or_skip()
+    gear = BamM3(kinetic_coefficient=0.2, transmitted_coefficient=share, viscous_coefficient=0.05)
+    (row,) = written(gear, DESK_ARM, "elbow", at={"transmitted": 1.0}, run=True).joints
+    hold = row.motions[0]
+    # of a gear that locks itself, any push: that at the stated torque
+    assert hold.said.startswith(f"Hold for 10 s under {quantity(SHARE * held, 'N m')}, 60 %")
+    assert hold.travel == 0.0
+
+
+def test_each_law_takes_the_inputs_that_it_depends_on_and_those_of_its_contact(tmp_path):
+    (tmp_path / "law.toml").write_text(
+        f"""
+[mechanism]
+type = "urdf"
+file = {str(DESK_ARM)!r}
+moving = ["shoulder", "elbow"]
+
+[friction.shoulder.coulomb-viscous]
+kinetic_coefficient = 0.5
+viscous_coefficient = 0.2
+
+[friction.elbow.bam-m3]
+kinetic_coefficient = 0.2
+transmitted_coefficient = 0.25
+viscous_coefficient = 0.05
+""",
+        encoding="utf-8",
+    )
+    rig = load_rig(tmp_path / "law.toml")
+
+    def levels(at):
+        found = apply(rig, DESK_ARM, at=at, largest_speed=2.0, run=False)
+        return [float(row.after["friction"]) for row in found.joints]
+
+    assert levels({"transmitted": "2 N m"}) == pytest.approx([0.5, 0.7])
+    assert levels({"elbow": {"transmitted": 1.0}}) == pytest.approx([0.5, 0.45])
+    # that of the contact stands before that of all
+    both = {"transmitted": 2.0, "elbow": {"transmitted": 1.0}}
+    assert levels(both) == pytest.approx([0.5, 0.45])
+    with pytest.raises(InputError, match="no law of these joints depends on temperature"):
+        levels({"transmitted": 2.0, "temperature": 20.0})
+    with pytest.raises(UnknownNameError, match=r"'elbo'.*'elbow'"):
+        levels({"elbo": {"transmitted": 1.0}})
+    with pytest.raises(UnknownNameError, match="contact input of coulomb-viscous"):
+        levels({"elbow": {"transmitted": 1.0}, "shoulder": {"transmitted": 1.0}})
 
 
 def test_the_creep_of_stiff_joints_is_that_of_the_formula():

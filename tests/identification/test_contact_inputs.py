@@ -9,11 +9,17 @@ import pytest
 from stickslip import Axis, Measurement, Pendulum, RecordSettings, fit, select, simulate
 from stickslip.drives import Sampled, Sine, Sum
 from stickslip.errors import InputError
-from stickslip.friction import bound, law
-from stickslip.identification.contact_inputs import as_informed, inputs_along, typical_inputs
+from stickslip.friction import Laws, bound, law
+from stickslip.identification.contact_inputs import (
+    as_informed,
+    inputs_along,
+    known_inputs,
+    typical_inputs,
+    with_inputs,
+)
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.joint_fitting import _of_itself
-from stickslip.mechanisms import given_inputs
+from stickslip.mechanisms import given_inputs, given_names
 
 WARM = law("level + viscous * exponential[temperature]")
 GEAR = law("level + stribeck + weight[transmitted] + viscous")
@@ -265,7 +271,9 @@ def test_curves_are_drawn_at_the_median_size_of_forces(servo):
     assert as_informed(TRUE_GEAR, SERVO, servo) == (SERVO, ())
 
 
-def test_joints_share_the_temperature_of_their_record():
+@pytest.fixture(scope="module")
+def warm_arm():
+    """Return an arm whose shoulder warms up, and its record without the temperature."""
     from stickslip import TwoLinkArm
     from stickslip.formulation import JointTorques
 
@@ -284,14 +292,39 @@ def test_joints_share_the_temperature_of_their_record():
     record = Measurement(
         time=t, position={"shoulder": places[:, 0], "elbow": places[:, 1]},
         force={"shoulder": forces[:, 0], "elbow": forces[:, 1]}, turning=True,
-        inputs={"temperature": temperature},
     )  # fmt: skip
+    return arm, record, temperature
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_joints_share_the_temperature_of_their_record_or_have_their_own(warm_arm, shared):
+    arm, record, temperature = warm_arm
+    # that of the elbow, which rubs as it does at any temperature, tells nothing of the shoulder
+    by_joint = {"shoulder": temperature, "elbow": 60.0 - temperature}
+    told = replace(record, inputs={"temperature": temperature if shared else by_joint})
     laws = {"shoulder": WARM, "elbow": "coulomb"}
-    found = fit(arm, laws, record)
+    found = fit(arm, laws, told)
     (decay,) = [one for one in found.estimates if one.path.endswith("_decay")]
     assert decay.low <= 0.03 <= decay.high < 0.031
-    with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
-        fit(arm, laws, replace(record, inputs={}))
+    for without in ({}, {"temperature": {"elbow": temperature}}):
+        with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
+            fit(arm, laws, replace(record, inputs=without))
+
+
+def test_runs_of_a_fit_have_the_temperature_of_each_joint(warm_arm):
+    arm, record, temperature = warm_arm
+    told = replace(record, inputs={"temperature": {"shoulder": temperature, "elbow": 30.0}})
+    own = WARM(kinetic_coefficient=0.3, viscous_coefficient=0.2, viscous_temperature_decay=0.03)
+    laws = Laws(members=(("shoulder", own), ("elbow", own)))
+    assert known_inputs(arm, told)[-1] == "temperature"
+    warm, said = as_informed(laws, arm, told)
+    assert given_names(warm, "shoulder") == given_names(warm, "elbow") == ("temperature",)
+    assert warm.contact_elbow_temperature == 30.0
+    assert warm.contact_shoulder_temperature == pytest.approx(35.0)
+    (sentence,) = said
+    assert "The temperature of the shoulder was measured and varies, 20" in sentence
+    along = with_inputs(arm, told, told.time)
+    assert along.drives()["contact_shoulder_temperature"].value(10.0) == pytest.approx(35.0)
 
 
 @pytest.fixture(scope="module")

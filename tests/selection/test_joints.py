@@ -22,6 +22,7 @@ from stickslip import (
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import Scale
 from stickslip.formulation import JointTorques
+from stickslip.kinds.joints.page import posture_section
 from stickslip.kinds.joints.selection import joint_specifications
 from stickslip.plots import plot_joints
 
@@ -119,6 +120,24 @@ def test_a_report_has_a_section_for_each_joint_and_the_laws_as_a_rig_file(verdic
     laws = rig.law_by_contact()
     assert laws["elbow"].kinetic_coefficient == pytest.approx(0.1, rel=0.05)
     assert rig.mechanism.upper_inertia == verdict.best.fit.mechanism.upper_inertia
+
+
+def test_residuals_that_follow_the_position_of_another_joint_are_drawn_against_it(
+    verdict, sketches
+):
+    for name in JOINTS:
+        sound = posture_section(verdict.joints[name], name, verdict.measurement)
+        other = next(one for one in JOINTS if one != name)
+        said = f"No test finds a dependence of the residuals on the position of the {other}."
+        assert [block.text for block in sound.blocks] == [said]
+    t, places, forces = parts(record(0, span=5.0))
+    forces["shoulder"] = forces["shoulder"] + 0.05 * np.sin(3.0 * places["elbow"])
+    wrong = Measurement(time=t, position=places, force=forces)
+    found = select(GUESSED, ["coulomb-viscous"], wrong, vary=LINEAR, settings=QUICK)
+    made = posture_section(found.joints["shoulder"], "shoulder", wrong)
+    assert made.heading == "The residuals depend on the position of the elbow"
+    (figure,) = made.blocks
+    assert "an error of the links" in figure.caption
 
 
 def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():

@@ -39,7 +39,7 @@ def driven():
 
 
 def test_of_a_free_decay_the_force_balance_names_the_law_and_its_fit_the_values():
-    found = select(AXIS, None, decay(LEVEL))
+    found = select(AXIS, None, decay(LEVEL, seed=1))  # of seeds 1 to 10, 6 errs by 2 deviations
     assert found.best.name == "coulomb"
     (level,) = [e for e in found.best.fit.estimates if e.path.startswith("friction.")]
     assert level.low <= 0.45 <= level.high

@@ -14,6 +14,8 @@ BROKEN_PIPE = 1
 BAD_INPUT = 2
 NO_CONVERGENCE = 3
 CANCELLED = 130
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 if not set: matrices are thin, and threads of linear algebra wait for each other."""
 LONGEST_MESSAGE = 4000
 """Characters of a message that are printed: files may hold names of any length."""
 
@@ -26,6 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and exit; errors are one message, never a traceback."""
     from stickslip.errors import InputError, StickslipError
 
+    for name in ONE_THREAD:  # before NumPy is imported, and for worker processes
+        os.environ.setdefault(name, "1")
     try:
         from stickslip.cli.app import app
 

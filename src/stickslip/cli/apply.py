@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from stickslip.cli.console import print_json, show_table, stdout
 from stickslip.cli.export import by_option, law_source, loads, stated
@@ -13,7 +14,7 @@ from stickslip.experiments import Measurement, Reading, Rig, load_rig, read_data
 from stickslip.exports import Applied, AppliedJoint, apply, check_output
 from stickslip.formatting import NO_VALUE, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import turned
+from stickslip.quantities import Given, turned
 
 BESIDE = "law.toml"
 """What `select` and `fit` write beside a document about a law."""
@@ -44,7 +45,7 @@ def run(
             load=load,
             largest_speed=wanted.largest_speed,
             law_load=law_load,
-            at=stated(wanted.at or ()),
+            at=_by_contact(stated(wanted.at or ())),
             to=wanted.to,
             polynomial=wanted.polynomial,
             holds=wanted.holds,
@@ -56,6 +57,18 @@ def run(
         print_json(document("apply", {"file": str(output), **found.to_dict()}))
         return
     _show(found, output)
+
+
+def _by_contact(given: Mapping[str, Given]) -> dict[str, Given | dict[str, Given]]:
+    """Return contact inputs by name; those of one contact, ``elbow.transmitted``, as a table."""
+    found: dict[str, Any] = {}
+    for key, value in given.items():
+        contact, dot, name = key.partition(".")
+        if dot:
+            found.setdefault(contact, {})[name] = value
+        else:
+            found[key] = value
+    return found
 
 
 def _record(

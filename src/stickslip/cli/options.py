@@ -607,8 +607,8 @@ class ApplyOptions:
         typer.Option(
             "--at",
             metavar="INPUT=VALUE",
-            help="Contact input of the law at which joints have their friction, such as"
-            ' "temperature=35 degC"; may be repeated.',
+            help="Contact input of the laws at which joints have their friction, such as"
+            ' "temperature=35 degC", or "elbow.temperature=35 degC" for one; may be repeated.',
         ),
     ] = None
     to: Annotated[

@@ -234,7 +234,7 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     if not lacking or rig.measurement is None:
         return rig
     record = rig.measurement.records()[0]
-    if not lacking <= set(record.contact_inputs()):
+    if not lacking <= set(record.input_names()):
         return rig
     times = np.zeros(1) if record.time is None else np.asarray(record.time)
     for name in sorted(lacking):

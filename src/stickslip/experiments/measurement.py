@@ -81,7 +81,9 @@ Series: TypeAlias = Converted[Numbers | None, Array | None]
 Values: TypeAlias = Converted[Given | Numbers | None, Array | float | None]
 Moving: TypeAlias = Converted[Given | Numbers | Mapping[str, Numbers] | None, Array | float | None]
 """What may be given by joint; it is then kept in `Measurement.joints`."""
-ByInput: TypeAlias = Converted[Mapping[str, Given | Numbers], Mapping[str, Array | float]]
+ByInput: TypeAlias = Converted[
+    Mapping[str, Given | Numbers | Mapping[str, Given | Numbers]], Mapping[str, Array | float]
+]
 ByQuantity: TypeAlias = Converted[Given | Mapping[str, Given], Mapping[str, float]]
 # defaults, whose type a type checker need not compare with what is kept
 ABSENT: Any = None
@@ -129,6 +131,17 @@ BESIDE = tuple(name for name in CONTACT_INPUTS if name not in QUANTITIES)
 
 BY_JOINT = ("position", "velocity", "force")
 """What may be given by the name of a joint."""
+
+
+def is_beside(name: str) -> bool:
+    """Whether a column is known by a contact input, that of a joint at its end or not.
+
+    Examples
+    --------
+    >>> is_beside("temperature.elbow"), is_beside("position.elbow")
+    (True, False)
+    """
+    return name.partition(".")[0] in BESIDE
 
 
 def quantity_called(name: str) -> Quantity:
@@ -220,9 +233,10 @@ class Measurement(Tabular, InPanels):
     conditions : mapping of str to float or str, optional
         What else was different, such as ``{"temperature [degC]": 20, "direction": "up"}``, by name
         with its unit if it has one. `compare_trials` asks whether friction depends on it.
-    inputs : mapping of str to array (n,) or float, optional
+    inputs : mapping of str to array (n,), float or mapping of str to these, optional
         What laws may ask of the contact beside speed and load, by its name, such as
         ``{"temperature": [20.0, 20.1]}``: a temperature [degC], the torque that a gear transmits.
+        Where each joint has its own, by the name of the joint; `joints` then has them.
     initial : mapping of str to float, optional
         Initial states by name; the others are 0.
     offset : mapping of str to float, optional
@@ -323,7 +337,7 @@ class Measurement(Tabular, InPanels):
             "parameter_uncertainties",
             _positive("parameter_uncertainties", self.parameter_uncertainties),
         )
-        self._set("joints", _joints(self))
+        self._set("joints", _with_own_inputs(_joints(self), self))
         for name in BY_JOINT if self.joints else ():
             self._set(name, None)
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
@@ -370,11 +384,24 @@ class Measurement(Tabular, InPanels):
         >>> Measurement(time=[0, 1], force=[2, 3], inputs={"temperature": 20}).input_names()
         ('temperature',)
         """
-        found = [one.contact_inputs() for one in self.records()]
+        found = [
+            {name for own in (one, *one.joints.values()) for name in own.contact_inputs()}
+            for one in self.records()
+        ]
         return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
 
-    def contact_inputs(self) -> dict[str, Array | float]:
+    def contact_inputs(self, joint: str = "") -> dict[str, Array | float]:
         """Return what was measured of `inputs`, or stated as a condition of one of their names.
+
+        Parameters
+        ----------
+        joint : str
+            Joint whose own inputs are added to those that all share; empty for the latter.
+
+        Returns
+        -------
+        dict of str to array (n,) or float
+            Values in SI units, temperatures in degC, by the name of the input.
 
         Examples
         --------
@@ -387,7 +414,8 @@ class Measurement(Tabular, InPanels):
             if (name := condition_name(full)) in CONTACT_INPUTS and isinstance(value, float)
             for target in [unit_of_input(name, turning=self.turning)]
         }
-        return {**stated, **self.inputs}
+        own = self.joints[joint].inputs if joint in self.joints else {}
+        return {**stated, **self.inputs, **own}
 
     @property
     def travelled(self) -> str:
@@ -500,8 +528,10 @@ class Measurement(Tabular, InPanels):
                 first, _, joint = name.partition(".")
                 held = getattr(record.joints[joint] if joint else record, first)
                 columns[f"{name} [{record.unit(name)}]"] = held
-            for name, held in record.inputs.items():
-                columns[f"{name} [{unit_of_input(name, turning=record.turning)}]"] = held
+            for joint, one in {"": record, **record.joints}.items():
+                for name, held in one.inputs.items():
+                    unit = unit_of_input(name, turning=record.turning)
+                    columns[f"{name}{joint and '.'}{joint} [{unit}]"] = held
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
 
@@ -555,7 +585,12 @@ class Measurement(Tabular, InPanels):
 
     def _span_of_input(self, name: str) -> str:
         """Return the range of a contact input, with its unit."""
-        values = [np.atleast_1d(one.contact_inputs()[name]) for one in self.records()]
+        values = [
+            np.atleast_1d(own.contact_inputs()[name])
+            for one in self.records()
+            for own in (one, *one.joints.values())
+            if name in own.contact_inputs()
+        ]
         low, high = (float(f(np.concatenate(values))) for f in (np.min, np.max))
         return span(low, high, unit_of_input(name, turning=self.turning))
 
@@ -613,7 +648,28 @@ def _inputs(record: Measurement) -> dict[str, Array | float]:
             record.turning,
         )
         for name in checked_inputs(given)
+        if not isinstance(given[name], Mapping)  # joints have these
     }
+
+
+def _with_own_inputs(
+    joints: Mapping[str, Measurement], record: Measurement
+) -> Mapping[str, Measurement]:
+    """Return joints with the contact inputs that are given by joint."""
+    given: Any = record.inputs
+    tables = {name: one for name, one in dict(given).items() if isinstance(one, Mapping)}
+    found = dict(joints)
+    for name, table in tables.items():
+        for joint, values in table.items():
+            if joint not in joints:
+                if not joints:
+                    raise InputError(
+                        f"Measurement.inputs gives {name} by joint, but no position, velocity or"
+                        " force is given by joint."
+                    )
+                raise UnknownNameError(f"joint in Measurement.inputs, {name}:", joint, joints)
+            found[joint] = replace(found[joint], inputs={**found[joint].inputs, name: values})
+    return found
 
 
 def _joints(record: Measurement) -> Mapping[str, Measurement]:

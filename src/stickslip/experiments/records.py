@@ -12,7 +12,6 @@ import numpy as np
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.line import along
 from stickslip.experiments.measurement import (
-    BESIDE,
     BY_JOINT,
     ELECTRIC,
     SAMPLED,
@@ -21,6 +20,7 @@ from stickslip.experiments.measurement import (
     Measurement,
     Uncertainty,
     condition_name,
+    is_beside,
     unit_of_input,
 )
 from stickslip.experiments.readers.layout import Layout
@@ -282,7 +282,7 @@ class _Files:
         sampled = (name for name in SAMPLED if name not in electric)
         wanted = ("time", *sampled, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
-            if key not in (*wanted, TRIAL, *BESIDE, *reading.motor_constant):
+            if key not in (*wanted, TRIAL, *reading.motor_constant) and not is_beside(key):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
         conditions = conditions_in(frame, reading.conditions)
         holes = "gaps" in reading.repair
@@ -295,8 +295,9 @@ class _Files:
         if not set(raw) - {"time"}:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
-        used = {*raw}
-        raw |= self._beside(frame)
+        beside = self._beside(frame)
+        used = {*raw, *(name for name in beside if "." in name)}
+        raw |= beside
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
         line = None
@@ -310,7 +311,7 @@ class _Files:
             rotary=(self.mechanism is not None and set(self.mechanism.units) == {"rad"})
             or reading.rotary,
         )
-        values, turning = scaling.scaled({k: x for k, x in raw.items() if k not in BESIDE})
+        values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
         if line is not None and turning:
             raise InputError(
                 "an angle cannot be given as two coordinates in a plane: name one"
@@ -345,20 +346,24 @@ class _Files:
 
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
+        joints = {name.partition(".")[2] for name in self._joint_columns(frame)} | {""}
         found: dict[str, Array] = {}
-        for name in BESIDE:
-            with self._optional(name):
-                found |= {name: frame.raw(name)} if name in frame.names else {}
+        for name in frame.names:
+            if is_beside(name) and name.partition(".")[2] in joints:
+                with self._optional(name):
+                    found[name] = frame.raw(name)
         return found
 
-    def _inputs(self, frame: "Frame", raw: Mapping[str, Array], turning: bool) -> dict[str, Array]:
-        """Return contact inputs in their units."""
+    def _inputs(
+        self, frame: "Frame", raw: Mapping[str, Array], turning: bool
+    ) -> dict[str, Array | dict[str, Array]]:
+        """Return contact inputs in their units; those of joints, as a table by joint."""
         found: dict[str, Array] = {}
-        for name in BESIDE:
+        for name in filter(is_beside, raw):
             with self._optional(name):
-                target = unit_of_input(name, turning=turning)
-                found |= {name: frame.scaled(name, raw[name], target)} if name in raw else {}
-        return found
+                target = unit_of_input(name.partition(".")[0], turning=turning)
+                found[name] = frame.scaled(name, raw[name], target)
+        return _nested(found)
 
     @contextmanager
     def _optional(self, name: str) -> Iterator[None]:

@@ -721,8 +721,9 @@ class JointLoadTemperature:
     """Friction of a robot's joint that grows with its load and changes with the temperature.
 
     Level and static surplus grow with the size of the load torque; the Stribeck velocity grows and
-    the viscous part falls with the temperature. The law of the source has a Stribeck velocity of
-    its own for the loaded part, and a viscous part that no temperature takes away.
+    the viscous part falls with the temperature. Of the source only the abstract could be read: it
+    adds load torque and temperature to a static model. No term and none of its published values
+    are compared with it; the values below are made up.
 
     >>> law.inputs
     ('temperature', 'gravity')
@@ -743,6 +744,10 @@ class JointLoadTemperature:
     passivity = Passivity(
         condition="1 + alpha_T T > 0, so that the Stribeck velocity is above 0",
         holds=lambda law, _load: law.stribeck_velocity_temperature_slope >= 0.0,
+    )
+    defects = (
+        "One Stribeck velocity for both parts, and a viscous part that any temperature takes away:"
+        " the source may have more terms."
     )
     compared = False
 

@@ -142,24 +142,30 @@ def inputs_along(
         unknown({slip: velocity}),
         unknown(drives | {"drive": force}),
     )
-    return _known(mechanism, only_contact(mechanism).name, told, record, time)
+    contact, recorded = only_contact(mechanism).name, recorded_inputs(record, time)
+    measured = "friction" in record.quantities()
+    return _known(mechanism, contact, told, recorded, time, measured=measured)
 
 
 def _known(
-    mechanism: Mechanism, contact: str, told: ContactInputs, record: Measurement, time: Array
+    mechanism: Mechanism,
+    contact: str,
+    told: ContactInputs,
+    recorded: Mapping[str, Array],
+    time: Array,
+    *,
+    measured: bool = False,
 ) -> dict[str, Array]:
     """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones.
 
-    Where friction was measured, forces beside it are those of the record, if it has them.
+    Where friction was `measured`, forces beside it are those of the record, if it has them.
     """
     own: Mapping[str, Any] = of_contact(told, contact)
-    seen = recorded_inputs(record, time)
-    if {"motor", "external"} <= seen.keys():
-        seen = gear_inputs(seen["motor"], seen["external"]) | seen
-    later = set(given_names(mechanism, contact))
-    later |= seen.keys() if "friction" in record.quantities() else set()
+    if {"motor", "external"} <= recorded.keys():
+        recorded = gear_inputs(recorded["motor"], recorded["external"]) | {**recorded}
+    later = {*given_names(mechanism, contact), *(recorded if measured else ())}
     first = {name: own[name] for name in own if name not in later}
-    found = {**own, **seen, **first}
+    found = {**own, **recorded, **first}
     columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
     return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
 
@@ -199,7 +205,8 @@ def joint_inputs(
         told = one.contact_inputs(t, q, q_dot, drives)
         found = []
         for name, force in zip(names, applied[::every].T, strict=True):
-            own = _known(one, contacts.get(name, ""), told, record, t)
+            recorded = recorded_inputs(record, t, name)
+            own = _known(one, contacts.get(name, ""), told, recorded, t)
             computed = own.keys() - given_names(one, contacts.get(name, ""))
             own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
             found.append(own)
@@ -249,8 +256,8 @@ def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
         return vary(mechanism, "mechanism", {path: smaller}), smaller - value
 
 
-def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
-    """Return the contact inputs that a record has, at times.
+def recorded_inputs(record: Measurement, time: Array, joint: str = "") -> dict[str, Array]:
+    """Return the contact inputs that a record has, of a joint where it has its own, at times.
 
     Examples
     --------
@@ -261,7 +268,7 @@ def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
     times = time if record.time is None else np.asarray(record.time)
     return {
         name: np.interp(time, times, np.broadcast_to(value, times.shape))
-        for name, value in record.contact_inputs().items()
+        for name, value in record.contact_inputs(joint).items()
     }
 
 
@@ -276,16 +283,31 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     >>> warm.drives()["contact_temperature"].value(0.5)
     21.0
     """
-    own = set(input_names(mechanism)).difference(given_names(mechanism))
-    inputs: dict[str, Drive | float] = {}
-    for name, seen in recorded_inputs(record, times).items():
-        if name not in own:
-            inputs[name] = (
-                Sampled(times=times - times[0], values=seen, hold="first")
-                if np.ptp(seen) > 0.0
-                else float(seen[0])
-            )
-    return given_inputs(mechanism, inputs)
+    inputs: dict[str, dict[str, Drive | float]] = {"": {}}
+    for joint, contact in _contacts_of(mechanism, [record]).items():
+        own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
+        for name, seen in recorded_inputs(record, times, joint).items():
+            if name not in own and (not joint or name in record.joints[joint].inputs):
+                inputs.setdefault(contact, {})[name] = (
+                    Sampled(times=times - times[0], values=seen, hold="first")
+                    if np.ptp(seen) > 0.0
+                    else float(seen[0])
+                )
+    return given_inputs(mechanism, {**inputs.pop(""), **inputs})
+
+
+def _contacts_of(mechanism: Mechanism, records: Sequence[Measurement]) -> dict[str, str]:
+    """Return the contact of each joint that has inputs of its own in all records.
+
+    And that of no joint, whose name is empty: what is told to it, all are told.
+    """
+    having = [
+        joint
+        for joint in (records[0].joints if records else ())
+        if all(joint in one.joints and one.joints[joint].inputs for one in records)
+    ]
+    along = {one.slip: one.name for one in mechanism.contacts()}
+    return {"": ""} | {joint: along[joint] for joint in having if joint in along}
 
 
 def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
@@ -307,23 +329,27 @@ def as_informed(
     >>> as_informed(law, SpringBlock(mass=1.0), Measurement(travel=0.2))[1]
     ()
     """
-    own = set(input_names(mechanism)).difference(given_names(mechanism))
-    found: dict[str, float] = {}
+    found: dict[str, dict[str, float]] = {"": {}}
     said = []
-    for name in _asked(law):
-        parts = [one.contact_inputs().get(name) for one in measurement.records()]
-        if name in own or any(part is None for part in parts):
-            continue
-        values = np.concatenate([np.atleast_1d(np.asarray(part, dtype=float)) for part in parts])
-        found[name] = float(np.median(values))
-        low, high = float(values.min()), float(values.max())
-        if high > low:
-            unit = unit_of_input(name, turning=measurement.turning)
-            said.append(
-                f"The {name} was measured and varies, {span(low, high, unit)}: in runs of this fit"
-                f" it is the median, {quantity(found[name], unit)}."
-            )
-    return given_inputs(mechanism, found), tuple(said)
+    records = measurement.records()
+    for joint, contact in _contacts_of(mechanism, records).items():
+        own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
+        for name in _asked(law):
+            held = [(one.joints[joint] if joint else one).contact_inputs() for one in records]
+            parts = [one.get(name) for one in held]
+            if name in own or any(part is None for part in parts):
+                continue
+            values = np.concatenate([np.atleast_1d(np.asarray(x, dtype=float)) for x in parts])
+            middle, low, high = (float(of(values)) for of in (np.median, np.min, np.max))
+            found.setdefault(contact, {})[name] = middle
+            if high > low:
+                unit = unit_of_input(name, turning=measurement.turning)
+                what = f"The {name} of the {joint}" if joint else f"The {name}"
+                said.append(
+                    f"{what} was measured and varies, {span(low, high, unit)}: in runs of this fit"
+                    f" it is the median, {quantity(middle, unit)}."
+                )
+    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(said)
 
 
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any, TypeAlias, overload
 
+from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
 
 from stickslip.experiments import Measurement, as_turning
@@ -161,7 +162,8 @@ def fit(
     refuse_foreign(kind, given)
     refuse_uninformed(kind, given, mechanism, measurement)
     law, vary = kind.law_and_parameters(law, vary, fixed or ())
-    found: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
+    with _one_thread():
+        found: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
     return found
 
 
@@ -285,8 +287,14 @@ def select(
     for one in (measurement, request.validate):
         if one is not None:
             refuse_uninformed(kind, given, mechanism, one)
-    verdict: Verdict = kind.select(_chosen(kind, request))
+    with _one_thread():
+        verdict: Verdict = kind.select(_chosen(kind, request))
     return verdict
+
+
+def _one_thread() -> Any:
+    """Keep linear algebra to one thread: of thin matrices, others would wait for each other."""
+    return threadpool_limits(limits=1, user_api="blas")
 
 
 def _chosen(kind: AnyKind, request: Request) -> Request:

@@ -109,12 +109,14 @@ from stickslip.plots.runs.run import plot_runs as plot_runs
 from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.plots.runs.validation import draw_validation as draw_validation
 from stickslip.plots.runs.validation import plot_validation as plot_validation
+from stickslip.plots.selection.fit_data import DOTS as DOTS
 from stickslip.plots.selection.fit_data import MapPoints as MapPoints
 from stickslip.plots.selection.fit_data import block_edges as block_edges
 from stickslip.plots.selection.fit_data import errors_of as errors_of
 from stickslip.plots.selection.fit_data import is_timed as is_timed
 from stickslip.plots.selection.fit_data import map_points as map_points
 from stickslip.plots.selection.fit_data import panel_of as panel_of
+from stickslip.plots.selection.fit_data import postures_of as postures_of
 from stickslip.plots.selection.fit_data import residual_panels as residual_panels
 from stickslip.plots.selection.fit_data import rows_of as rows_of
 from stickslip.plots.selection.fit_data import sampled as sampled

@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import BY_JOINT, QUANTITIES, TRAVELS, Array
+from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES, TRAVELS, Array
 from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
@@ -124,7 +124,7 @@ PREFERRED: Final = (
     *("motor", "drive", "antrieb"),
 )
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
-TEMPERATURES: Final = ("temperature", "temperatur", "temp")
+TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
 """Words in names of columns of temperatures."""
 CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
 """Words in names of columns that hold a condition."""
@@ -321,7 +321,7 @@ def guess_data(
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
-        found |= _temperature(parts, conditions)
+        found |= changing_temperature(parts, conditions)
     alone = [one.name for one in found.values()] if len(parts) == 1 else []
     conditions = tuple(
         name
@@ -857,7 +857,7 @@ def joint_in(name: str) -> tuple[str, str]:
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in (*BY_JOINT, "reference", "current") and "." not in joint
+    known = first in (*BY_JOINT, *BESIDE, "reference", "current") and "." not in joint
     return (first, joint) if known and joint.casefold() not in ("", *NAMES["time"]) else ("", "")
 
 
@@ -934,7 +934,9 @@ def _of_trials(frame: Frame, trial: str) -> list[Frame]:
     return [part for _, part in by_trial(replace(frame, names=names))]
 
 
-def _temperature(parts: Sequence[Frame], names: Iterable[str]) -> Iterator[tuple[str, Found]]:
+def changing_temperature(
+    parts: Sequence[Frame], names: Iterable[str]
+) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
     found = [
         Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")

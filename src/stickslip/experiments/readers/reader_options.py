@@ -195,7 +195,9 @@ def check_columns(
     known = ("time", *quantities, *BESIDE, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
-        if name in (*known, *currents) or (rest and first in ("initial", PREFIX, *BY_JOINT)):
+        if name in (*known, *currents) or (
+            rest and first in ("initial", PREFIX, *BY_JOINT, *BESIDE)
+        ):
             continue
         if first in MOTORS:
             force = f"force.{rest}" if rest else "force"

@@ -10,13 +10,14 @@ import pandas as pd
 from scipy.signal import correlate, correlation_lags
 
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import BY_JOINT, Array
+from stickslip.experiments.measurement import BESIDE, BY_JOINT, Array
 from stickslip.experiments.readers.formats import data_file
 from stickslip.experiments.readers.guess import (
     WHOLE,
     Found,
     Guess,
     assigned,
+    changing_temperature,
     column_text,
     joint_in,
     joints_in,
@@ -244,6 +245,10 @@ def _logged(
         }
         found = assigned(replace(frame, names=part), {"time": clock}, {})
         own = {what: one for what, one in found.items() if what in (*_WITH_CURRENT, "reference")}
+        taken = {one.name for one in found.values()}
+        own |= changing_temperature(
+            [replace(frame, names=part)], [name for name in part if name not in taken]
+        )
         if {"position", "velocity"} & {*own}:
             yield (
                 key,
@@ -269,7 +274,8 @@ def _columns(joints: Sequence[_Joint]) -> dict[str, Found]:
         f"{what}.{joint.coordinate}": found
         for joint in joints
         for what, found in joint.columns.items()
-        if what in _WITH_CURRENT and not (what == "current" and "force" in joint.columns)
+        if what in (*_WITH_CURRENT, *BESIDE)
+        and not (what == "current" and "force" in joint.columns)
     }
 
 

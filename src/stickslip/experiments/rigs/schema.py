@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
+from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
 from stickslip.experiments.rigs.law_tables import (
     NONE,
@@ -72,7 +72,7 @@ def _by_joint(table: Any) -> Any:
         return table
     found: dict[Any, Any] = {}
     for key, value in table.items():
-        joints = key in (*BY_JOINT, *MOTORS) and isinstance(value, dict)
+        joints = key in (*BY_JOINT, *BESIDE, *MOTORS) and isinstance(value, dict)
         found |= {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
     return found
 

@@ -21,8 +21,8 @@ from stickslip.exports.joints import SOFT, TIMESTEP
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
 from stickslip.formatting import percent, quantity
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Axis, given_inputs, input_names
+from stickslip.friction import FrictionLaw, bound
+from stickslip.mechanisms import Axis, gear_inputs, given_inputs, input_names
 from stickslip.quantities import turned
 from stickslip.simulation import simulate
 
@@ -36,6 +36,10 @@ PERIODS: Final = 2
 """Periods of a sweep."""
 ROUNDING: Final = 1e-12
 """Share of the travel that roundings leave of a difference."""
+ROUNDS: Final = 1000
+"""Times that the level of a gear is computed from the force that it holds ..."""
+SAME: Final = 1e-9
+"""... until it changes by such a share at most."""
 HEAVY: Final = 1e9
 """Armature over the largest inertia of a model, with which its other joints stand still."""
 
@@ -176,6 +180,25 @@ def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
     return spec
 
 
+def _held(subject: Subject, load: float) -> float:
+    """Return the force from which a joint alone leaves rest.
+
+    A gear that the force itself loads holds more of it than at the torque that was stated; where it
+    holds any force, it is that at the stated one.
+    """
+    rest = min(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+    if not {"motor", "external", "transmitted"}.intersection(subject.law.inputs):
+        return rest
+    force = 0.0
+    for _ in range(ROUNDS):
+        told = gear_inputs(force, 0.0, position=0.0)
+        law = bound(replace(subject.law), {**subject.at, **told})
+        last, force = force, min(float(law.towards(side).break_away(load)) for side in (1, -1))
+        if abs(force - last) <= SAME * force:
+            return force
+    return rest
+
+
 def _motions(
     mujoco: ModuleType, compiled: Any, one: Tested, settings: str
 ) -> Iterator[JointMotion]:
@@ -190,7 +213,7 @@ def _motions(
     axis = Axis(inertia=inertia, load=load, damping=one.damping, rotary=rotary)
     told = input_names(axis)  # such as the torque of a gear, which the motion decides
     stated = {name: value for name, value in subject.at.items() if name not in told}
-    rest = min(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+    rest = _held(subject, load)
     sliding = abs(steady_force(subject, np.array([-fastest, fastest]), load)).max()
     sliding += one.damping * fastest
     step, unit = float(compiled.opt.timestep), turned("N", rotary)

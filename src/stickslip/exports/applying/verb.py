@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.documents import write_file
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
@@ -18,7 +18,7 @@ from stickslip.exports.applying.replay import JointReplay, replayed
 from stickslip.exports.applying.running import Compiled, JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.subject import Subject
 from stickslip.exports.verb import Asked, subject_of
-from stickslip.formatting import quantity
+from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
 from stickslip.mechanisms import (
@@ -179,7 +179,7 @@ def apply(
     load: float | None = None,
     largest_speed: Given | None = None,
     law_load: float | None = None,
-    at: Mapping[str, Given] | None = None,
+    at: Mapping[str, Given | Mapping[str, Given]] | None = None,
     to: str | None = None,
     polynomial: bool = False,
     holds: bool = False,
@@ -212,8 +212,9 @@ def apply(
         End of the range of speeds; that of the fit if not given.
     law_load : float, optional
         Normal force [N] at which the law was fitted, if its levels are forces.
-    at : mapping of str to float or str, optional
-        Contact inputs of the law at which the joint has its friction.
+    at : mapping of str to float, str or mapping, optional
+        Contact inputs of the laws at which the joints have their friction: by name for all laws
+        that depend on them, and by contact and name for one.
     to : str, optional
         What reads the file: ``"urdf"``, ``"mjcf"``, ``"physx"``, ``"newton"``, ``"bam"`` or
         ``"ros2"``. Needed for USD only, which PhysX and Newton both read.
@@ -252,18 +253,26 @@ def apply(
     model = read_model(Path(file), to)
     wishes = Wishes(polynomial=polynomial, holds=holds)
     _check_wishes(model, wishes)
-    given = Asked(law=law, load=load, largest_speed=largest_speed, law_load=law_load, at=at or {})
+    given = Asked(law=law, load=load, largest_speed=largest_speed, law_load=law_load)
     rows: dict[str, AppliedJoint] = {}
     tested: list[Tested] = []
     values: list[tuple[ModelJoint, Mapping[str, str]]] = []
-    for contact, name in _pairs(source, model, joints):
+    pairs = _pairs(source, model, joints)
+    shared, own = _stated(at or {}, [contact for contact, _ in pairs])
+    unasked = dict(shared)
+    for contact, name in pairs:
         joint = model.joint(name)
         if name in rows:
             raise InputError(f"joint {name!r} is named twice; it has one friction.")
         asked = replace(given, contact=contact or None)
         if isinstance(source, FrictionLaw):
             asked = replace(asked, rotary=joint.rotary is not False)
-        subject = _subject(source, model, asked)
+        whole = subject_of(source, model.title, asked, evaluates=False, rig=None)
+        # of several laws, each takes what it depends on
+        known = {k: x for k, x in shared.items() if len(pairs) == 1 or k in whole.law.inputs}
+        unasked = {k: x for k, x in unasked.items() if k not in known}
+        asked = replace(asked, at={**known, **own.get(contact, {})})
+        subject = _subject(source, model, asked, whole)
         _check_kind(model, joint, subject)
         beside = _beside(subject.mechanism, subject.contact)
         carried = model.carry(joint, subject, beside, wishes)
@@ -272,6 +281,8 @@ def apply(
         if carried.near is not None:
             near, damping = carried.near.joint, beside.damping
             tested.append(Tested(name=name, subject=subject, joint=near, damping=damping))
+    if unasked:
+        raise InputError(f"no law of these joints depends on {joined(list(unasked))}.")
     content, remarks = model.written(values), [*model.remarks()]
     compiled, why = None, ""
     if run and not model.runs:
@@ -438,12 +449,28 @@ def _beside(mechanism: Mechanism | None, contact: str) -> Beside:
     return Beside()
 
 
-def _subject(source: "Source", model: Model, asked: Asked) -> Subject:
+def _stated(
+    at: Mapping[str, Given | Mapping[str, Given]], contacts: Sequence[str]
+) -> tuple[dict[str, Given], dict[str, Mapping[str, Given]]]:
+    """Return contact inputs that are stated for all laws, and those for the law of a contact."""
+    shared: dict[str, Given] = {}
+    own: dict[str, Mapping[str, Given]] = {}
+    for name, value in at.items():
+        if not isinstance(value, Mapping):
+            shared[name] = value
+        elif name in contacts:
+            own[name] = value
+        else:
+            raise UnknownNameError(
+                "contact with inputs of its own", name, [*filter(None, contacts)]
+            )
+    return shared, own
+
+
+def _subject(source: "Source", model: Model, asked: Asked, whole: Subject) -> Subject:
     """Return the law as the format takes it: at values of its contact inputs, but for its own."""
-    if not asked.at:
-        whole = subject_of(source, model.title, asked, evaluates=False, rig=None)
-        if model.has_exactly(whole):
-            return whole
+    if not asked.at and model.has_exactly(whole):
+        return whole
     return subject_of(source, model.title, asked, evaluates=True, rig=None)
 
 

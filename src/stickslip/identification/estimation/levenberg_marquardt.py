@@ -150,14 +150,17 @@ def _valleys(
     found: list[_Valley] = []
     for end in distinct:
         rounds = 0 if race.cancelled else ROUNDS if len(distinct) == 1 else EARLY
-        whole, cancelled = _improved(problem, end.values, None, race.counter, rounds)
+        whole, cancelled = _improved(
+            problem, end.values, None, race.counter, rounds, rival=race.rival
+        )
         race.cancelled |= cancelled
         if whole:
             found.append(_Valley(end, whole))
     found.sort(key=lambda one: one.whole.cost)
+    race.hopeless |= bool(found) and not race.cancelled and _far_above(found[0].whole, race.rival)
     for k, one in enumerate(found[:POLISHED]):
         near = one.whole.cost <= NEARLY * found[0].whole.cost
-        if race.cancelled or not near or len(distinct) == 1:
+        if race.cancelled or race.hopeless or not near or len(distinct) == 1:
             break
         whole, race.cancelled = _improved(
             problem, one.whole.values, one.whole, race.counter, ROUNDS - EARLY
@@ -221,7 +224,8 @@ class _Race:
             self._go(start, end.values, ROUNDS, goal)
             # ends of five rounds are on their way: only where one has arrived can others agree
             goal = self._best
-            self.hopeless = self._far_above_rival()
+            several = len(self.ends) > 1 and not self.cancelled
+            self.hopeless = several and goal is not None and _far_above(goal, self.rival)
         while self.starts > 1 and not self.hopeless and not self.cancelled:
             number = len(self.ends)
             if _agreeing(self.costs) > 1 or number >= FURTHER + count:
@@ -234,12 +238,6 @@ class _Race:
     def _best(self) -> ResidualJacobian | None:
         """The end of least cost; None if there is none."""
         return min((one for one in self.ends if one), key=lambda one: one.cost, default=None)
-
-    def _far_above_rival(self) -> bool:
-        """Whether the best of several starts leaves far more than the rival."""
-        best = self._best
-        far = best is not None and best.rms**2 > HOPELESS * self.rival > 0
-        return far and not self.cancelled and len(self.ends) > 1
 
     def _go(
         self, number: int, values: Array, rounds: int, goal: ResidualJacobian | None = None
@@ -258,12 +256,20 @@ def _improved(
     counter: Counter,
     rounds: int,
     goal: ResidualJacobian | None = None,
+    rival: float = 0.0,
 ) -> tuple[ResidualJacobian | None, bool]:
     """Return where a start leads, None if nothing is predicted there; and whether to stop."""
     try:
-        return improve(problem, values, near=near, counter=counter, rounds=rounds, goal=goal)
+        return improve(
+            problem, values, near=near, counter=counter, rounds=rounds, goal=goal, rival=rival
+        )
     except ConvergenceError:
         return None, False
+
+
+def _far_above(end: ResidualJacobian, rival: float) -> bool:
+    """Whether an end leaves far more than a rival's mean square of all rows, 0 if there is none."""
+    return end.rms**2 > HOPELESS * rival > 0.0
 
 
 def _agree(cost: float, other: float) -> bool:
@@ -302,12 +308,14 @@ def improve(
     rounds: int = ROUNDS,
     goal: ResidualJacobian | None = None,
     flat: float = FLAT,
+    rival: float = 0.0,
 ) -> tuple[ResidualJacobian, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
     A descent that ended at these values, `near`, is continued. It ends early where it comes to a
-    `goal`, another end, and where a step promises to lower it by less than the share `flat`; a
-    share that is not the usual one never stops the first step.
+    `goal`, another end, where it is still far above the mean square of a `rival`, and where a step
+    promises to lower it by less than the share `flat`; a share that is not the usual one never
+    stops the first step.
     """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
@@ -320,7 +328,7 @@ def improve(
     try:
         if counter is not None and near is None:
             counter(here)
-        for _ in range(rounds):
+        for k in range(rounds):
             table = here.slopes @ free_parameters.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
             done = promised <= flat * here.cost
@@ -340,7 +348,7 @@ def improve(
                 break  # nor did initial states, which follow one step behind, gain anything
             if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
                 break
-            if damping > MOST_DAMPING:
+            if damping > MOST_DAMPING or (k + 1 >= EARLY and _far_above(here, rival)):
                 break
             if gained < AGREE * here.cost and goal and _leads_to(free_parameters, here, goal):
                 break

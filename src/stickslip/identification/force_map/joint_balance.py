@@ -306,8 +306,8 @@ class JointPiece:
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
     inputs: Sequence[tuple[Mapping[str, Array], Mapping[str, Array]]]
     """Contact inputs of each joint (n,), by name, and their slopes (n, k)."""
-    recorded: Mapping[str, Array]
-    """Those that the record has (n,), by name."""
+    recorded: Sequence[Mapping[str, Array]]
+    """Those of each joint that the record has (n,), by name."""
 
     @property
     def span(self) -> float:
@@ -379,7 +379,7 @@ class JointPiece:
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
-            recorded=recorded_inputs(record, time),
+            recorded=[recorded_inputs(record, time, name) for name in mechanism.coordinates],
             inputs=joint_inputs(
                 mechanism,
                 {along: one.name for along, one in contacts_along(mechanism).items()},
@@ -440,7 +440,7 @@ class JointPiece:
             self.applied[:, i],
             mass=inertia,
             taken=self.taken[:, i] - inertia * a,
-            covariates={"load": self.loads[:, i], **self.recorded, **self._gear(i)},
+            covariates={"load": self.loads[:, i], **self.recorded[i], **self._gear(i)},
             extra=columns,
         )
 

@@ -358,6 +358,9 @@ def _searched(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     few = ready.problem.few or ready.problem
     nested = starts_from(kind, few.free_parameters, contained, ready.load, few)
+    if nested and contained[0].law == wanted.law:  # a fit of a richer law gave these very values
+        ready = ready.looking_for(ready.problem.free_parameters.starting_at(nested[0]))
+        nested = ()
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, choice.settings, watch, rival)
     if kind.states and not found.hopeless:

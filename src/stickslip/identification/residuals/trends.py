@@ -102,11 +102,12 @@ def chance_of(gains: Array) -> float:
     return float(scipy.stats.wilcoxon(gains, alternative="greater").pvalue)
 
 
-def has_trend(residual: Array, by: Array) -> bool:
+def has_trend(residual: Array, by: Array, *, among: int = 1) -> bool:
     """Whether residuals (n,) in the order of time follow a quantity (n,), such as the velocity.
 
     Their means in cells of the quantity, from all blocks but one, must take squares off that one:
-    in so many blocks that chance would do so in one record of 20.
+    in so many blocks that chance would do so in one record of 20, with any `among` so many
+    quantities.
 
     Examples
     --------
@@ -126,7 +127,7 @@ def has_trend(residual: Array, by: Array) -> bool:
     gains, _ = gains_of(np.zeros((len(u), 0)), basis_of(columns), residual)
     share = float(gains.sum()) / max(float(residual @ residual), 1e-300)
     chance = 1.0 if share < TREND else chance_of(gains)
-    return chance < LEVEL
+    return chance < LEVEL / among
 
 
 def ljung_box(residual: Array) -> float:

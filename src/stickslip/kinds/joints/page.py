@@ -10,7 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
+from stickslip.identification import has_trend
 from stickslip.kinds.joints.verdict import JointVerdict, joint_label, short_verdict
 from stickslip.kinds.records.page.appendix import dropped_section, record_figure
 from stickslip.kinds.records.page.certificate import certificate_section as certificate_of
@@ -25,12 +27,17 @@ from stickslip.kinds.records.page.texts import symbols_of
 from stickslip.kinds.records.page.validation_record import second_section
 from stickslip.kinds.records.verdict import RecordVerdict
 from stickslip.plots import (
+    DOTS,
     MapSplit,
+    draw_residuals,
     draw_split_map,
     inline_svg,
     joint_figure,
     joint_sizes,
     map_points,
+    panel_of,
+    postures_of,
+    residual_sizes,
     sampled,
     split_sizes,
 )
@@ -60,6 +67,8 @@ from stickslip.selection import plain, score_text
 
 MOST: Final = 30
 """Combinations of laws in the table at most."""
+PANELS: Final = 3
+"""Joints against whose positions residuals are drawn at most."""
 LOADED: Final = 0.5
 """Range of the force through the gear over the friction from which maps are split by it."""
 
@@ -73,7 +82,7 @@ def joint_sections(
         partial(opening_section, verdict, origin.data, remark),
         partial(forces_section, verdict),
         *(
-            partial(joint_section, own, name, number, scales)
+            partial(joint_section, own, name, number, scales, verdict.measurement)
             for number, (name, own) in enumerate(verdict.joints.items(), 1)
         ),
         partial(mechanism_section, verdict),
@@ -139,13 +148,18 @@ def _scales(verdict: JointVerdict) -> Mapping[str, Scale]:
 
 
 def joint_section(
-    verdict: RecordVerdict, name: str, number: int, scales: Mapping[str, Scale]
+    verdict: RecordVerdict,
+    name: str,
+    number: int,
+    scales: Mapping[str, Scale],
+    whole: Measurement,
 ) -> Section:
     """Return the section of one joint."""
     symbols = symbols_of(verdict.candidates)
     text = f"{verdict.words.verdict} {verdict.words.lede}"
     blocks: list[Block] = [Paragraph(text=typeset(text, symbols))]
-    for part in made_sections(*(partial(make, verdict) for make in OF_A_JOINT)):
+    made = [partial(make, verdict) for make in OF_A_JOINT]
+    for part in made_sections(*made, partial(posture_section, verdict, name, whole)):
         blocks += [Subheading(text=part.heading), *part.blocks]
     fit = verdict.closest.fit
     figure = record_figure(verdict, fit, scales=scales) if fit else None
@@ -199,6 +213,48 @@ def split_section(verdict: RecordVerdict) -> Section | None:
         id="split",
         nav="By load",
         heading=f"Friction {joined([one.label for one in splits])}",
+        blocks=(Figure(svg=svg, caption=caption),),
+    )
+
+
+def posture_section(verdict: RecordVerdict, name: str, whole: Measurement) -> Section | None:
+    """Return the residuals by the positions of the other joints, None where these are unknown."""
+    fit = verdict.closest.fit
+    if fit is None or not np.all(np.isfinite(fit.residual)):
+        return None
+    residual = verdict.scale.factor * fit.optimum.best.residual
+    others = {joint: x for joint, x in postures_of(fit, whole).items() if joint != name}
+    if not others:
+        return None
+    followed = [joint for joint, x in others.items() if has_trend(residual, x, among=len(others))]
+    if not followed:
+        names = joined(list(others)).replace(" and ", " or ")
+        text = f"No test finds a dependence of the residuals on the position of the {names}."
+        made = (Paragraph(text=text),)
+        return Section(id="posture", nav="Posture", heading="Residuals by posture", blocks=made)
+    shown = sampled(len(residual), DOTS)
+    panels = []
+    for joint in followed[:PANELS]:
+        by, unit = scale_of(others[joint], whole.unit(f"position.{joint}"))
+        label = f"position of the {joint}, {unit}"
+        x, effective = by * others[joint], fit.inference.effective
+        panels.append(panel_of(label, x, residual, effective, shown))
+    svg = inline_svg(
+        draw_residuals(panels, f"residual, {verdict.scale.unit}"),
+        alt=f"Residuals of the chosen law against the position of the {joined(followed[:PANELS])}",
+        prefix="posture-figure",
+        **residual_sizes(len(panels)),
+    )
+    caption = (
+        "**Residuals by posture**: their mean follows the position of"
+        f" {'another joint' if len(followed) == 1 else 'other joints'} (confirmed on held-out"
+        " blocks). What the links weigh changes with the posture: an error of the links, and"
+        " friction that grows with the load, look like this."
+    )
+    return Section(
+        id="posture",
+        nav="Posture",
+        heading=f"The residuals depend on the position of the {joined(followed)}",
         blocks=(Figure(svg=svg, caption=caption),),
     )
 

@@ -177,6 +177,24 @@ def rows_of(fit: RecordFit) -> Rows:
     return Rows(placed, columns["velocity"], columns["position"], seen.residual)
 
 
+def postures_of(fit: RecordFit, whole: Measurement) -> dict[str, Array]:
+    """Return the positions (n,) of all joints of a record at the residuals of a fit to one."""
+    problem, seen = fit.problem, fit.optimum.best
+    record, records = problem.spans[seen.segment, 0].astype(int), whole.records()
+    if len(records) != len(fit.measurement.records()):
+        return {}
+    found = {}
+    for name in whole.joint_names():
+        if not all(f"position.{name}" in one.quantities() for one in records):
+            continue
+        column = found[name] = np.zeros(len(problem.times))
+        for number, one in enumerate(records):
+            own = record == number
+            places = np.asarray(one.values(f"position.{name}"))
+            column[own] = np.interp(problem.times[own], np.asarray(one.time), places)
+    return found
+
+
 def _shifts(spans: Array) -> dict[int, float]:
     """Return what times of each record are shifted by, so that several lie end to end."""
     order = np.unique(spans[:, 0]).astype(int).tolist()
