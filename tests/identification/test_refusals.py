@@ -22,6 +22,7 @@ from stickslip import (
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.mechanisms import TwoMassAxis
 
 AXIS = Axis(inertia=5.0)
 QUICK = RecordSettings(starts=1)
@@ -305,3 +306,11 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
             settings=QUICK,
         )
     assert "Check its sign" not in str(caught.value)
+
+
+def test_one_encoder_of_two_masses_is_refused_with_what_to_give():
+    t = np.arange(0.0, 2.0, 0.01)
+    axis = TwoMassAxis(motor_inertia=1.0, load_inertia=2.0, stiffness=50.0)
+    record = Measurement(time=t, position=np.sin(t), force=np.cos(t))
+    with pytest.raises(InputError, match="position and force of each of x, other by its name"):
+        fit(axis, Coulomb, record)

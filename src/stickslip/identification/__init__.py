@@ -103,6 +103,7 @@ INSIDE = {
     "ljung_box": "residuals.trends",
     "load_along": "force_map.data",
     "load_of": "series.start_values",
+    "loads_motor": "terms.dense_series",
     "mass_held": "terms.findings",
     "memory_is_seen": "records.problems",
     "model_errors": "terms.findings",

@@ -94,6 +94,7 @@ from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
+from stickslip.identification.terms.dense_series import loads_motor as loads_motor
 from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale
 from stickslip.identification.terms.dense_series import without_outliers as without_outliers
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS

@@ -142,8 +142,9 @@ def inputs_along(
         unknown({slip: velocity}),
         unknown(drives | {"drive": force}),
     )
-    recorded = recorded_inputs(record, time)
-    return _known(mechanism, only_contact(mechanism).name, told, recorded, time)
+    contact, recorded = only_contact(mechanism).name, recorded_inputs(record, time)
+    measured = "friction" in record.quantities()
+    return _known(mechanism, contact, told, recorded, time, measured=measured)
 
 
 def _known(
@@ -152,11 +153,18 @@ def _known(
     told: ContactInputs,
     recorded: Mapping[str, Array],
     time: Array,
+    *,
+    measured: bool = False,
 ) -> dict[str, Array]:
-    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones."""
+    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones.
+
+    Where friction was `measured`, forces beside it are those of the record, if it has them.
+    """
     own: Mapping[str, Any] = of_contact(told, contact)
-    given = set(given_names(mechanism, contact))
-    first = {name: own[name] for name in own if name not in given}
+    if {"motor", "external"} <= recorded.keys():
+        recorded = gear_inputs(recorded["motor"], recorded["external"]) | {**recorded}
+    later = {*given_names(mechanism, contact), *(recorded if measured else ())}
+    first = {name: own[name] for name in own if name not in later}
     found = {**own, **recorded, **first}
     columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
     return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}

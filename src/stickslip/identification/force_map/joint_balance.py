@@ -6,7 +6,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 from typing_extensions import override
 
 from stickslip.errors import InputError
@@ -44,6 +43,7 @@ from stickslip.identification.force_map.force_balance import (
     resting_motion,
     second_differences,
 )
+from stickslip.identification.force_map.gear_torques import gear_torques
 from stickslip.identification.force_map.model import ForceMap, spanned
 from stickslip.identification.series.inverse_dynamics import (
     HIGHEST,
@@ -66,9 +66,6 @@ LEVELS = 2
 """Positions between which an encoder may jitter at rest."""
 FAR = 50.0
 """Range of a slow motion over the displacement that the sensor may miss from which it is one."""
-ROUNDS = 5
-"""Times that the torque that a gear transmits is computed from the friction that grows with it: of
-the error each leaves a share, as friction is one of that torque."""
 JITTER = 1e-3
 """Deviation from even times, over a step, from which a record is placed on even times."""
 
@@ -448,25 +445,12 @@ class JointPiece:
         )
 
     def _gear(self, i: int) -> dict[str, Array]:
-        """Return the torque of the motor of a joint (n,), and what its gear transmits of it.
-
-        The motor's is what the motion takes, with the friction of M3 of Rhoban/bam: of the measured
-        one friction is a part, so that it would explain whatever friction there is.
-        """
+        """Return the torque of the motor of a joint (n,), and what its gear transmits of it."""
         external = self.inputs[i][0].get("external")
         if external is None or "transmitted" not in self.inputs[i][0]:
             return {}
-        motion, taken = self.motions[i], self.taken[:, i]
-        ways = np.where(motion.resting, 0.0, np.sign(motion.velocity))
-        friction, left = np.zeros_like(taken), self.applied[:, i] - taken
-        for _ in range(ROUNDS):  # the torque that a gear transmits has its friction in it
-            rubs = [ways, motion.velocity, ways * np.abs(taken + friction - external)]
-            columns = np.column_stack([*rubs, np.ones_like(ways)])
-            seen = smoothed(np.column_stack([left, columns]), self.passed)
-            values, _ = nnls(np.column_stack([seen[:, 1:], -seen[:, -1]]), seen[:, 0])
-            friction = columns[:, :3] @ values[:3]
-        motor = taken + friction
-        return {"motor": motor, "transmitted": motor - external}
+        taken = self.taken[:, i]
+        return gear_torques(self.motions[i], self.applied[:, i], taken, external, self.passed)
 
     def stretch(
         self, i: int, numbers: NDArray[np.intp], *, samples: float, slipping: bool

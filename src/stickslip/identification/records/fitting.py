@@ -770,7 +770,8 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
     build = fit.build
     if not isinstance(build, BalanceProblemBuilder):
         return []
-    if not (build.resolved and fit.law.states) and build.problem.rederived is None:
+    gear = {"motor", "transmitted"} & {*fit.law.inputs}
+    if not (gear or (build.resolved and fit.law.states) or build.problem.rederived):
         return []
     if not all("position" in one.quantities() for one in fit.measurement.records()):
         return []

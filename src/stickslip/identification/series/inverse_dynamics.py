@@ -354,7 +354,9 @@ def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tu
     if len(mechanism.coordinates) != 1:
         raise InputError(
             f"inverse dynamics needs a mechanism of one coordinate, and"
-            f" {type(mechanism).__name__} has {len(mechanism.coordinates)}."
+            f" {type(mechanism).__name__} has {len(mechanism.coordinates)}: give position and"
+            f" force of each of {', '.join(mechanism.coordinates)} by its name, zeros where nothing"
+            " drives it."
         )
     if "offset" in mechanism.__dataclass_fields__:
         mechanism = with_values(mechanism, "mechanism", {"mechanism.offset": 0.0})

@@ -1,6 +1,7 @@
 """Records as dense series, whose force balance the evidence engine explains by terms."""
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -9,11 +10,18 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.evidence import DRIVES, Series, outliers
-from stickslip.experiments import Measurement, as_recorded, with_voltage
+from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.formulation import JointTorques
-from stickslip.identification.contact_inputs import recorded_inputs
-from stickslip.identification.force_map.data import load_along
-from stickslip.identification.force_map.joint_balance import joint_series
+from stickslip.identification.contact_inputs import inputs_along, recorded_inputs
+from stickslip.identification.force_map.data import load_along, smoothed
+from stickslip.identification.force_map.force_balance import (
+    filtered_motion,
+    mean_force,
+    passed_by_balance,
+    second_differences,
+)
+from stickslip.identification.force_map.gear_torques import gear_torques
+from stickslip.identification.force_map.joint_balance import AHEAD, WIDEST, joint_series
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
@@ -27,7 +35,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.settings import PROMPT, Hold, SensorResponse
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, input_names, motor_of, of_contact
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -123,15 +131,10 @@ def dense_series(
     The mass is a known one unless it is among what is to be found. A load that changes is a
     covariate; one that does not is left to the coefficients.
     """
-    records = measurement.records()
     loads = loads_of(mechanism, measurement)
-    inputs = [
-        {"load": load, **recorded_inputs(one, np.asarray(one.time, dtype=float))}
-        for one, load in zip(records, loads, strict=True)
-    ]
-    return tuple(
-        _series(mechanism, record, hold, unknown, own, response)
-        for record, own in zip(records, _that_vary(inputs), strict=True)
+    return _with_what_varies(
+        _series(mechanism, record, hold, unknown, load, response)
+        for record, load in zip(measurement.records(), loads, strict=True)
     )
 
 
@@ -177,16 +180,15 @@ def joints_series(
     found, loads = [], []
     every, passed = joint_series(torques, mechanism, measurement, hold)
     for own in every:
-        inputs = [one.covariates for one in own]
-        varying = zip(own, _that_vary(inputs), strict=True)
-        found.append(tuple(replace(one, covariates=columns) for one, columns in varying))
-        loads.append(float(np.median(np.concatenate([one["load"] for one in inputs]))))
+        found.append(_with_what_varies(own))
+        loads.append(float(np.median(np.concatenate([one.covariates["load"] for one in own]))))
     return tuple(found), tuple(loads), passed
 
 
-def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
-    """Return what friction may depend on in each record: what all have and what changes."""
-    names = []
+def _with_what_varies(series: Iterable[Series]) -> tuple[Series, ...]:
+    """Return series with what friction may depend on: what all of them have and what changes."""
+    found, names = tuple(series), []
+    inputs = [one.covariates for one in found]
     for name in inputs[0]:
         if not all(name in one for one in inputs):
             continue
@@ -196,7 +198,9 @@ def _that_vary(inputs: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
         # of several trials, each may have a temperature of its own
         if high - low > (VARIES * middle if name in ("load", *DRIVES) else 0.0):
             names.append(name)
-    return [{name: one[name] for name in names} for one in inputs]
+    return tuple(
+        replace(one, covariates={name: one.covariates[name] for name in names}) for one in found
+    )
 
 
 def _counted(inputs: Mapping[str, Array], name: str) -> Array:
@@ -222,6 +226,29 @@ def loads_of(mechanism: Mechanism, measurement: Measurement) -> list[Array]:
 def finds_mass(unknown: Sequence[str]) -> bool:
     """Whether a mass is among what is to be found."""
     return any(path.endswith(("inertia", "mass")) for path in unknown)
+
+
+def loads_motor(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether the mechanism loads the gear of its motor with more than inertia and a constant.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> from stickslip.mechanisms import DCMotor
+    >>> motor = DCMotor(resistance=4.0, torque_constant=0.4)
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9], voltage=[1.0, 2.0])
+    >>> arm = Pendulum(mass=0.5, length=0.1, drive=motor)
+    >>> loads_motor(arm, record), loads_motor(Axis(inertia=1.0, drive=motor), record)
+    (True, False)
+    """
+    if motor_of(mechanism) is None or not driven(measurement):
+        return False
+    told = []
+    for record in measurement.records():
+        own, x = as_recorded(mechanism, record), positions_of(record)
+        inputs = inputs_along(own, record, np.asarray(record.time), position=x, velocity=0.0)
+        told.append(inputs.get("external", 0.0 * x))
+    return bool(np.ptp(np.concatenate(told)) > 0.0)
 
 
 def tells_no_scale(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
@@ -251,15 +278,19 @@ def _series(
     record: Measurement,
     hold: Hold,
     unknown: Sequence[str],
-    covariates: Mapping[str, Array],
+    load: Array,
     response: SensorResponse,
 ) -> Series:
     """Return one record; of a free motion with a spring, with the zero that its fits look for."""
     time, x = np.asarray(record.time, dtype=float), positions_of(record)
     known = record.quantities()
     velocity = np.asarray(record.values("velocity")) if "velocity" in known else None
+    covariates = {"load": load, **recorded_inputs(record, time)}
     if "friction" in known:
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
+        if {"motor", "external"} <= {*covariates}:
+            beside = covariates.pop("external")
+            covariates |= _gear(record, friction - beside, -beside, beside, 0.0 * beside)
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
     forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
     mass = None if finds_mass(unknown) else mass_of(as_recorded(mechanism, record))
@@ -277,7 +308,93 @@ def _series(
         mass=mass,
         taken=forces.taken if varies else None,
         extra=extra,
-        covariates=covariates,
+        covariates={**_told_gear(mechanism, record, hold, unknown, forces, mass), **covariates},
         velocity=velocity if "position" not in known else None,
         hold=not goes_straight(record, hold),
     )
+
+
+def _told_gear(
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    unknown: Sequence[str],
+    forces: _Forces,
+    mass: float | None,
+) -> dict[str, Array]:
+    """Return the torques of a gear along a record (n,), by name.
+
+    None where nothing drives the motion, where the mechanism does not tell both sides of the gear,
+    or where what it tells changes with an unknown.
+    """
+    record = with_voltage(mechanism, record, "zero")
+    own, time = as_recorded(mechanism, record), np.asarray(record.time, dtype=float)
+    if not (driven(record) and {"motor", "external"} <= {*input_names(own)}):
+        return {}
+    weighs = "offset" in own.__dataclass_fields__
+    if weighs:  # the constant force of the series is found beside friction
+        own = vary(own, "mechanism", {"mechanism.offset": 0.0})
+    if any(_moves_inputs(own, path) for path in unknown if not path.endswith("offset")):
+        return {}
+    x, known = positions_of(record), record.quantities()
+    v = np.asarray(record.values("velocity")) if "velocity" in known else np.gradient(x, time)
+    told = inputs_along(own, record, time, position=x, velocity=v, force=0.0)
+    return _gear(
+        record,
+        mean_force(forces.applied, joined=goes_straight(record, hold)),
+        forces.taken,
+        told["external"],
+        told["motor"],
+        mass=mass,
+        columns=tuple(forces.columns.values()),
+        weighs=weighs,
+    )
+
+
+def _gear(
+    record: Measurement,
+    applied: Array,
+    taken: Array,
+    external: Array,
+    within: Array,
+    *,
+    mass: float | None = 0.0,
+    columns: Sequence[Array] = (),
+    weighs: bool = False,
+) -> dict[str, Array]:
+    """Return the torques of a gear (n,) from forces along a record; 0 in what is too short."""
+    times = np.asarray(record.time, dtype=float)
+    found: dict[str, Array] = {}
+    for piece in between_gaps(record):
+        time = np.asarray(piece.time, dtype=float)
+        if len(time) < LEAST:
+            continue
+        rows = np.searchsorted(times, time)
+        raw, dt = positions_of(piece), float(np.ptp(time)) / (len(time) - 1)
+        passed = passed_by_balance(raw)
+        a = second_differences(smoothed(raw, min(AHEAD * passed, WIDEST)), dt)
+        unknown = [one[rows] for one in columns]
+        torques = gear_torques(
+            filtered_motion(raw, dt, passed, tracked="position" in piece.quantities()),
+            applied[rows],
+            taken[rows] + (mass or 0.0) * a,
+            external[rows],
+            passed,
+            within=within[rows],
+            unknown=unknown if mass is not None else [a, *unknown],
+            weighs=weighs,
+        )
+        for name, torque in torques.items():
+            found.setdefault(name, np.zeros_like(applied))[rows] = torque
+    return found
+
+
+def _moves_inputs(mechanism: Mechanism, path: str) -> bool:
+    """Whether the forces on either side of a gear change with a parameter."""
+    value = _value(mechanism, path)
+    other = vary(mechanism, "mechanism", {path: 0.999 * value if value else LINEAR})
+    at: Any = defaultdict(lambda: 0.7)
+    told, moved = (
+        of_contact(one.contact_inputs(0.0, at, at, at), "") for one in (mechanism, other)
+    )
+    return any(told[name] != moved[name] for name in ("motor", "external"))

@@ -25,6 +25,13 @@ VISIBLE: Final = 0.1
 """... if it is also this share of the variation: a law that leaves 1 % of the variance predicts."""
 
 
+SHARES: Final = (
+    ("motor_friction", "external_friction"),
+    ("motor_static_friction", "external_static_friction"),
+)
+"""Parameters of gears that are one where all of them are alike."""
+
+
 def objection(fit: RecordFit, *, shown: bool = False) -> str:
     """Return why a fit may not be taken, in words; empty if it may.
 
@@ -34,6 +41,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     reasons += [reason for _, reason in _unsure(fit, shown=shown)]
+    reasons += _alike(fit)
     if fit.one_way:
         reasons.append(
             "a constant force and the friction level cannot be told apart: the rows that are"
@@ -80,6 +88,27 @@ def _unsure(fit: RecordFit, *, shown: bool) -> Iterator[tuple[str, str]]:
                 yield path, _no_step(step, low, high, estimate.quantity.unit)
         elif estimate.low <= 0.0 <= estimate.high and not shown:
             yield path, f"the interval of {symbol} includes 0"
+
+
+def _alike(fit: RecordFit) -> list[str]:
+    """Return that no share of a torque of a gear differs from that of the other torque, if so.
+
+    The gear then loses them of the torque that it transmits, as a law with fewer parts says.
+    """
+    paths, symbols = fit.free_parameters.paths, {e.path: e.quantity.symbol for e in fit.estimates}
+    found = []
+    for motor, external in SHARES:
+        if f"friction.{motor}" not in paths or f"friction.{external}" not in paths:
+            continue
+        pair = [paths.index(f"friction.{name}") for name in (motor, external)]
+        row = np.zeros(len(paths))
+        row[pair] = 1.0, -1.0
+        apart, half = float(row @ fit.values), fit.inference.half_width(row)
+        if abs(apart) > half:
+            return []
+        one, other = (symbols[paths[i]] for i in pair)
+        found.append(f"${one}$ and ${other}$ are not shown to differ")
+    return found
 
 
 def _no_step(step: float, low: float, high: float, unit: str) -> str:

@@ -21,6 +21,7 @@ from stickslip.identification import (
     force_noise,
     model_errors,
 )
+from stickslip.kinds.records.ladder import LOADED
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import REFERENCE, Watch
 
@@ -104,6 +105,11 @@ class Explained:
             decides=decides,
         )
 
+    @property
+    def loads_gear(self) -> bool:
+        """Whether friction grows with the torque of a gear."""
+        return any(term.kind in GEARS for term in self.asked.explanation.best.structure.free)
+
     def starts_of(
         self, specs: Sequence[CandidateSpec], unknown: Sequence[str]
     ) -> dict[str, FittedLaw]:
@@ -182,7 +188,7 @@ class Explained:
         A law that no structure is and that leaves no more force than the best one with its faults
         needs none: what the balance says of rig and record stands for what its laws lack.
         """
-        if law.name in RELATIVES and left <= self.asked.explanation.best.rms:
+        if law.name in (*RELATIVES, *LOADED) and left <= self.asked.explanation.best.rms:
             return ()
         found = errors_of(self.asked, law, name, self.errors, self.unit)
         if not (law.states and left < CLEARER * self.asked.explanation.best.rms):

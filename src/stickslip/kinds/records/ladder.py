@@ -7,12 +7,22 @@ from dataclasses import dataclass, fields, replace
 from typing import final
 
 from stickslip.formatting import count
-from stickslip.friction import CandidateSpec, Rung, rungs
+from stickslip.friction import CandidateSpec, Rung, rungs, specification
 from stickslip.kinds.records.verdict import RecordCandidate
 from stickslip.selection import LEAST, LEFT_OUT, Fitted, Watch, fitted_side_by_side, friction_of
 
 SHOWN = 5.0
 """Akaike's criterion by which a law must be below all that it contains to be built upon."""
+LOADED: Mapping[str, tuple[str, ...]] = {
+    "bam-m3": (),
+    "level + gear + viscous": (),
+    "bam-m4": (),
+    "bam-m5": ("level + gear + viscous", "bam-m4"),
+    "bam-m6": ("bam-m5",),
+}
+"""Laws of gears under load, and the ones of which one must be shown to hold for each."""
+EXPONENT = "fading_exponent"
+"""Parameter of gear laws that is looked for: held at 2 where it was 1, M5 was named for M4."""
 IDLE = "not scored: it leaves hardly less than a law that it contains"
 
 
@@ -70,6 +80,39 @@ def climbed(
     left = tuple(name for name in by_name if name not in found)
     said = f"{count(len(left), 'richer candidate')} not tried: {why}." if left else ""
     return Climbed(specs=tuple(chosen), tried=tuple(tried), untried=left, why=said)
+
+
+def with_gears(
+    found: Climbed,
+    fitted: Fitted[RecordCandidate],
+    watch: Watch | None,
+    executor: Executor | None,
+    *,
+    seen: Callable[[Sequence[RecordCandidate], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
+) -> Climbed:
+    """Return candidates with laws of gears whose load no single level of a structure grows with.
+
+    Those with more parts follow where one that they contain leaves less than all that it contains.
+    """
+    for name, below in LOADED.items():
+        fits, done = (
+            _Fits.of(seen(found.tried, found.specs)),
+            {one.name: one for one in found.tried},
+        )
+        shown = [one for one in below if one in fits.known and fits.is_shown(fits.known[one])]
+        if name in done or (below and not shown):
+            continue
+        specs = (*found.specs, _with_exponent(specification(name)))
+        tried = fitted_side_by_side(fitted, specs, watch, executor, done)
+        found = replace(found, specs=specs, tried=tuple(tried))
+    return found
+
+
+def _with_exponent(one: CandidateSpec) -> CandidateSpec:
+    """Return a candidate that looks for the exponent by which its level fades, if it does."""
+    kind = one.law if isinstance(one.law, type) else type(one.law)
+    fades = EXPONENT in {field.name for field in fields(kind)}
+    return replace(one, free=(*kind.fit_order, EXPONENT)) if fades else one
 
 
 def _criterion(c: RecordCandidate, size: float) -> float:

@@ -27,6 +27,7 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    loads_motor,
     mass_held,
     memory_is_seen,
     tells_no_scale,
@@ -45,7 +46,7 @@ from stickslip.kinds.records.admissibility import (
     variation_of,
 )
 from stickslip.kinds.records.explained import BRISTLE, Explained, explained
-from stickslip.kinds.records.ladder import Climbed, climbed
+from stickslip.kinds.records.ladder import Climbed, climbed, with_gears
 from stickslip.kinds.records.next_measurements import experiments_after
 from stickslip.kinds.records.simplification import one_part_less, untold
 from stickslip.kinds.records.verdict import Purpose, RecordCandidate, RecordVerdict, SecondRecord
@@ -186,6 +187,8 @@ def select_records(
     )
     if asked and laws is None:
         found = _with_relatives(fitted, found, asked, progress)
+    if laws is None and (asked.loads_gear if asked else loads_motor(mechanism, measurement)):
+        found = with_gears(found, fitted, progress, executor, seen=with_contained)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         plan, judged, without = judged_of(
             fitted,

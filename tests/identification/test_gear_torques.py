@@ -1,0 +1,134 @@
+"""Friction that grows with the torque of a gear, in records of one coordinate."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, BamM3, Measurement, Pendulum, fit
+from stickslip.identification.settings import PROMPT
+from stickslip.identification.terms.dense_series import dense_series
+from stickslip.identification.terms.findings import asked_of
+from stickslip.mechanisms import DCMotor
+
+T = np.arange(0.0, 16.0, 4e-3)
+SIZES, RATES, PHASES = (0.5, 0.3, 0.2), (1.7, 3.9, 6.1), (0.3, 2.0, 4.4)
+MOTOR = DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=2e-3)
+SHARE = 0.15
+
+
+def motion():
+    """Return positions, velocities and accelerations (n,)."""
+    parts = list(zip(SIZES, RATES, PHASES, strict=True))
+    q = sum(a * np.sin(w * T + p) for a, w, p in parts)
+    v = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
+    return q, v, -sum(a * w**2 * np.sin(w * T + p) for a, w, p in parts)
+
+
+def friction(level, taken, external, *, viscous=0.02, share=SHARE):
+    """Return friction (n,) of a gear: of the torque that it transmits, friction is a part."""
+    _, v, _ = motion()
+    found = np.zeros_like(v)
+    for _ in range(100):
+        loads = {
+            "transmitted": np.abs(taken + found - external),
+            "motor": np.abs(taken + found),
+            "squared": 0.4 * (taken + found - external) ** 2,
+            "none": 0.0,
+        }
+        found = np.sign(v) * (0.05 + share * loads[level]) + viscous * v
+    return found
+
+
+def noisy(values, size, seed=0):
+    return values + size * np.random.default_rng(seed).standard_normal(len(values))
+
+
+def swung(level, *, seed=0):
+    """Return a pendulum and its record under a torque."""
+    rig = Pendulum(mass=0.6, length=0.15, inertia=4e-3)
+    q, _, a = motion()
+    weight = 0.6 * 9.81 * 0.15 * np.sin(q)
+    taken = weight + (0.6 * 0.15**2 + 4e-3) * a
+    force = taken + friction(level, taken, -weight)
+    record = Measurement(
+        time=T, position=noisy(q, 1e-4, seed), force=noisy(force, 2e-3, seed + 1), turning=True
+    )
+    return rig, record
+
+
+@pytest.mark.parametrize(
+    ("level", "name"),
+    [
+        ("transmitted", "bam-m3"),
+        ("motor", "level + weight[motor] + viscous"),
+        ("squared", "level + weight2[transmitted] + viscous"),
+        ("none", "coulomb-viscous"),
+    ],
+)
+def test_a_pendulum_tells_what_of_its_gear_friction_grows_with(level, name):
+    found = asked_of(*swung(level), "first", (), PROMPT)
+    assert found.best.name == name
+    assert not found.explanation.faults
+
+
+def test_a_share_of_the_torque_is_that_of_the_gear():
+    rig, record = swung("transmitted")
+    law = asked_of(rig, record, "first", (), PROMPT).best.specification.law
+    # a twentieth: noise of the motion smears friction at the 26 reversals of the record
+    assert law.transmitted_coefficient == pytest.approx(SHARE, rel=0.05)
+
+
+@pytest.mark.parametrize("unknown", [(), ("mechanism.inertia",)])
+def test_a_constant_weight_loads_a_gear_twice(unknown):
+    q, _, a = motion()
+    taken = 5e-3 * a + 0.1
+    record = Measurement(
+        time=T,
+        position=noisy(q, 1e-4),
+        force=noisy(taken + friction("transmitted", taken, -0.1), 2e-3, 1),
+        turning=True,
+    )
+    found = asked_of(Axis(inertia=5e-3, rotary=True), record, "first", unknown, PROMPT)
+    assert found.best.name == "bam-m3"
+    assert found.best.constant == pytest.approx(0.1, rel=0.1)
+
+
+def test_back_emf_is_a_part_of_what_the_motor_pulls_with():
+    rig, record = swung("transmitted")
+    q, v, a = motion()
+    taken = 0.6 * 9.81 * 0.15 * np.sin(q) + (0.6 * 0.15**2 + 4e-3) * a
+    force = taken + friction("transmitted", taken, -0.6 * 9.81 * 0.15 * np.sin(q))
+    driven = Measurement(
+        time=T, position=record.position, voltage=(4.0 * force / 0.4 + 0.4 * v), turning=True
+    )
+    own = Pendulum(mass=0.6, length=0.15, inertia=2e-3, drive=MOTOR)
+    (by_torque,) = dense_series(rig, record, "first", ())
+    (by_voltage,) = dense_series(own, driven, "first", ())
+    # apart from the noise of the torque, which only the first has
+    left = by_voltage.covariates["transmitted"] - by_torque.covariates["transmitted"]
+    assert np.sqrt(np.mean(left**2)) < 5e-3
+    assert asked_of(own, driven, "first", (), PROMPT).best.name == "bam-m3"
+
+
+def test_no_load_is_told_where_the_weight_is_looked_for():
+    rig, record = swung("transmitted")
+    (one,) = dense_series(rig, record, "first", ("mechanism.mass",))
+    assert not one.covariates
+
+
+def test_torques_on_both_sides_of_a_gear_load_measured_friction():
+    q, v, _ = motion()
+    beside = 0.5 * np.sin(0.7 * T + 1.0) + 0.2 * np.cos(2.3 * T)
+    rubbed = noisy(friction("transmitted", -beside, beside), 2e-3)
+    record = Measurement(
+        time=T,
+        position=q,
+        velocity=v,
+        friction=rubbed,
+        turning=True,
+        inputs={"motor": rubbed - beside, "external": beside},
+    )
+    rig = Axis(inertia=1.0, rotary=True)
+    assert asked_of(rig, record, "first", (), PROMPT).best.name == "bam-m3"
+    found = {one.path: one for one in fit(rig, BamM3, record).estimates}
+    one = found["friction.transmitted_coefficient"]
+    assert one.low < SHARE < one.high

@@ -1,0 +1,71 @@
+"""Selection among laws of gears, where the mechanism tells the load."""
+
+import numpy as np
+import pytest
+
+from stickslip import BamM5, Measurement, Pendulum, RecordSettings, fit, select
+from stickslip.kinds.records.admissibility import objection
+
+T = np.arange(0.0, 12.0, 4e-3)
+RIG = Pendulum(mass=1.2, length=0.3, inertia=0.03)
+SETTINGS = RecordSettings(hold="first")
+
+
+def swung(*, fading):
+    """Return a record of a gear that loses 20 % of its torque, and at rest `fading` more."""
+    sizes, rates, phases = (0.5, 0.4, 0.2), (1.7, 3.9, 6.1), (0.3, 2.0, 4.4)
+    parts = list(zip(sizes, rates, phases, strict=True))
+    q = sum(a * np.sin(w * T + p) for a, w, p in parts)
+    v = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
+    a = -sum(a * w**2 * np.sin(w * T + p) for a, w, p in parts)
+    weight = 1.2 * 9.81 * 0.3 * np.sin(q)
+    taken = weight + (1.2 * 0.3**2 + 0.03) * a
+    lost = np.zeros_like(q)
+    for _ in range(200):  # a share of a torque that it is itself a part of
+        faded = np.exp(-np.abs(v) / 0.4)
+        level = 0.1 + 0.5 * fading * faded + (0.2 + fading * faded) * np.abs(taken + lost + weight)
+        lost = np.sign(v) * level + 0.05 * v
+    random = np.random.default_rng(3)
+    return Measurement(
+        time=T,
+        position=q + 5e-5 * random.standard_normal(len(T)),
+        force=taken + lost + 5e-3 * random.standard_normal(len(T)),
+        turning=True,
+    )
+
+
+def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
+    verdict = select(RIG, None, swung(fading=0.1), settings=SETTINGS, purpose="compensate")
+    assert verdict.best.name == "bam-m4"
+    found = {one.path.removeprefix("friction."): one for one in verdict.best.fit.estimates}
+    true = {
+        "kinetic_coefficient": 0.1,
+        "static_coefficient": 0.15,
+        "stribeck_velocity": 0.4,
+        "transmitted_coefficient": 0.2,
+        "transmitted_static_surplus": 0.1,
+        "viscous_coefficient": 0.05,
+        "fading_exponent": 1.0,  # held at 2, this friction was given to M5
+    }
+    for name, value in true.items():
+        assert found[name].low <= value <= found[name].high, name
+
+
+def test_shares_of_both_torques_that_do_not_differ_are_said():
+    found = fit(RIG, BamM5, swung(fading=0.0), settings=SETTINGS, route="inverse-dynamics")
+    assert "$k_m$ and $k_e$ are not shown to differ" in objection(found, shown=True)
+
+
+@pytest.mark.slow
+def test_a_servo_whose_motor_is_not_known_has_its_gear_named():
+    from benchmarks.servos import VARIED, draw, recorded
+
+    servo = draw(np.random.default_rng([1, 3]))
+    verdict = select(servo.rig, None, recorded(servo), vary=["friction.*", *VARIED])
+    assert verdict.best.name == "bam-m4"
+    assert verdict.best.fit.problem.simulates
+    motor = servo.rig.drive
+    for one in verdict.best.fit.estimates:
+        if one.path in VARIED:
+            true = getattr(motor, one.path.rpartition(".")[2])
+            assert one.low <= true <= one.high
