@@ -16,7 +16,7 @@ HOMES = {
     "Program": "twins",
     "Replayed": "applying.replay",
     "Simscape": "twins",
-    "TARGETS": "registry",
+    "TARGETS": "verb",
     "Target": "base",
     "Twin": "twins",
     "apply": "applying.verb",

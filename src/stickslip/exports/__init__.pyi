@@ -10,7 +10,6 @@ from stickslip.exports.base import Export as Export
 from stickslip.exports.base import Target as Target
 from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.identifiers import identifier as identifier
-from stickslip.exports.registry import TARGETS as TARGETS
 from stickslip.exports.twins import Drake as Drake
 from stickslip.exports.twins import Karnopp as Karnopp
 from stickslip.exports.twins import MuJoCo as MuJoCo
@@ -20,6 +19,7 @@ from stickslip.exports.twins import Program as Program
 from stickslip.exports.twins import Simscape as Simscape
 from stickslip.exports.twins import Twin as Twin
 from stickslip.exports.twins import twin as twin
+from stickslip.exports.verb import TARGETS as TARGETS
 from stickslip.exports.verb import export as export
 
 __all__ = [

@@ -4,7 +4,8 @@ import contextlib
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -22,9 +23,13 @@ from stickslip.experiments import (
     unit_of_input,
 )
 from stickslip.exports.base import Export, Target
+from stickslip.exports.c_code import CCode
 from stickslip.exports.identifiers import identifier
-from stickslip.exports.registry import TARGETS
+from stickslip.exports.joints import Mjcf, Urdf
+from stickslip.exports.matlab import Matlab
+from stickslip.exports.modelica import Modelica
 from stickslip.exports.subject import Subject
+from stickslip.exports.tables import CsvTable, JsonDocument
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification import Fit
 from stickslip.mechanisms import (
@@ -40,6 +45,14 @@ from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
     Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | Rig
+
+TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
+    {
+        one.name: one
+        for one in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
+    }
+)
+"""What a law can be exported to."""
 
 SPEED = Quantity("v_max", "m/s", above=0)
 """End of a range of speeds along a line; about an axis, in rad/s."""

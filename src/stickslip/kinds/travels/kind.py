@@ -90,9 +90,8 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
     def sections(
         self, verdict: TravelVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.kinds.travels.page.sections import (
-            sections,  # figures are loaded where a page is made
-        )
+        # figures are loaded where a page is made
+        from stickslip.kinds.travels.page import sections
 
         return sections(verdict, origin, remark)
 
