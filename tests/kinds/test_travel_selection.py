@@ -279,3 +279,24 @@ def test_nothing_is_said_of_a_drift_where_the_first_setting_comes_again():
     assert verdict.best.name == "coulomb"
     assert verdict.best.otherwise == {}
     assert "drift" not in json.dumps(verdict.to_dict()["measure_next"])
+
+
+def test_more_friction_at_rest_is_found_where_it_explains_what_a_slope_does_not():
+    # most draws of what nobody gave end as Coulomb + viscous friction: one of these went on for all
+    rig = SpringBlock(mass=3.67, stiffness=72.3, compression=0.244, attached=True)
+    true = Stribeck(
+        kinetic_coefficient=0.081,
+        static_coefficient=0.097,
+        stribeck_velocity=0.6,
+        viscous_coefficient=1.36,
+    )
+    trials = []
+    for c in (0.086, 0.121, 0.166, 0.239):
+        run = simulate(dataclasses.replace(rig, compression=c), true, t_end=10.0)
+        for error in (-1e-4, 1e-4):
+            travel = float(run["x"][-1] - run["x"][0]) + error
+            trials.append(Measurement(travel=travel, overrides={"mechanism.compression": c}))
+    verdict = select(rig, ["coulomb-viscous", "stribeck", "dahl"], Measurement(trials=trials))
+    (found,) = [c for c in verdict.candidates if c.name == "stribeck"]
+    level = found.fit.estimates[0]
+    assert level.low < 0.081 < level.high

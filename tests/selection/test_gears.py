@@ -1,10 +1,25 @@
 """Selection among laws of gears, where the mechanism tells the load."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stickslip import BamM5, Measurement, Pendulum, RecordSettings, fit, select
+from stickslip import (
+    Axis,
+    BamM5,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Pendulum,
+    RecordSettings,
+    fit,
+    select,
+    simulate,
+)
+from stickslip.drives import Sampled
 from stickslip.kinds.records.admissibility import objection
+from stickslip.mechanisms import DCMotor
 
 T = np.arange(0.0, 12.0, 4e-3)
 RIG = Pendulum(mass=1.2, length=0.3, inertia=0.03)
@@ -54,6 +69,32 @@ def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
 def test_shares_of_both_torques_that_do_not_differ_are_said():
     found = fit(RIG, BamM5, swung(fading=0.0), settings=SETTINGS, route="inverse-dynamics")
     assert "$k_m$ and $k_e$ are not shown to differ" in objection(found, shown=True)
+
+
+def driven(law, vary):
+    """Return a fit to a servo without an arm under one voltage, whose friction is viscous too."""
+    motor = DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=2e-3)
+    axis = Axis(inertia=4e-3, rotary=True, drive=motor)
+    u = 4.0 * np.sin(1.7 * T) + 2.5 * np.sin(4.4 * T + 1.0)
+    drive = Sampled(times=T, values=u, hold="first")
+    friction = CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02)
+    run = simulate(replace(axis, drive=replace(motor, drive=drive)), friction, t_end=T[-1]).at(T)
+    x = run["x"] + 2e-4 * np.random.default_rng(0).standard_normal(T.size)
+    record = Measurement(time=T, position=x, voltage=u, turning=True)
+    given = {"route": "inverse-dynamics", "settings": SETTINGS}
+    return fit(axis, law, record, vary=["friction.*", *vary], **given)
+
+
+def test_constants_of_a_motor_that_stand_for_viscous_friction_are_a_doubt():
+    both = ["mechanism.drive.resistance", "mechanism.drive.torque_constant"]
+    said = "$R$ and $k_t$ hold only if friction has no viscous part"
+    found = driven(Coulomb, both)
+    (resistance,) = [one for one in found.estimates if one.path == both[0]]
+    assert resistance.bounded
+    assert not resistance.low <= 4.0 <= resistance.high
+    assert said in objection(found)
+    assert said not in objection(driven(CoulombViscous, both))
+    assert said not in objection(driven(Coulomb, both[:1]))
 
 
 @pytest.mark.slow

@@ -11,6 +11,8 @@ from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import number, percent, quantity
 from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
 from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.mechanisms import motor_of
+from stickslip.quantities import fields_of
 from stickslip.selection import one_way, traded
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ SHARES: Final = (
     ("motor_static_friction", "external_static_friction"),
 )
 """Parameters of gears that are one where all of them are alike."""
+MOTOR: Final = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
+"""Constants of a motor, whose back-EMF brakes like viscous friction."""
 
 
 def objection(fit: RecordFit, *, shown: bool = False) -> str:
@@ -42,6 +46,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     reasons += [reason for _, reason in _unsure(fit, shown=shown)]
     reasons += _alike(fit)
+    reasons += _braked(fit)
     if fit.one_way:
         reasons.append(
             "a constant force and the friction level cannot be told apart: the rows that are"
@@ -109,6 +114,25 @@ def _alike(fit: RecordFit) -> list[str]:
         one, other = (symbols[paths[i]] for i in pair)
         found.append(f"${one}$ and ${other}$ are not shown to differ")
     return found
+
+
+def _braked(fit: RecordFit) -> list[str]:
+    """Return that the constants of a motor take the place of viscous friction, where they may.
+
+    A law without a slope, and that no torque loads, leaves all of the brake of one recorded voltage
+    to back-EMF: both constants then follow from the law, and their intervals do not show it.
+    """
+    motor, paths = motor_of(fit.mechanism), fit.free_parameters.paths
+    if motor is None or motor.back_emf_constant is not None or not {*MOTOR} <= {*paths}:
+        return []
+    records, fields = fit.measurement.records(), fields_of(type(fit.law))
+    own = {f"friction.{name}" for name, one in fields.items() if one.scale == "slope"}
+    told = {*paths} & own or fit.law.inputs or "current" in fit.measurement.quantities()
+    return (
+        []
+        if told or len(records) > 1
+        else ["$R$ and $k_t$ hold only if friction has no viscous part"]
+    )
 
 
 def _no_step(step: float, low: float, high: float, unit: str) -> str:

@@ -99,6 +99,8 @@ SAME = 1e-3
 """Share of that room within which the readings do not prefer one of two minima."""
 LOWER = 0.05
 """Share of that room by which a point beside the best one has to explain more to be the best."""
+ALIKE = 1e-3
+"""Share by which the sums of squares of two points differ at most that are one and the same."""
 FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
 
@@ -475,9 +477,15 @@ class _Problem:
         return min(alike, key=lambda end: abs(float((self.matrix @ end)[0]) - start))
 
     def with_free(self, found: Sequence[Array], most: int) -> list[Array]:
-        """Return unknowns with where descents from the best of them end, the best first."""
+        """Return unknowns with where descents from the best of them end, the best first.
+
+        Of those that leave the same, as all do that make a simpler law of it, one descends.
+        """
         best = sorted(found, key=self.cost)
-        free, _ = self.descend(np.array(best[:most]), STEPS)
+        costs = np.array([self.cost(one) for one in best])
+        first = np.diff(costs, prepend=-np.inf) > ALIKE * costs
+        apart = [one for one, new in zip(best, first.tolist(), strict=True) if new]
+        free, _ = self.descend(np.array(apart[:most]), STEPS)
         return sorted([*best, *free], key=self.cost)
 
     def poor(self, free_parameters: Array) -> bool:
