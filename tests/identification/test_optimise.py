@@ -88,7 +88,7 @@ def test_starts_that_disagree_call_for_further_ones(monkeypatch):
 
     costs = iter([9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0])
 
-    def ended(problem, values, *, near, counter, rounds, goal):
+    def ended(problem, values, *, near, counter, rounds, goal, rival):
         if near is not None:
             return near, False
         row = np.array([next(costs) ** 0.5])

@@ -198,7 +198,9 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
         scored="",
     ).measure_next
     assert said[0] == "First correct the record: A gain is wrong."
-    assert len(said) == 1 + len(confirmed.experiments[:1])  # what to measure comes after it
+    *_, last = said  # what to measure comes after it, that the speeds are in order at the end
+    assert len(said) == 2 + len(confirmed.experiments[:1])
+    assert last.startswith("Measure in random order")
 
 
 def test_what_no_correction_answers_is_not_called_one():

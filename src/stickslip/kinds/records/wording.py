@@ -437,7 +437,6 @@ def _measure_next(
         lines.append(f"{one.what} Predicted {observed}: {said}.")
     lines += longer(checks)
     lines += [f"{one.measure}." for one in checks.of("drift")[:1]]
-    lines += order_advice(checks.findings)
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
         lines.append(
             "Find what differs between the two records (load, temperature, lubrication, gains):"
@@ -450,4 +449,5 @@ def _measure_next(
         )
     elif not lines:
         lines.append("Record at other speeds, loads or temperatures, where the law extrapolates.")
+    lines += order_advice(checks.findings)
     return tuple(lines[:MOST])
