@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, BamM3, Measurement, Pendulum, fit
+from stickslip.friction import law
 from stickslip.identification.settings import PROMPT
 from stickslip.identification.terms.dense_series import dense_series
 from stickslip.identification.terms.findings import asked_of
@@ -132,3 +133,41 @@ def test_torques_on_both_sides_of_a_gear_load_measured_friction():
     found = {one.path: one for one in fit(rig, BamM3, record).estimates}
     one = found["friction.transmitted_coefficient"]
     assert one.low < SHARE < one.high
+
+
+def rubbed(inertia=0.2, friction=10.0):
+    """Return a record whose force is hardly more than friction, and that force and speed (n,)."""
+    q, v, a = motion()
+    force = inertia * a + friction * np.sign(v)
+    record = Measurement(time=T, position=noisy(q, 1e-6), force=noisy(force, 0.05))
+    return record, force, v
+
+
+def test_a_gear_that_takes_all_of_the_force_does_not_explain_it():
+    record, _, _ = rubbed()
+    free = ["friction.*", "mechanism.inertia"]
+    gear, coulomb = (
+        fit(Axis(inertia=0.2), one, record, vary=free, route="inverse-dynamics")
+        for one in ("gear", "coulomb")
+    )
+    # along the measured force a share of all of it leaves nothing of what has no inertia
+    assert coulomb.rms < 0.1
+    assert gear.rms > 0.5
+
+
+def test_what_a_gear_leaves_is_an_error_of_the_force_that_the_motion_takes():
+    record, force, v = rubbed()
+    gear = law("level + weight[motor]")
+    found = fit(Axis(inertia=0.2), gear, record, vary=["friction.*"], route="inverse-dynamics")
+    problem = found.problem
+    values = {
+        "friction.kinetic_coefficient": 5.0,
+        "friction.motor_coefficient": 0.4,
+        "mechanism.offset": 0.0,
+    }
+    left = problem.linearise(np.array([values[one] for one in problem.free_parameters.paths]))
+    taken = force - 10.0 * np.sign(v)
+    predicted = (taken + 5.0 * np.sign(v)) / (1.0 - 0.4)  # its motor drives throughout
+    seen = np.interp(problem.times, T, force - predicted)
+    fast = np.abs(np.interp(problem.times, T, v)) > 1.0  # the filter smears reversals
+    np.testing.assert_allclose(left.residual[fast], seen[fast], atol=0.1)  # noise: 0.05

@@ -127,6 +127,13 @@ class MotionSegment:
         bend = padded[:-2] - 2.0 * force + padded[2:]
         return smoothed(force + self.blur * bend, self.passed)
 
+    def by_linear(self, balanced: NDArray[np.bool_]) -> Array:
+        """Return what a unit of each parameter takes off friction (n, k), balanced or not."""
+        assert self.regressors is not None
+        if self.held_regressors is None or not balanced.any():
+            return self.regressors
+        return self.regressors - self.seen(balanced[:, None] * self.held_regressors)
+
     def loaded(self, factor: float) -> "MotionSegment":
         """Return the same motion with a multiple of its load."""
         return replace(self, path=replace(self.path, load=factor * self.path.load))

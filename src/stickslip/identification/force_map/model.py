@@ -23,6 +23,13 @@ from stickslip.identification.settings import SensorResponse
 
 Array = NDArray[np.float64]
 
+DRIVEN = ("motor", "transmitted")
+"""Contact inputs that have the force of the drive in them."""
+LOST = 0.98
+"""Share of the force of a drive that its friction takes at most: with all of it, nothing moves."""
+BENT = 0.02
+"""Share of the largest force of a drive over which the slope of friction by it is a difference:
+that of its size jumps at 0, and residuals with it."""
 WEAK = 1e-3
 """Local states that rows see this much less than the whole stretch does are left as they are."""
 
@@ -75,6 +82,11 @@ class ForceMap(RecordProblem):
     Friction that was derived from a force came through a filter, and so does what the law predicts.
     Parameters of the mechanism it was derived with, in which it is linear, may be among the
     unknowns: a mass, or the inertias of an arm.
+
+    Friction of a gear grows with the force of the drive, of which it is a part: along the measured
+    force, one that takes all of it explains any motion. What is left is therefore the error of the
+    force that the motion takes by the law: that of friction over the share of the force which
+    friction does not take.
 
     A set-valued law is not defined at rest. Where friction was measured, it is given the sign of
     the measured velocity, else of one that parabolas through neighbouring positions have, and 0
@@ -355,37 +367,33 @@ class ForceMap(RecordProblem):
         if weighed:  # by the only parameter, which is the mass
             one = one.loaded(float(linear[0]) / self.derived[0])
         change_of = linear - self.derived[: len(linear)]
-        if one.held is not None and one.held_regressors is not None and self.linear:
-            one = replace(one, held=one.held - one.held_regressors @ change_of)
         if self.linear:
-            one = replace(one, path=one.path.moved(change_of))
+            one = moved(one, change_of)
         force, states, nudge = _friction(own, one, offset, before, change)
         rows = mask[:last]
         balanced = _balanced(one, force[:, 0], offset)
         by_weight = np.zeros(last)
         if weighed:
             by_weight = _by_weight(own, one, states[..., 0], force[:, 0] * ~balanced)
-        unseen, force = force[:, 0], one.seen(force)
-        base = force[:, :1]
-        local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
-        residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
-        if own.constant is not None and balanced.any():
-            slopes[:, own.constant] -= one.seen(balanced.astype(float))
+        left = one.friction - offset
+        force, gain = _seen(own, one, force, left, offset, before, change)
+        local = (force[:, 1 + len(own.moved) :] - force[:, :1])[:, : len(states)] / nudge
+        residual, slopes = left - force[:, 0], own.slopes_of(force)
+        if own.constant is not None:
+            slopes[:, own.constant] = gain[:, 0] * (1.0 - one.seen(balanced.astype(float)))
         if self.linear:
-            assert one.regressors is not None
-            residual = residual - one.regressors @ change_of
-            columns = one.regressors
-            if one.held_regressors is not None and balanced.any():
-                columns = columns - one.seen(balanced[:, None] * one.held_regressors)
+            columns = one.by_linear(balanced)
             if weighed:
                 columns = columns + one.seen(by_weight)[:, None] / linear[0]
+            columns = gain * columns
             if own.columns and any(name in one.path.input_slopes for name in own.base.inputs):
-                columns = columns + one.seen(_by_inputs(own, one, unseen, offset, before, change))
+                columns = columns + _by_inputs(own, one, left, offset, before, change)
             paths = self.free_parameters.paths
             slopes[:, [paths.index(path) for path in self.linear]] = columns
         basis, inverse = _inverted(local, rows)
         if one.zeros is not None:
-            free = one.zeros * ~balanced[:, None]  # at rest friction balances whatever there is
+            # at rest friction balances whatever there is
+            free = gain * one.zeros * ~balanced[:, None]
             basis = spanned(np.column_stack([basis, free[rows]]))
         return _Local(
             start=states[:, 0, 0],
@@ -424,7 +432,7 @@ def moved(one: MotionSegment, change: Array) -> MotionSegment:
 def _by_inputs(
     own: PerturbedLaws,
     one: MotionSegment,
-    force: Array,
+    left: Array,
     offset: float,
     before: _Local | None,
     change: Array,
@@ -436,15 +444,49 @@ def _by_inputs(
     bare = replace(own, law=own.base, moved=np.zeros(0), columns=())
     slopes = {n: x for n, x in one.path.input_slopes.items() if n in own.base.inputs}
     count = next(iter(slopes.values())).shape[1]
-    found = np.zeros((len(force), count))
+    found = np.zeros((len(left), count))
+
+    def force(change_of: Array) -> Array:
+        there = replace(one, path=one.path.moved(change_of))
+        unseen = _friction(bare, there, offset, before, change)[0]
+        return _seen(bare, there, unseen, left, offset, before, change)[0][:, 0]
+
     for j in range(count):
         most = max(float(np.max(np.abs(x[:, j]))) for x in slopes.values())
         if most > 0.0:
             size = max(float(np.max(np.abs(one.path.inputs[name]))) for name in slopes)
-            step = MOVED * (size or 1.0) / most
-            there = replace(one, path=one.path.moved(step * (np.arange(count) == j)))
-            found[:, j] = (_friction(bare, there, offset, before, change)[0][:, 0] - force) / step
+            step = MOVED * (size or 1.0) / most * (np.arange(count) == j)
+            found[:, j] = (force(step) - force(0.0 * step)) / step[j]
     return found
+
+
+def _seen(
+    own: PerturbedLaws,
+    one: MotionSegment,
+    force: Array,
+    left: Array,
+    offset: float,
+    before: _Local | None,
+    change: Array,
+) -> tuple[Array, Array]:
+    """Return friction (n, copies) as it is seen, `left` (n,) of all other forces, and its gain.
+
+    An error of friction is one of the force of a drive times a gain (n, 1): where friction grows
+    with that force, what friction does not take is what the motion has.
+    """
+    seen = one.seen(force)
+    inputs = {name: one.path.inputs[name] for name in DRIVEN if name in own.base.inputs}
+    if not (one.passed and inputs):
+        return seen, np.ones((len(left), 1))
+    step = BENT * max(float(np.max(np.abs(x))) for x in inputs.values()) or BENT
+    there = []
+    for way in (step, -step):
+        known = {**one.path.inputs, **{name: x + way for name, x in inputs.items()}}
+        path = replace(one.path, inputs=known)
+        there.append(_friction(own, replace(one, path=path), offset, before, change)[0])
+    share = one.seen((there[0] - there[1]) / (2.0 * step))
+    gain = 1.0 / (1.0 - np.minimum(share, LOST))
+    return left[:, None] - gain * (left[:, None] - seen), gain[:, :1]
 
 
 def _friction(
