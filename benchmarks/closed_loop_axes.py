@@ -21,7 +21,7 @@ import math
 import resource
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -308,7 +308,7 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
             "fitted_by": fitted_by,
             "rms": {name: one.rms for name, one in fits.items()},
             "fresh": errors,
-            "level": float(np.std(_friction(rig.law, fresh))),
+            "level": float(np.std(_friction(rig.law, rig, fresh))),
             "noise": rig.force_noise,
             "encoder": rig.encoder,
             "intervals": covered(rig, true),
@@ -326,19 +326,33 @@ def _processor() -> float:
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
-def _friction(law: FrictionLaw, motion: Motion) -> Array:
-    """Return the friction (n,) of a law along a motion."""
+ROUNDS = 100
+"""Times that the force of a motor is computed from the friction that grows with it."""
+
+
+def _friction(law: FrictionLaw, rig: ControlledAxis, motion: Motion) -> Array:
+    """Return the friction (n,) of a law along a motion, whose motor overcomes just that."""
     from stickslip.identification.estimation.bristle_integration import Path, follow
 
     t, v = motion.time, motion.velocity
-    known = {name: {"position": motion.position}[name] for name in law.inputs}
-    told = bound(law, known) if known else law
-    if not law.states:
-        return np.asarray(told.force(v, 1.0))
-    travel = np.diff(motion.position)
-    path = Path(time=t, velocity=v, load=np.ones_like(t), travel=travel, inputs=known)
-    states = follow(law, path, np.zeros((len(law.states), 1)))[..., 0]
-    return np.asarray(told.force(v, 1.0, tuple(states)))
+    loaded = {*law.inputs} & {"motor", "transmitted"}
+    taken = motion.command - _friction(rig.law, rig, motion) if loaded else 0.0 * v
+    path = Path(time=t, velocity=v, load=np.ones_like(t), travel=np.diff(motion.position))
+    force = np.zeros_like(v)
+    for _ in range(ROUNDS if loaded else 1):
+        motor = taken + force
+        inputs = {
+            "position": motion.position,
+            "motor": motor,
+            "transmitted": motor + rig.axis.offset,
+        }
+        path = replace(path, inputs={name: inputs[name] for name in law.inputs})
+        states: tuple[Array, ...] = ()
+        if law.states:
+            states = tuple(follow(law, path, np.zeros((len(law.states), 1)))[..., 0])
+        told = bound(law, path.inputs) if path.inputs else law
+        force = np.asarray(told.force(v, 1.0, states) if law.states else told.force(v, 1.0))
+    return force
 
 
 def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Motion) -> float:
@@ -346,8 +360,8 @@ def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Motion) -> float:
 
     Where the true law has no memory, friction of a body at rest has no one value: rows that slip.
     """
-    found = _friction(fit.law, fresh) + float(fit.mechanism.offset)  # type: ignore[attr-defined]
-    gap = found - _friction(rig.law, fresh) - rig.axis.offset
+    found = _friction(fit.law, rig, fresh) + float(fit.mechanism.offset)  # type: ignore[attr-defined]
+    gap = found - _friction(rig.law, rig, fresh) - rig.axis.offset
     slips = np.abs(fresh.velocity) > SLIPS * rig.speeds[1]
     return float(np.sqrt(np.mean(gap[slips | bool(rig.law.states)] ** 2)))
 

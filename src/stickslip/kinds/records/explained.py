@@ -9,7 +9,7 @@ from typing import final
 from stickslip.errors import ParameterError
 from stickslip.evidence import GEARS, TERMS, Fit, Structure
 from stickslip.experiments import Measurement
-from stickslip.friction import CandidateSpec, FrictionLaw, specification
+from stickslip.friction import CandidateSpec, FrictionLaw, law, specification
 from stickslip.identification import (
     Asked,
     FittedLaw,
@@ -27,6 +27,8 @@ from stickslip.selection import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second", *GEARS)
 """Kinds of terms that only a record which asks for them brings in."""
+FLOWS = ("viscous", "power", "quadratic", "viscous_cov")
+"""Kinds of parts that grow with the speed."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 5
@@ -244,6 +246,9 @@ def explained(
 def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     """Return the laws to fit: that of the best structure, its rivals and the usual choice.
 
+    A law without memory that does not grow with the speed stands beside one with a viscous part: a
+    simulation tells a slope that is below the noise of the balance.
+
     A structure with a part more than the best is no rival, as with a part that nothing asks for any
     law predicts alike; such ones, without memory, stand beside laws that have too few rivals, and
     the first that comes closer stands beside all.
@@ -266,10 +271,15 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     if any(term.kind == "second" for term in best.structure.free):
         rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
+    kinds, own = {term.kind for term in best.structure.terms}, {}
+    if not (best.structure.memories or kinds & {*FLOWS}):
+        kind = law(f"{asked.best.text} + viscous")
+        own = {kind.name: CandidateSpec(name=kind.name, title=kind.title, law=kind)}
+        names |= dict.fromkeys(own)
     plain = [name for name in richer if not fits[name].structure.memories]
     closer = [name for name in plain if fits[name].rms < CLOSER * best.rms][:1]
     names |= dict.fromkeys([*closer, *plain[: max(FEWEST - len(names), 0)]])
-    known = {name: law.specification for name, law in asked.laws.items()}
+    known = own | {name: law.specification for name, law in asked.laws.items()}
     return tuple(known.get(name) or specification(name) for name in names)
 
 
