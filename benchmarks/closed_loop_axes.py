@@ -335,17 +335,14 @@ def _friction(law: FrictionLaw, rig: ControlledAxis, motion: Motion) -> Array:
     from stickslip.identification.estimation.bristle_integration import Path, follow
 
     t, v = motion.time, motion.velocity
-    loaded = {*law.inputs} & {"motor", "transmitted"}
+    loaded = {*law.inputs} & {"motor", "external", "transmitted"}
     taken = motion.command - _friction(rig.law, rig, motion) if loaded else 0.0 * v
     path = Path(time=t, velocity=v, load=np.ones_like(t), travel=np.diff(motion.position))
-    force = np.zeros_like(v)
+    external, force = np.full_like(v, -rig.axis.offset), np.zeros_like(v)
     for _ in range(ROUNDS if loaded else 1):
         motor = taken + force
-        inputs = {
-            "position": motion.position,
-            "motor": motor,
-            "transmitted": motor + rig.axis.offset,
-        }
+        gear = {"motor": motor, "external": external, "transmitted": motor - external}
+        inputs = gear | {"position": motion.position}
         path = replace(path, inputs={name: inputs[name] for name in law.inputs})
         states: tuple[Array, ...] = ()
         if law.states:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 DRIVEN = ("motor", "transmitted")
 """Contact inputs that have the force of the drive in them."""
 LOST = 0.98
-"""Share of the force of a drive that its friction takes at most: with all of it, nothing moves."""
+"""Most by which friction may grow with the force of a drive: with all of it, nothing moves."""
 BENT = 0.02
 """Share of the largest force of a drive over which the slope of friction by it is a difference:
 that of its size jumps at 0, and residuals with it."""
@@ -485,6 +485,8 @@ def _seen(
         path = replace(one.path, inputs=known)
         there.append(_friction(own, replace(one, path=path), offset, before, change)[0])
     share = one.seen((there[0] - there[1]) / (2.0 * step))
+    if np.max(share[:, 0]) > LOST:
+        raise ArithmeticError("friction takes all of the force of the drive: nothing moves.")
     gain = 1.0 / (1.0 - np.minimum(share, LOST))
     return left[:, None] - gain * (left[:, None] - seen), gain[:, :1]
 
