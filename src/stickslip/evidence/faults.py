@@ -17,6 +17,9 @@ from stickslip.evidence.values import Value, key_of, polished
 NEAR = 1.37
 """Error of a neighbour over that of the best fit from which it is excluded. Measured: at least 1.4
 for the others of a true delay, 1.05 to 1.35 where a delay is named for a gap or a coupling."""
+LESS = 0.95
+"""Error of a fit with a neighbour beside a fault from which that fault is not all there is. Of a
+delay that was named for a gap: 0.91."""
 
 
 @final
@@ -96,6 +99,10 @@ def _instead(search: Search, best: Fit, ties: Sequence[Fit], group: Sequence[Ter
         equal = [one for one in options if one.ok and not search.better(best, one)]
         if alike and kind in LATE_OR_ELASTIC:
             equal += [one for one in options if one.ok and one.rms < NEAR * best.rms]
+            both = [
+                one for one in ties if one.structure.has(kind) and one.structure.has(group[0].kind)
+            ]
+            equal += [one for one in both if one.rms < LESS * best.rms]
         else:
             equal = [one for one in equal if search.better(one, search.fit(rest))]
         if equal:
