@@ -107,6 +107,21 @@ def test_friction_with_several_bristles_is_not_called_an_amplifier_at_its_limit(
     assert not told.faults
 
 
+def test_a_limit_below_most_of_the_force_explains_no_motion():
+    """Cut off there, the force of this axis is constant: a level, with a sixtieth of the inertia."""
+    _, found, _ = closed_loop_axes.moving(np.random.default_rng([8830, 7]), "stribeck")
+    told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
+    assert not told.faults
+    assert told.best.structure.has("stribeck")
+
+
+def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
+    _, found, _ = closed_loop_axes.moving(np.random.default_rng([8824, 11]), "backlash")
+    told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
+    (fault,) = told.faults
+    assert {"delay", "flexible"} <= set(fault.kinds)
+
+
 def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks():
     """Over 15 s, an error of 9 mHz turns the ripple by an eighth, which a drift would undo."""
     _, found = faulty("aliased-ripple", np.random.default_rng([7330, 17]))

@@ -6,14 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from benchmarks.closed_loop_axes import ControlledAxis, moving, record
+from benchmarks.closed_loop_axes import ControlledAxis, record
 
 from stickslip import GMS, Axis, ElastoPlastic, LuGre, Measurement, RecordSettings, Stribeck, select
 from stickslip.errors import ConvergenceError
 from stickslip.friction import specification
 from stickslip.identification import RouteChoice
-from stickslip.identification.settings import PROMPT
-from stickslip.identification.terms.findings import asked_of
 from stickslip.kinds.records import explained, selection
 from stickslip.kinds.records.explained import Explained, begun_from
 from stickslip.kinds.records.ladder import Climbed
@@ -76,17 +74,6 @@ def test_faults_are_not_said_of_a_law_that_leaves_less_without_them():
     )
     for left in (0.0, 1.0):
         assert Explained.errors_of(asked, "gms", MAXWELL_SLIP, left) == ()
-
-
-def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
-    rig, gapped, _ = moving(np.random.default_rng([8824, 11]), "backlash")
-    assert rig.gap > 0.0
-    found = asked_of(
-        Axis(inertia=1.5 * rig.axis.inertia), gapped, "zero", ["mechanism.inertia"], PROMPT
-    )
-    (fault,) = found.explanation.faults
-    assert fault.kinds[0] == "delay"
-    assert "flexible" in fault.kinds
 
 
 def fitted(law, rms):

@@ -249,6 +249,7 @@ def possible(made: Design, values: Array) -> bool:
         and _places_told(made)
         and _excess_stands_out(made, values)
         and _excess_is_even(made)
+        and _motion_is_explained(made)
     )
 
 
@@ -342,6 +343,25 @@ def _excess_is_even(made: Design) -> bool:
         if abs(_least_squares(columns, made.force[made.slipping])[-1]) > EVENLY:
             return False
     return True
+
+
+def _motion_is_explained(made: Design) -> bool:
+    """Return whether a limit lowers the error of the acceleration, not of the force alone.
+
+    Cut off at a limit below most of the force, any record is a constant force of which a level is
+    all, with hardly an inertia.
+    """
+    owners, rows = made.owners, made.slipping
+    limited = np.array([one.kind == "saturation" for one in owners], dtype=bool)
+    inertia = np.array([one.kind == "inertia" for one in owners], dtype=bool)
+    if not (limited.any() and inertia.any() and rows.any()):
+        return True
+    errors = []
+    for columns in (made.columns[rows], made.columns[rows] * ~limited):
+        values = _least_squares(columns, made.force[rows])
+        left = float(np.linalg.norm(made.force[rows] - columns @ values))
+        errors.append(left / max(float(values[inertia].sum()), 1e-300))
+    return errors[0] < errors[1]
 
 
 def training_error(balance: Balance, structure: Structure) -> float:
