@@ -108,7 +108,7 @@ def test_friction_with_several_bristles_is_not_called_an_amplifier_at_its_limit(
 
 
 def test_a_limit_below_most_of_the_force_explains_no_motion():
-    """Cut off there, the force of this axis is constant: a level, with a sixtieth of the inertia."""
+    """Cut off there, the force of this axis is a level, with a sixtieth of the inertia."""
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8830, 7]), "stribeck")
     told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
     assert not told.faults
