@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from benchmarks import closed_loop_axes
 
 from stickslip import Axis, BamM3, Measurement, Pendulum, fit
+from stickslip.evidence import GEARS
 from stickslip.friction import law
 from stickslip.identification.settings import PROMPT
 from stickslip.identification.terms.dense_series import dense_series
@@ -171,3 +173,13 @@ def test_what_a_gear_leaves_is_an_error_of_the_force_that_the_motion_takes():
     seen = np.interp(problem.times, T, force - predicted)
     fast = np.abs(np.interp(problem.times, T, v)) > 1.0  # the filter smears reversals
     np.testing.assert_allclose(left.residual[fast], seen[fast], atol=0.1)  # noise: 0.05
+
+
+def test_impacts_in_a_gap_are_no_load_of_a_gear():
+    """A level that grows with the torque leaves 6 % of its friction, far more than noise."""
+    rig, record, _ = closed_loop_axes.moving(np.random.default_rng([8841, 17]), "backlash")
+    given = Axis(inertia=1.5 * rig.axis.inertia)
+    asked = asked_of(given, record, "zero", ["mechanism.inertia"], PROMPT)
+    assert not any(one.kind in GEARS for one in asked.explanation.best.structure.terms)
+    (fault,) = asked.explanation.faults
+    assert "backlash" in fault.kinds

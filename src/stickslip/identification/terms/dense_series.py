@@ -241,8 +241,20 @@ def loads_motor(mechanism: Mechanism, measurement: Measurement) -> bool:
     >>> loads_motor(arm, record), loads_motor(Axis(inertia=1.0, drive=motor), record)
     (True, False)
     """
-    if motor_of(mechanism) is None or not driven(measurement):
-        return False
+    known = motor_of(mechanism) is not None and driven(measurement)
+    return known and varies_load(mechanism, measurement)
+
+
+def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether forces other than the drive's change along a record, as weight does.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9])
+    >>> varies_load(Pendulum(mass=0.5, length=0.1), record), varies_load(Axis(inertia=1.0), record)
+    (True, False)
+    """
     told = []
     for record in measurement.records():
         own, x = as_recorded(mechanism, record), positions_of(record)

@@ -51,6 +51,7 @@ from stickslip.identification.terms.dense_series import (
     is_dense,
     joints_series,
     loads_of,
+    varies_load,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -148,7 +149,8 @@ def asked_of(
     except InputError:  # an unknown that is no coefficient of a column
         return None
     load = float(np.median(np.concatenate(loads_of(mechanism, measurement))))
-    return _asked(series, load, mass_of(mechanism), None, progress)
+    loaded = varies_load(mechanism, measurement)
+    return _asked(series, load, mass_of(mechanism), None, progress, loaded=loaded)
 
 
 def asked_of_joints(
@@ -181,7 +183,7 @@ def asked_of_joints(
     fc, found = max([passed, min(bands, default=0.0)]), {}
     for name, (series, load) in own.items():
         told = None if progress is None else partial(progress, name)
-        asked = _asked(series, load, series[0].mass, fc, told)
+        asked = _asked(series, load, series[0].mass, fc, told, loaded=True)
         if asked is not None:
             found[name] = asked
     return found
@@ -193,13 +195,21 @@ def _asked(
     mass: float | None,
     fc: float | None,
     progress: Callable[[float, str], None] | None,
+    *,
+    loaded: bool,
 ) -> Asked | None:
+    """Return the laws of an explanation.
+
+    A gear that is `loaded` by inertia alone is named if hardly more than noise is left: torques of
+    impacts in a gap or a coupling are in proportion to accelerations, too.
+    """
     try:
         found = explain(series, fc=fc, progress=progress)
-        if _has_gear(found.best) and _leaves_much(found):
+        doubtful = _leaves_much if loaded else _leaves_more_than_noise
+        if _has_gear(found.best) and doubtful(found):
             plain = [one for one in vocabulary(found.balance) if one.kind not in GEARS]
             other = explain(found.balance, vocabulary=plain, progress=progress)
-            if other.best.rms < OUTWEIGHS * found.best.rms:
+            if not loaded or other.best.rms < OUTWEIGHS * found.best.rms:
                 found = replace(other, ties=(*other.ties, found.best))
     except InputError:
         return None
@@ -213,7 +223,11 @@ def _has_gear(one: Fit) -> bool:
 
 def _leaves_much(found: Explanation) -> bool:
     """Whether much is left that no law and no fault explains, and that is no noise."""
-    return found.left > HOLDS and found.best.rms > WHITE * noise_left(found)
+    return found.left > HOLDS and _leaves_more_than_noise(found)
+
+
+def _leaves_more_than_noise(found: Explanation) -> bool:
+    return found.best.rms > WHITE * noise_left(found)
 
 
 def errors_of(
