@@ -489,9 +489,9 @@ def _of_itself(fit: RecordFit[Laws]) -> Iterator[str]:
     for one in fit.estimates:
         if one.path.endswith(SHARES) and one.bounded and one.high >= 1.0:
             yield (
-                f"The gear of {one.path.split('.')[1]} may lose all of its torque, {one}: the record"
-                " does not tell what moves the joint from what its gear loses. Fit a law without"
-                " it, or record a motion with more inertia or weight."
+                f"The gear of {one.path.split('.')[1]} may lose all of its torque, {one}: the"
+                " record does not tell what moves the joint from what its gear loses. Fit a law"
+                " without it, or record a motion with more inertia or weight."
             )
 
 
