@@ -27,8 +27,8 @@ from stickslip.selection import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second", *GEARS)
 """Kinds of terms that only a record which asks for them brings in."""
-FLOWS = ("viscous", "power", "quadratic", "viscous_cov")
-"""Kinds of parts that grow with the speed."""
+FLOWS = ("viscous", "power", "drag")
+"""Parts of laws that grow with the speed."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 5
@@ -271,8 +271,8 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
     if any(term.kind == "second" for term in best.structure.free):
         rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
-    kinds, own = {term.kind for term in best.structure.terms}, {}
-    if not (best.structure.memories or kinds & {*FLOWS}):
+    own = {}
+    if not (best.structure.memories or any(part in asked.best.text for part in FLOWS)):
         kind = law(f"{asked.best.text} + viscous")
         own = {kind.name: CandidateSpec(name=kind.name, title=kind.title, law=kind)}
         names |= dict.fromkeys(own)
