@@ -103,12 +103,14 @@ def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
             main(shlex.split(line.removeprefix("stickslip ")))
         assert not left.value.code, line
     assert load_rig("stickslip-report/law.toml").estimates.covariance_of
-    moves = r"moves (\S+) mm per cycle once the motion has settled, and (\S+) to (\S+) mm"
+    moves = r"moves (\S+) mm per cycle once the motion has settled, and roughly (\S+) to (\S+) mm"
     said = re.search(moves, README)
     assert said is not None
     printed = capsys.readouterr().out
     row = re.findall(r"cycle \d+ +(\S+) +(\S+) to (\S+) +mm", printed)[-1]
-    assert [*row[1:]] == [said[2], said[3]]
+    # the interval's ends move by 2 % with the rounding of a processor, the cart by ten times that
+    ends = [float(one) for one in row[1:]]
+    assert ends == pytest.approx([float(said[2]), float(said[3])], rel=0.3)
     assert printed.count(f"Travel per cycle, once the motion has settled: {said[1]} mm\n") == 2
     for folder in ("stickslip-report", "stickslip-run"):
         page = (tmp_path / folder / "index.html").read_text(encoding="utf-8")

@@ -681,3 +681,15 @@ def test_steps_with_jerks_are_held_out_whole_and_explained():
     assert verdict.best.name == "rate-and-state"
     assert len(verdict.best.validation.losses) == 2
     assert verdict.best.score < 1e-3  # the noise, twice
+
+
+def test_a_fit_gives_up_stick_slip_that_its_record_does_not_show():
+    unsteady = law(evolution_effect=0.015)
+    softer = 0.5 * unsteady.critical_stiffness
+    knots, times = np.array([0.0, 20.0, 400.0]), np.linspace(0.0, 400.0, 50)
+    given = (unsteady, softer, knots, np.array([1e-6, 1e-5]), times, 1e-9)
+    followed = slider.logarithms(*given)
+    assert followed is not None
+    assert slider.logarithms(*given, shown=True) is None
+    stiff = (unsteady, 4.0 * softer, *given[2:])
+    assert np.array_equal(slider.logarithms(*stiff, shown=True), slider.logarithms(*stiff))

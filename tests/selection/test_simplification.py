@@ -16,7 +16,10 @@ from stickslip.selection.cross_validation import CrossValidation
 
 AXIS = Axis(inertia=1.0)
 SETTINGS = RecordSettings(starts=1)
-RANDOM = np.random.default_rng(4)
+
+
+def noise(count=100):
+    return 0.01 * np.random.default_rng(4).normal(size=count)
 
 
 def table(step):
@@ -24,7 +27,7 @@ def table(step):
     v = np.linspace(0.02, 1.0, 50)
     v = np.concatenate([-v[::-1], v])
     friction = (2.0 + step * np.exp(-((v / 0.1) ** 2))) * np.sign(v) + 3.0 * v
-    return Measurement(velocity=v, friction=friction + 0.01 * RANDOM.normal(size=len(v)))
+    return Measurement(velocity=v, friction=friction + noise())
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +36,8 @@ def spare():
 
 
 def test_a_law_without_what_a_record_does_not_tell_begins_at_the_values_of_the_whole(spare):
-    assert unidentified(spare) >= {"stribeck_velocity"}
+    # which of the two is not told is chance, where there is no step
+    assert unidentified(spare) & {"static_coefficient", "stribeck_velocity"}
     ((candidate, begin),) = one_part_less(spare)
     assert (candidate.name, candidate.free) == ("coulomb-viscous", CoulombViscous.fit_order)
     levels = spare.law.kinetic_coefficient, spare.law.static_coefficient  # which become one
@@ -51,7 +55,7 @@ def test_a_law_that_the_record_tells_has_no_simpler_one():
 def test_a_value_that_the_simpler_law_does_not_allow_begins_at_its_limit():
     v = np.linspace(0.02, 1.0, 50)
     v = np.concatenate([-v[::-1], v])
-    friction = np.sign(v) * 5.0 * np.abs(v) ** 0.12 + 0.01 * RANDOM.normal(size=100)
+    friction = np.sign(v) * 5.0 * np.abs(v) ** 0.12 + noise()
     thin = fit(AXIS, PowerViscous, Measurement(velocity=v, friction=friction), settings=SETTINGS)
     assert thin.law.exponent < 0.2
     begins = [begin for _, begin in one_part_less(thin)]
@@ -61,7 +65,7 @@ def test_a_value_that_the_simpler_law_does_not_allow_begins_at_its_limit():
 
 def test_levels_of_both_directions_begin_at_their_mean():
     v = np.concatenate([np.linspace(-1.0, -0.02, 50), np.linspace(0.02, 1.0, 50)])
-    readings = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.01 * RANDOM.normal(size=100))
+    readings = Measurement(velocity=v, friction=2.0 * np.sign(v) + noise())
     both = fit(AXIS, law("both_ways(level + power)"), readings, settings=SETTINGS)
     found = {one.name: (one, begin) for one, begin in one_part_less(both)}
     one, begin = found["power-viscous"]
@@ -73,7 +77,7 @@ def test_levels_of_both_directions_begin_at_their_mean():
 def test_a_value_below_0_that_is_sure_is_no_objection():
     t = 0.01 * np.arange(2000)
     x, v = np.sin(t), np.cos(t)
-    friction = 2.0 * (1.0 - 0.3 * x) * np.sign(v) + 0.01 * RANDOM.normal(size=len(t))
+    friction = 2.0 * (1.0 - 0.3 * x) * np.sign(v) + noise(len(t))
     record = Measurement(time=t, position=x, velocity=v, friction=friction)
     found = fit(AXIS, law("level * linear[position]"), record, settings=SETTINGS)
     (slope,) = [one for one in found.estimates if one.path.endswith("slope")]

@@ -288,7 +288,8 @@ class Slider(Problem):
         """Return friction coefficients at some times."""
         law, path = self.law(values), self.record.path
         speeds = np.maximum(path.speeds, 0.0)
-        logs = logarithms(law, float(values[3]), path.time, speeds, times, TOLERANCE)
+        k = float(values[3])
+        logs = logarithms(law, k, path.time, speeds, times, TOLERANCE, shown=True)
         if logs is None:
             return None
         drift = values[len(PATHS)] if len(values) > len(PATHS) else 0.0
