@@ -301,8 +301,8 @@ def _series(
     if "friction" in known:
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
         if {"motor", "external"} <= {*covariates}:
-            beside = covariates.pop("external")
-            covariates |= _gear(record, friction - beside, -beside, beside, 0.0 * beside)
+            motor, beside = covariates["motor"], covariates.pop("external")
+            covariates |= _gear(record, motor, motor - friction, beside, 0.0 * beside)
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
     forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
     mass = None if finds_mass(unknown) else mass_of(as_recorded(mechanism, record))
