@@ -311,6 +311,13 @@ def test_joints_share_the_temperature_of_their_record_or_have_their_own(warm_arm
             fit(arm, laws, replace(record, inputs=without))
 
 
+def test_the_force_of_the_drive_is_not_known_where_only_friction_was_measured():
+    read = Measurement(time=T, position=X, friction=0.0 * T, inputs={"external": 0.0 * T})
+    assert {*known_inputs(TABLE, read)} == {"position", "external"}
+    both = replace(read, inputs={"motor": 0.0 * T, **read.inputs})
+    assert {*known_inputs(TABLE, both)} == {"position", "external", "motor", "transmitted"}
+
+
 def test_runs_of_a_fit_have_the_temperature_of_each_joint(warm_arm):
     arm, record, temperature = warm_arm
     told = replace(record, inputs={"temperature": {"shoulder": temperature, "elbow": 30.0}})

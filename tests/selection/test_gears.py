@@ -26,13 +26,18 @@ RIG = Pendulum(mass=1.2, length=0.3, inertia=0.03)
 SETTINGS = RecordSettings(hold="first")
 
 
-def swung(*, fading):
-    """Return a record of a gear that loses 20 % of its torque, and at rest `fading` more."""
+def motion():
+    """Return positions, velocities and accelerations (n,)."""
     sizes, rates, phases = (0.5, 0.4, 0.2), (1.7, 3.9, 6.1), (0.3, 2.0, 4.4)
     parts = list(zip(sizes, rates, phases, strict=True))
     q = sum(a * np.sin(w * T + p) for a, w, p in parts)
     v = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
-    a = -sum(a * w**2 * np.sin(w * T + p) for a, w, p in parts)
+    return q, v, -sum(a * w**2 * np.sin(w * T + p) for a, w, p in parts)
+
+
+def swung(*, fading):
+    """Return a record of a gear that loses 20 % of its torque, and at rest `fading` more."""
+    q, v, a = motion()
     weight = 1.2 * 9.81 * 0.3 * np.sin(q)
     taken = weight + (1.2 * 0.3**2 + 0.03) * a
     lost = np.zeros_like(q)
@@ -69,6 +74,23 @@ def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
 def test_shares_of_both_torques_that_do_not_differ_are_said():
     found = fit(RIG, BamM5, swung(fading=0.0), settings=SETTINGS, route="inverse-dynamics")
     assert "$k_m$ and $k_e$ are not shown to differ" in objection(found, shown=True)
+
+
+def test_measured_friction_beside_the_torque_of_a_gear_has_no_law_that_asks_for_more():
+    q, v, _ = motion()
+    torque = np.sin(0.7 * T + 1.0) + 0.4 * np.cos(2.3 * T)
+    friction = np.sign(v) * (0.05 + 0.15 * np.abs(torque)) + 0.02 * v
+    record = Measurement(
+        time=T,
+        position=q,
+        velocity=v,
+        friction=friction + 2e-3 * np.random.default_rng(0).standard_normal(len(T)),
+        turning=True,
+        inputs={"transmitted": torque},
+    )
+    verdict = select(Axis(inertia=1.0, rotary=True), None, record)
+    assert verdict.best.name == "bam-m3"
+    assert all({*c.fit.law.inputs} <= {"transmitted"} for c in verdict.candidates)
 
 
 def driven(law, vary):

@@ -36,6 +36,8 @@ MOVED = 1.001
 """Factor on a parameter by which it is seen what depends on it."""
 BENT = 1e-2
 """Share of a slope by which such a step may differ from it."""
+DRIVEN = ("motor", "transmitted")
+"""Contact inputs that have the force of the drive in them."""
 WEIGHTS = ("external", "gravity")
 """Inputs that fall where a joint takes more force; what a gear transmits grows."""
 LOOKED_AT = 50
@@ -45,6 +47,8 @@ LOOKED_AT = 50
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the contact inputs that a fit of a measurement can use.
 
+    Where friction was measured without the force of the drive, a mechanism tells none that has it.
+
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -52,7 +56,14 @@ def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, .
     >>> "temperature" in known_inputs(SpringBlock(mass=1.0), record)
     True
     """
-    return tuple(dict.fromkeys((*input_names(mechanism), *measurement.input_names())))
+    told, recorded = input_names(mechanism), measurement.input_names()
+    measured = measurement.quantities()
+    if "friction" in measured and "force" not in measured:
+        given = given_names(mechanism)
+        told = tuple(name for name in told if name in given or name not in DRIVEN)
+    if {"motor", "external"} <= {*recorded}:
+        recorded = (*recorded, *gear_inputs(0.0, 0.0))
+    return tuple(dict.fromkeys((*told, *recorded)))
 
 
 def check_inputs(

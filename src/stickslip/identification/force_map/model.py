@@ -11,6 +11,7 @@ from typing_extensions import override
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
+from stickslip.identification.contact_inputs import DRIVEN
 from stickslip.identification.estimation.bristle_integration import balancing, displaced, follow
 from stickslip.identification.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -23,8 +24,6 @@ from stickslip.identification.settings import SensorResponse
 
 Array = NDArray[np.float64]
 
-DRIVEN = ("motor", "transmitted")
-"""Contact inputs that have the force of the drive in them."""
 LOST = 0.98
 """Most by which friction may grow with the force of a drive: with all of it, nothing moves."""
 BENT = 0.02
