@@ -295,7 +295,7 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     21.0
     """
     inputs: dict[str, dict[str, Drive | float]] = {"": {}}
-    for joint, contact in _contacts_of(mechanism, [record]).items():
+    for joint, contact in _contacts_of(mechanism, [record]):
         own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
         for name, seen in recorded_inputs(record, times, joint).items():
             if name not in own and (not joint or name in record.joints[joint].inputs):
@@ -307,18 +307,20 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     return given_inputs(mechanism, {**inputs.pop(""), **inputs})
 
 
-def _contacts_of(mechanism: Mechanism, records: Sequence[Measurement]) -> dict[str, str]:
-    """Return the contact of each joint that has inputs of its own in all records.
+def _contacts_of(
+    mechanism: Mechanism, records: Sequence[Measurement]
+) -> tuple[tuple[str, str], ...]:
+    """Return joints that have inputs of their own in all records, with the contacts along them.
 
-    And that of no joint, whose name is empty: what is told to it, all are told.
+    And the contact of no joint, both empty: what is told to it, all are told.
     """
     having = [
         joint
         for joint in (records[0].joints if records else ())
         if all(joint in one.joints and one.joints[joint].inputs for one in records)
     ]
-    along = {one.slip: one.name for one in mechanism.contacts()}
-    return {"": ""} | {joint: along[joint] for joint in having if joint in along}
+    contacts = [(one.slip, one.name) for one in mechanism.contacts() if isinstance(one.slip, str)]
+    return (("", ""), *(one for one in contacts if one[0] in having))
 
 
 def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
@@ -343,7 +345,7 @@ def as_informed(
     found: dict[str, dict[str, float]] = {"": {}}
     said = []
     records = measurement.records()
-    for joint, contact in _contacts_of(mechanism, records).items():
+    for joint, contact in _contacts_of(mechanism, records):
         own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
         for name in _asked(law):
             held = [(one.joints[joint] if joint else one).contact_inputs() for one in records]
@@ -360,7 +362,7 @@ def as_informed(
                     f"{what} was measured and varies, {span(low, high, unit)}: in runs of this fit"
                     f" it is the median, {quantity(middle, unit)}."
                 )
-    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(said)
+    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(dict.fromkeys(said))
 
 
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
