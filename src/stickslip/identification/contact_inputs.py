@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.contact_inputs import CONTACT_INPUTS, DRIVES
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input, with_voltage
@@ -36,8 +36,6 @@ MOVED = 1.001
 """Factor on a parameter by which it is seen what depends on it."""
 BENT = 1e-2
 """Share of a slope by which such a step may differ from it."""
-DRIVEN = ("motor", "transmitted")
-"""Contact inputs that have the force of the drive in them."""
 WEIGHTS = ("external", "gravity")
 """Inputs that fall where a joint takes more force; what a gear transmits grows."""
 LOOKED_AT = 50
@@ -60,7 +58,7 @@ def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, .
     measured = measurement.quantities()
     if "friction" in measured and "force" not in measured:
         given = given_names(mechanism)
-        told = tuple(name for name in told if name in given or name not in DRIVEN)
+        told = tuple(name for name in told if name in given or name not in DRIVES)
     if {"motor", "external"} <= {*recorded}:
         recorded = (*recorded, *gear_inputs(0.0, 0.0))
     return tuple(dict.fromkeys((*told, *recorded)))

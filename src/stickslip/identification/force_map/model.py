@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
-from stickslip.identification.contact_inputs import DRIVEN
 from stickslip.identification.estimation.bristle_integration import balancing, displaced, follow
 from stickslip.identification.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -474,7 +474,7 @@ def _seen(
     with that force, what friction does not take is what the motion has.
     """
     seen = one.seen(force)
-    inputs = {name: one.path.inputs[name] for name in DRIVEN if name in own.base.inputs}
+    inputs = {name: one.path.inputs[name] for name in DRIVES if name in own.base.inputs}
     if not (one.passed and inputs):
         return seen, np.ones((len(left), 1))
     step = BENT * max(float(np.max(np.abs(x))) for x in inputs.values()) or BENT

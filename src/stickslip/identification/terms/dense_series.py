@@ -8,8 +8,9 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.errors import InputError
-from stickslip.evidence import DRIVES, Series, outliers
+from stickslip.evidence import Series, outliers
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import inputs_along, recorded_inputs
