@@ -17,7 +17,7 @@ from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint
 from stickslip.exports.applying.replay import JointReplay, replayed
 from stickslip.exports.applying.running import Compiled, JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.subject import Subject
-from stickslip.exports.verb import Asked, subject_of
+from stickslip.exports.verb import Asked, evaluated, subject_of
 from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
@@ -271,8 +271,9 @@ def apply(
         # of several laws, each takes what it depends on
         known = {k: x for k, x in shared.items() if len(pairs) == 1 or k in whole.law.inputs}
         unasked = {k: x for k, x in unasked.items() if k not in known}
-        asked = replace(asked, at={**known, **own.get(contact, {})})
-        subject = _subject(source, model, asked, whole)
+        stated = {**known, **own.get(contact, {})}
+        exact = not stated and model.has_exactly(whole)
+        subject = whole if exact else evaluated(whole, model.title, stated)
         _check_kind(model, joint, subject)
         beside = _beside(subject.mechanism, subject.contact)
         carried = model.carry(joint, subject, beside, wishes)
@@ -465,13 +466,6 @@ def _stated(
                 "contact with inputs of its own", name, [*filter(None, contacts)]
             )
     return shared, own
-
-
-def _subject(source: "Source", model: Model, asked: Asked, whole: Subject) -> Subject:
-    """Return the law as the format takes it: at values of its contact inputs, but for its own."""
-    if not asked.at and model.has_exactly(whole):
-        return whole
-    return subject_of(source, model.title, asked, evaluates=True, rig=None)
 
 
 def _applied(joint: ModelJoint, contact: str, subject: Subject, carried: Carried) -> AppliedJoint:

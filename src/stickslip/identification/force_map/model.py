@@ -450,12 +450,13 @@ def _by_inputs(
         unseen = _friction(bare, there, offset, before, change)[0]
         return _seen(bare, there, unseen, left, offset, before, change)[0][:, 0]
 
+    here = force(np.zeros(count))
     for j in range(count):
         most = max(float(np.max(np.abs(x[:, j]))) for x in slopes.values())
         if most > 0.0:
             size = max(float(np.max(np.abs(one.path.inputs[name]))) for name in slopes)
             step = MOVED * (size or 1.0) / most * (np.arange(count) == j)
-            found[:, j] = (force(step) - force(0.0 * step)) / step[j]
+            found[:, j] = (force(step) - here) / step[j]
     return found
 
 
