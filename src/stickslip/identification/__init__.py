@@ -128,6 +128,7 @@ INSIDE = {
     "torque_along": "force_map.force_balance",
     "trials_of": "travel_model",
     "uncertainties_of": "rig_uncertainties",
+    "usual_values": "contact_inputs",
     "under_cycles": "travel_model",
     "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",

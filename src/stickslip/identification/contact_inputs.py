@@ -415,11 +415,33 @@ def typical_inputs(
             signals.setdefault("force", 0.0)
         for name, values in inputs_along(set_up, record, time, **signals).items():
             if name in every:
-                every[name].append(np.abs(values) if CONTACT_INPUTS[name].scale else values)
-    return {
-        name: float(np.median(np.concatenate(values))) if values else CONTACT_INPUTS[name].size
-        for name, values in every.items()
+                every[name].append(values)
+    found = usual_values({name: values for name, values in every.items() if values})
+    return {name: found.get(name, CONTACT_INPUTS[name].size) for name in every}
+
+
+def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
+    """Return medians of contact inputs over the stretches of a record, of forces of their sizes.
+
+    Both torques of a gear are those where it transmits the median: of their sizes alone, a gear
+    that holds a weight would transmit nothing.
+
+    Examples
+    --------
+    >>> usual_values({"motor": [np.array([5.0, 1.0, 4.0])], "external": [np.array([-5, 0, -4])]})
+    {'motor': 4.0, 'external': -4.0}
+    """
+    whole = {name: np.concatenate(values) for name, values in inputs.items()}
+    found = {
+        name: float(np.median(np.abs(x) if CONTACT_INPUTS[name].scale else x))
+        for name, x in whole.items()
     }
+    motor, external = whole.get("motor"), whole.get("external")
+    if motor is not None and external is not None and len(motor) == len(external):
+        through = np.abs(motor - external)
+        middle = np.argsort(through)[len(through) // 2]
+        found |= {"motor": float(motor[middle]), "external": float(external[middle])}
+    return found
 
 
 def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
