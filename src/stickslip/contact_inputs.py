@@ -99,6 +99,8 @@ CONTACT_INPUTS: Mapping[str, ContactInput] = MappingProxyType(
     }
 )
 """Contact inputs by name; the names are fixed."""
+DRIVES = ("transmitted", "motor")
+"""Those that have the force of the drive in them: a level grows with their size."""
 
 
 def checked_inputs(names: Iterable[str]) -> tuple[str, ...]:

@@ -410,6 +410,11 @@ def test_runs_of_joints_get_the_temperature_of_their_record(called, tmp_path):
     code, _, said = called(rig, "simulate", "rig.toml")
     assert code == 0, said
     assert "The temperature of the run is that of arm." in said
+    other = rig.replace('temperature = "temp', 'temperature.elbow = "temp')
+    code, _, said = called(other, "simulate", "rig.toml")
+    assert code == 2
+    assert "'temperature', which TwoLinkArm at 'shoulder' does not tell" in said
+    assert "of the run is that of" not in said
     told = rig.replace('temperature = "temperature"\n', "") + '[contact]\ntemperature = "20 degC"\n'
     assert called(told, "simulate", "rig.toml")[0] == 0
     table.to_csv(tmp_path / "arm.csv", index=False)

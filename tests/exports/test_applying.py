@@ -575,7 +575,7 @@ def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
     assert max(one.simplification for one in row.motions) < 1e-9
 
 
-@pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (1.5, 0.2 + 1.5)])
+@pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (0.99, 20.0), (1.5, 0.2 + 1.5)])
 def test_a_gear_is_held_below_the_break_away_that_it_has_under_the_push_itself(share, held):
     mujoco_or_skip()
     gear = BamM3(kinetic_coefficient=0.2, transmitted_coefficient=share, viscous_coefficient=0.05)

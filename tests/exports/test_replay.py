@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, Pendulum, Rig, Stribeck, simulate
+from stickslip import Axis, BamM5, CoulombViscous, Measurement, Pendulum, Rig, Stribeck, simulate
 from stickslip.cli import main
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
@@ -210,6 +210,34 @@ def test_a_record_of_other_joints_is_refused(arm):
 MOTOR = DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=2e-3)
 SERVO = Pendulum(mass=0.5, length=0.1, gravity=9.81, drive=MOTOR)
 GEAR = CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.01)
+
+
+def test_a_gear_is_written_at_the_usual_torque_of_its_record(tmp_path):
+    gear = BamM5(
+        kinetic_coefficient=0.01,
+        static_coefficient=0.01,
+        stribeck_velocity=0.1,
+        motor_friction=0.1,
+        external_friction=0.1,
+        motor_static_friction=0.0,
+        external_static_friction=0.0,
+        viscous_coefficient=0.01,
+    )
+    arm = Pendulum(mass=0.5, length=0.1, gravity=9.81)
+    t = np.arange(0.0, 8.0, 0.01)
+    theta, omega = 1.2 + 0.2 * np.sin(2.0 * t), 0.4 * np.cos(2.0 * t)
+    weight = -0.5 * 9.81 * 0.1 * np.sin(theta)
+    motor = -weight + 0.01 * np.sign(omega)
+    record = Measurement(time=t, position=theta, force=motor, turning=True)
+    rig = Rig(mechanism=arm, laws={gear.name: gear}, named=(gear.name,))
+    given = {"largest_speed": 1.0, "run": False, "record": record}
+    (joint,) = apply(rig, servo_file(tmp_path, 0.5), **given).joints
+    # a motor that holds a weight loads its gear with both
+    usual = 0.01 + 0.1 * np.median(np.abs(motor - weight))
+    assert float(joint.after["frictionloss"]) == pytest.approx(usual, rel=0.05)
+    stated = {"motor": 0.0, "external": 0.0}
+    (joint,) = apply(rig, servo_file(tmp_path, 0.5), at=stated, **given).joints
+    assert float(joint.after["frictionloss"]) == pytest.approx(0.01, rel=1e-3)
 
 
 def servo_file(folder, mass):

@@ -19,7 +19,7 @@ from stickslip.identification.contact_inputs import (
 )
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.joint_fitting import _of_itself
-from stickslip.mechanisms import given_inputs, given_names
+from stickslip.mechanisms import DiscBrake, Lining, given_inputs, given_names
 
 WARM = law("level + viscous * exponential[temperature]")
 GEAR = law("level + stribeck + weight[transmitted] + viscous")
@@ -309,6 +309,20 @@ def test_joints_share_the_temperature_of_their_record_or_have_their_own(warm_arm
     for without in ({}, {"temperature": {"elbow": temperature}}):
         with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
             fit(arm, laws, replace(record, inputs=without))
+
+
+def test_a_contact_that_slips_by_a_combination_is_told_the_temperature():
+    brake = DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),))
+    record = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], inputs={"temperature": 20.0})
+    assert with_inputs(brake, record, np.zeros(1)).contact_temperature == 20.0
+    assert as_informed(TRUE_WARM, brake, record)[0].contact_temperature == 20.0
+
+
+def test_the_force_of_the_drive_is_not_known_where_only_friction_was_measured():
+    read = Measurement(time=T, position=X, friction=0.0 * T, inputs={"external": 0.0 * T})
+    assert {*known_inputs(TABLE, read)} == {"position", "external"}
+    both = replace(read, inputs={"motor": 0.0 * T, **read.inputs})
+    assert {*known_inputs(TABLE, both)} == {"position", "external", "motor", "transmitted"}
 
 
 def test_runs_of_a_fit_have_the_temperature_of_each_joint(warm_arm):

@@ -119,18 +119,22 @@ def test_no_load_is_told_where_the_weight_is_looked_for():
 
 
 def test_torques_on_both_sides_of_a_gear_load_measured_friction():
-    q, v, _ = motion()
+    q, v, a = motion()
+    rig = Axis(inertia=0.05, rotary=True)
     beside = 0.5 * np.sin(0.7 * T + 1.0) + 0.2 * np.cos(2.3 * T)
-    rubbed = noisy(friction("transmitted", -beside, beside), 2e-3)
+    taken = rig.inertia * a - beside
+    rubbed = friction("transmitted", taken, beside)
     record = Measurement(
         time=T,
         position=q,
         velocity=v,
-        friction=rubbed,
+        friction=noisy(rubbed, 2e-3, 2),
         turning=True,
-        inputs={"motor": rubbed - beside, "external": beside},
+        inputs={"motor": noisy(taken + rubbed, 2e-3, 3), "external": beside},
     )
-    rig = Axis(inertia=1.0, rotary=True)
+    (series,) = dense_series(rig, record, "first", ())
+    left = series.covariates["transmitted"] - (taken + rubbed - beside)
+    assert np.sqrt(np.mean(left**2)) < 0.05  # what inertia takes would be 0.3
     assert asked_of(rig, record, "first", (), PROMPT).best.name == "bam-m3"
     found = {one.path: one for one in fit(rig, BamM3, record).estimates}
     one = found["friction.transmitted_coefficient"]

@@ -225,21 +225,26 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     """Return a rig that tells its laws what only its first record has of contact inputs."""
     names = tuple(one.name for one in rig.mechanism.contacts())
     laws = assigned(names, friction)
-    lacking = {
-        name
-        for contact in names
-        for name in getattr(law_of(contact, laws), "inputs", ())
-        if name not in input_names(rig.mechanism, contact)
-    }
-    if not lacking or rig.measurement is None:
+
+    def lacking(mechanism: Mechanism) -> set[str]:
+        return {
+            name
+            for contact in names
+            for name in getattr(law_of(contact, laws), "inputs", ())
+            if name not in input_names(mechanism, contact)
+        }
+
+    missing = lacking(rig.mechanism)
+    if not missing or rig.measurement is None:
         return rig
     record = rig.measurement.records()[0]
-    if not lacking <= set(record.input_names()):
-        return rig
     times = np.zeros(1) if record.time is None else np.asarray(record.time)
-    for name in sorted(lacking):
+    informed = with_inputs(rig.mechanism, record, times)
+    if lacking(informed):
+        return rig
+    for name in sorted(missing):
         note(f"The {name} of the run is that of {record.name or 'the first record'}.")
-    return replace(rig, mechanism=with_inputs(rig.mechanism, record, times))
+    return replace(rig, mechanism=informed)
 
 
 def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: RunOptions) -> Ran:

@@ -15,12 +15,11 @@ from stickslip.evidence.motion import derivative, resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import GEARS, LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
-from stickslip.evidence.terms import DRIVES, TERMS, Kind, Term
+from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import vocabulary
 
 __all__ = [
-    "DRIVES",
     "GEARS",
     "LATE_OR_ELASTIC",
     "SHOWN_LATE",

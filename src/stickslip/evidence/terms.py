@@ -26,8 +26,6 @@ state of a bristle of its own, whose shape the term's parameters are, or times t
 LEVELS = ("level", "load")
 """A constant level and one in proportion to the load: of all else that acts through the contact,
 laws say that it grows with a load that is measured."""
-DRIVES = ("transmitted", "motor")
-"""Covariates that are forces through a gear: a level grows with their size."""
 DAMPING = 0.05
 """Damping of the resonance of a flexible coupling."""
 

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import Shape
 from stickslip.evidence.fits import Fit
-from stickslip.evidence.terms import DRIVES, Term
+from stickslip.evidence.terms import Term
 from stickslip.evidence.values import SLOW
 
 Array = NDArray[np.float64]

@@ -182,18 +182,50 @@ def subject_of(
             " (of an Axis, its field rotary)."
         )
     found = _taken(source, asked.law, asked.contact, rig, law_load, rotary=rotary)
-    stated = _inputs(found, title, asked.at, evaluates=evaluates)
     used = dataclasses.replace(
         found,
-        law=bound(found.law, stated) if evaluates else found.law,
-        at=stated,
         name=identifier(name if name is not None else found.law.name),
         load=_load(found, law_load if asked.load is None and rig is None else asked.load),
         largest_speed=_speed(found, asked.largest_speed),
     )
     if name is not None and not any(character.isalnum() for character in name):
         raise InputError(f"the name of a program needs a letter or a digit, got {name!r}.")
+    if evaluates:
+        return evaluated(used, title, asked.at)
+    _check_inputs(used.law, asked.at)
+    if asked.at:
+        raise InputError(
+            f"{title} has an argument for each contact input ({', '.join(used.law.inputs)}):"
+            " leave --at out (in Python at)."
+        )
     return used
+
+
+def evaluated(subject: Subject, title: str, given: Mapping[str, Given]) -> Subject:
+    """Return a law at its contact inputs: those that are given, or that its mechanism tells."""
+    law, told = subject.law, subject.mechanism
+    _check_inputs(law, given)
+    known: dict[str, float] = {}
+    for name in law.inputs:
+        unit = unit_of_input(name, turning=subject.rotary)
+        quantity = CONTACT_INPUTS[name].quantity(unit)
+        fields = [input_field(one, name) for one in (subject.contact, "")]
+        own = next((getattr(told, one) for one in fields if hasattr(told, one)), None)
+        value = given.get(name, own)
+        if value is None or isinstance(value, Drive):
+            raise InputError(
+                f"{title} has the friction at one value of each contact input, and"
+                f" {law.name} depends on {name}: give it, as --at {name}=... in"
+                f" {quantity.unit} (in Python at={{{name!r}: ...}})."
+            )
+        known[name] = quantity.check("export.at", name, value)
+    return dataclasses.replace(subject, law=bound(law, known), at=known)
+
+
+def _check_inputs(law: FrictionLaw, given: Mapping[str, Given]) -> None:
+    for name in given:
+        if name not in law.inputs:
+            raise UnknownNameError(f"contact input of {law.name}", name, law.inputs)
 
 
 def _taken(
@@ -318,39 +350,6 @@ def _of_contact(
         rotary=rotary,
         levels=own.levels,
     )
-
-
-def _inputs(
-    subject: Subject, title: str, given: Mapping[str, Given], *, evaluates: bool
-) -> Mapping[str, float]:
-    """Return the contact inputs at which a target evaluates a law."""
-    law, asked = subject.law, subject.law.inputs
-    for name in given:
-        if name not in asked:
-            raise UnknownNameError(f"contact input of {law.name}", name, asked)
-    if not evaluates:
-        if given:
-            raise InputError(
-                f"{title} has an argument for each contact input ({', '.join(asked)}):"
-                " leave --at out (in Python at)."
-            )
-        return {}
-    told = subject.mechanism
-    known: dict[str, float] = {}
-    for name in asked:
-        unit = unit_of_input(name, turning=subject.rotary)
-        quantity = CONTACT_INPUTS[name].quantity(unit)
-        fields = [input_field(one, name) for one in (subject.contact, "")]
-        own = next((getattr(told, one) for one in fields if hasattr(told, one)), None)
-        value = given.get(name, own)
-        if value is None or isinstance(value, Drive):
-            raise InputError(
-                f"{title} has the friction at one value of each contact input, and"
-                f" {law.name} depends on {name}: give it, as --at {name}=... in"
-                f" {quantity.unit} (in Python at={{{name!r}: ...}})."
-            )
-        known[name] = quantity.check("export.at", name, value)
-    return known
 
 
 def _load(subject: Subject, given: float | None) -> float | None:

@@ -2,6 +2,7 @@
 from stickslip.identification.contact_inputs import check_inputs as check_inputs
 from stickslip.identification.contact_inputs import inputs_text as inputs_text
 from stickslip.identification.contact_inputs import known_inputs as known_inputs
+from stickslip.identification.contact_inputs import usual_values as usual_values
 from stickslip.identification.contact_inputs import with_inputs as with_inputs
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
 from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE

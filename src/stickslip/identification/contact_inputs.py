@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.contact_inputs import CONTACT_INPUTS, DRIVES
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input, with_voltage
@@ -45,6 +45,8 @@ LOOKED_AT = 50
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the contact inputs that a fit of a measurement can use.
 
+    Where friction was measured without the force of the drive, a mechanism tells none that has it.
+
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -52,7 +54,14 @@ def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, .
     >>> "temperature" in known_inputs(SpringBlock(mass=1.0), record)
     True
     """
-    return tuple(dict.fromkeys((*input_names(mechanism), *measurement.input_names())))
+    told, recorded = input_names(mechanism), measurement.input_names()
+    measured = measurement.quantities()
+    if "friction" in measured and "force" not in measured:
+        given = given_names(mechanism)
+        told = tuple(name for name in told if name in given or name not in DRIVES)
+    if {"motor", "external"} <= {*recorded}:
+        recorded = (*recorded, *gear_inputs(0.0, 0.0))
+    return tuple(dict.fromkeys((*told, *recorded)))
 
 
 def check_inputs(
@@ -284,7 +293,7 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     21.0
     """
     inputs: dict[str, dict[str, Drive | float]] = {"": {}}
-    for joint, contact in _contacts_of(mechanism, [record]).items():
+    for joint, contact in _contacts_of(mechanism, [record]):
         own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
         for name, seen in recorded_inputs(record, times, joint).items():
             if name not in own and (not joint or name in record.joints[joint].inputs):
@@ -296,18 +305,20 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     return given_inputs(mechanism, {**inputs.pop(""), **inputs})
 
 
-def _contacts_of(mechanism: Mechanism, records: Sequence[Measurement]) -> dict[str, str]:
-    """Return the contact of each joint that has inputs of its own in all records.
+def _contacts_of(
+    mechanism: Mechanism, records: Sequence[Measurement]
+) -> tuple[tuple[str, str], ...]:
+    """Return joints that have inputs of their own in all records, with the contacts along them.
 
-    And that of no joint, whose name is empty: what is told to it, all are told.
+    And the contact of no joint, both empty: what is told to it, all are told.
     """
     having = [
         joint
         for joint in (records[0].joints if records else ())
         if all(joint in one.joints and one.joints[joint].inputs for one in records)
     ]
-    along = {one.slip: one.name for one in mechanism.contacts()}
-    return {"": ""} | {joint: along[joint] for joint in having if joint in along}
+    contacts = [(one.slip, one.name) for one in mechanism.contacts() if isinstance(one.slip, str)]
+    return (("", ""), *(one for one in contacts if one[0] in having))
 
 
 def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
@@ -332,7 +343,7 @@ def as_informed(
     found: dict[str, dict[str, float]] = {"": {}}
     said = []
     records = measurement.records()
-    for joint, contact in _contacts_of(mechanism, records).items():
+    for joint, contact in _contacts_of(mechanism, records):
         own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
         for name in _asked(law):
             held = [(one.joints[joint] if joint else one).contact_inputs() for one in records]
@@ -349,7 +360,7 @@ def as_informed(
                     f"{what} was measured and varies, {span(low, high, unit)}: in runs of this fit"
                     f" it is the median, {quantity(middle, unit)}."
                 )
-    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(said)
+    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(dict.fromkeys(said))
 
 
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
@@ -404,11 +415,33 @@ def typical_inputs(
             signals.setdefault("force", 0.0)
         for name, values in inputs_along(set_up, record, time, **signals).items():
             if name in every:
-                every[name].append(np.abs(values) if CONTACT_INPUTS[name].scale else values)
-    return {
-        name: float(np.median(np.concatenate(values))) if values else CONTACT_INPUTS[name].size
-        for name, values in every.items()
+                every[name].append(values)
+    found = usual_values({name: values for name, values in every.items() if values})
+    return {name: found.get(name, CONTACT_INPUTS[name].size) for name in every}
+
+
+def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
+    """Return medians of contact inputs over the stretches of a record, of forces of their sizes.
+
+    Both torques of a gear are those where it transmits the median: of their sizes alone, a gear
+    that holds a weight would transmit nothing.
+
+    Examples
+    --------
+    >>> usual_values({"motor": [np.array([5.0, 1.0, 4.0])], "external": [np.array([-5, 0, -4])]})
+    {'motor': 4.0, 'external': -4.0}
+    """
+    whole = {name: np.concatenate(values) for name, values in inputs.items()}
+    found = {
+        name: float(np.median(np.abs(x) if CONTACT_INPUTS[name].scale else x))
+        for name, x in whole.items()
     }
+    motor, external = whole.get("motor"), whole.get("external")
+    if motor is not None and external is not None and len(motor) == len(external):
+        through = np.abs(motor - external)
+        middle = np.argsort(through)[len(through) // 2]
+        found |= {"motor": float(motor[middle]), "external": float(external[middle])}
+    return found
 
 
 def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:

@@ -2,8 +2,8 @@
 
 import copy
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, Final, final
 
@@ -32,6 +32,7 @@ from stickslip.identification import (
     hold_of,
     joint_pieces,
     torque_along,
+    usual_values,
     with_drive,
     with_inputs,
 )
@@ -149,17 +150,8 @@ class JointReplay(metaclass=Described):
         }
 
 
-def replayed(
-    record: Measurement,
-    mechanism: Mechanism,
-    laws: Mapping[str, FrictionLaw],
-    joints: Sequence[Tested],
-    compiled: Compiled | None,
-) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
-    """Return what becomes of a record by joint, and what is to be said of it as a whole.
-
-    `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
-    """
+def replay_of(record: Measurement, mechanism: Mechanism) -> "Replay":
+    """Return a record in stretches between its gaps, as the mechanism of its laws has it."""
     commands: tuple[_Commanded, ...] = ()
     if motor_of(mechanism) is None:
         own = _by_coordinate(mechanism, record)
@@ -175,22 +167,13 @@ def replayed(
         raise InputError(
             "the record has no stretch without a gap that is long enough to be filtered."
         )
-    along = contacts_along(mechanism)
-    places = {next(c for c, k in along.items() if one.subject.contact in ("", k.name)): one
-              for one in joints}  # fmt: skip
-    if len(along) == 1:  # which may have no name
-        laws = dict(zip([one.name for one in along.values()], laws.values(), strict=True))
-    near = {**laws, **{along[c].name: one.joint for c, one in places.items()}}
-    replay = _Replay(
+    return Replay(
         record=own,
         mechanism=mechanism,
         pieces=pieces,
-        contacts={coordinate: one.name for coordinate, one in along.items()},
-        laws=(laws, near),
-        places=places,
+        contacts={along: one.name for along, one in contacts_along(mechanism).items()},
         commands=commands,
     )
-    return replay.judged(compiled)
 
 
 def _by_coordinate(mechanism: Mechanism, measurement: Measurement) -> Measurement:
@@ -294,8 +277,9 @@ def _without_current(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, drive=still)  # type: ignore[call-arg]  # it has one
 
 
+@final
 @dataclass(frozen=True, kw_only=True)
-class _Replay:
+class Replay:
     """A record that models are compared on."""
 
     record: Measurement
@@ -303,14 +287,41 @@ class _Replay:
     pieces: tuple[JointPiece, ...]
     contacts: Mapping[str, str]
     """Contacts by coordinate."""
-    laws: tuple[Mapping[str, FrictionLaw], Mapping[str, FrictionLaw]]
-    """Laws by contact, and with what became of them."""
-    places: Mapping[str, Tested]
-    """Joints of the file by coordinate."""
     commands: tuple[_Commanded, ...] = ()
     """What the motor was told in each record; empty where forces were measured."""
+    laws: Sequence[Mapping[str, FrictionLaw]] = ()
+    """Laws by contact, and with what became of them."""
+    places: Mapping[str, Tested] = field(default_factory=dict)
+    """Joints of the file by coordinate."""
 
-    def judged(self, compiled: Compiled | None) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
+    def _coordinate(self, contact: str) -> str:
+        """Return the coordinate along which a contact slips, of the only one without its name."""
+        return next(along for along, name in self.contacts.items() if contact in ("", name))
+
+    def typical_inputs(self, contact: str, names: Collection[str]) -> dict[str, float]:
+        """Return the usual values of contact inputs of a joint along the record, by name."""
+        i = self.mechanism.coordinates.index(self._coordinate(contact))
+        told = [piece.inputs[i][0] for piece in self.pieces]
+        known = [name for name in names if all(name in one for one in told)]
+        return usual_values({name: [one[name] for one in told] for name in known})
+
+    def judged(
+        self,
+        laws: Mapping[str, FrictionLaw],
+        joints: Sequence[Tested],
+        compiled: Compiled | None,
+    ) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
+        """Return what becomes of the record by joint, and what is to be said of it as a whole.
+
+        `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
+        """
+        places = {self._coordinate(one.subject.contact): one for one in joints}
+        if len(self.contacts) == 1:  # which may have no name
+            laws = dict(zip(self.contacts.values(), laws.values(), strict=True))
+        near = {**laws, **{self.contacts[along]: one.joint for along, one in places.items()}}
+        return replace(self, laws=(laws, near), places=places)._judged(compiled)
+
+    def _judged(self, compiled: Compiled | None) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
         """Return what each model makes of each joint."""
         said: list[str] = []
         theirs = {} if compiled is None else dict(self._models(compiled, said))

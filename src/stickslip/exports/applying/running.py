@@ -36,10 +36,6 @@ PERIODS: Final = 2
 """Periods of a sweep."""
 ROUNDING: Final = 1e-12
 """Share of the travel that roundings leave of a difference."""
-ROUNDS: Final = 1000
-"""Times that the level of a gear is computed from the force that it holds ..."""
-SAME: Final = 1e-9
-"""... until it changes by such a share at most."""
 HEAVY: Final = 1e9
 """Armature over the largest inertia of a model, with which its other joints stand still."""
 
@@ -186,17 +182,24 @@ def _held(subject: Subject, load: float) -> float:
     A gear that the force itself loads holds more of it than at the torque that was stated; where it
     holds any force, it is that at the stated one.
     """
-    rest = min(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
-    if not {"motor", "external", "transmitted"}.intersection(subject.law.inputs):
-        return rest
-    force = 0.0
-    for _ in range(ROUNDS):
+
+    def break_away(law: FrictionLaw) -> float:
+        return min(float(law.towards(side).break_away(load)) for side in (1, -1))
+
+    def level(force: float) -> float:
         told = gear_inputs(force, 0.0, position=0.0)
-        law = bound(replace(subject.law), {**subject.at, **told})
-        last, force = force, min(float(law.towards(side).break_away(load)) for side in (1, -1))
-        if abs(force - last) <= SAME * force:
-            return force
-    return rest
+        return break_away(bound(replace(subject.law), {**subject.at, **told}))
+
+    if not {"motor", "external", "transmitted"}.intersection(subject.law.inputs):
+        return break_away(subject.law)
+    last, force = 0.0, level(0.0)
+    # a level that grows evenly, or ever more, is met from below, by secants
+    while not math.isclose(held := level(force), force):
+        slope = (held - level(last)) / (force - last)
+        if slope >= 1.0:
+            return break_away(subject.law)
+        last, force = force, force + (held - force) / (1.0 - slope)
+    return force
 
 
 def _motions(

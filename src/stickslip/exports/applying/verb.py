@@ -1,10 +1,11 @@
 """Writes friction of laws into joints of a model file, and says what that leaves of them."""
 
+import contextlib
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 from typing_extensions import override
 
@@ -14,10 +15,10 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
-from stickslip.exports.applying.replay import JointReplay, replayed
-from stickslip.exports.applying.running import Compiled, JointMotion, Tested, in_mujoco, motions_of
+from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
+from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.subject import Subject
-from stickslip.exports.verb import Asked, subject_of
+from stickslip.exports.verb import Asked, evaluated, subject_of
 from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
@@ -36,6 +37,11 @@ from stickslip.selection import Verdict
 
 if TYPE_CHECKING:
     from stickslip.exports.verb import Source
+
+RECORDED: Final = (
+    "record (--record) needs the mechanism of the law, and {}: give the law.toml of"
+    " `stickslip select` or `stickslip fit`."
+)
 
 
 @final
@@ -228,7 +234,8 @@ def apply(
     record : Measurement, optional
         What was measured of the joints, positions and forces in time. The law, level and damping,
         and the file in MuJoCo are then compared on it: by the forces that its motion takes, and by
-        where its forces lead. The law needs its mechanism.
+        where its forces lead. The law needs its mechanism. Contact inputs that `at` does not state
+        are medians of the record, of forces those of their size.
 
     Returns
     -------
@@ -259,7 +266,7 @@ def apply(
     values: list[tuple[ModelJoint, Mapping[str, str]]] = []
     pairs = _pairs(source, model, joints)
     shared, own = _stated(at or {}, [contact for contact, _ in pairs])
-    unasked = dict(shared)
+    unasked, replay = dict(shared), None
     for contact, name in pairs:
         joint = model.joint(name)
         if name in rows:
@@ -271,8 +278,13 @@ def apply(
         # of several laws, each takes what it depends on
         known = {k: x for k, x in shared.items() if len(pairs) == 1 or k in whole.law.inputs}
         unasked = {k: x for k, x in unasked.items() if k not in known}
-        asked = replace(asked, at={**known, **own.get(contact, {})})
-        subject = _subject(source, model, asked, whole)
+        stated = {**known, **own.get(contact, {})}
+        exact = not stated and model.has_exactly(whole)
+        lacking = [name for name in whole.law.inputs if name not in stated and not exact]
+        if lacking and record is not None:
+            replay = replay or _replay_of(record, whole.mechanism)
+            stated |= replay.typical_inputs(contact, lacking)
+        subject = whole if exact else evaluated(whole, model.title, stated)
         _check_kind(model, joint, subject)
         beside = _beside(subject.mechanism, subject.contact)
         carried = model.carry(joint, subject, beside, wishes)
@@ -294,7 +306,11 @@ def apply(
         rows = {name: replace(one, motions=motions.get(name, ())) for name, one in rows.items()}
     remarks += [why] if why else []
     if record is not None:
-        replays, said = _replayed(source, law, record, tested, compiled)
+        if not tested:
+            raise InputError(RECORDED.format("the file has the law itself"))
+        replay = replay or _replay_of(record, tested[0].subject.mechanism)
+        with _of_record():
+            replays, said = replay.judged(_laws(source, law, tested), tested, compiled)
         rows = {name: replace(one, replay=replays.get(name)) for name, one in rows.items()}
         remarks += said
     return Applied(
@@ -306,25 +322,20 @@ def apply(
     )
 
 
-def _replayed(
-    source: "Source",
-    law: str | None,
-    record: Measurement,
-    joints: Sequence[Tested],
-    compiled: Compiled | None,
-) -> tuple[Mapping[str, JointReplay], Sequence[str]]:
-    """Return what becomes of a record by joint, and what is to be said of it."""
-    mechanism = next((one.subject.mechanism for one in joints), None)
-    if mechanism is None:
-        what = "this law stands alone" if joints else "the file has the law itself"
-        raise InputError(
-            f"record (--record) needs the mechanism of the law, and {what}: give the law.toml of"
-            " `stickslip select` or `stickslip fit`."
-        )
+@contextlib.contextmanager
+def _of_record() -> Iterator[None]:
+    """Say of errors that they are of the record."""
     try:
-        return replayed(record, mechanism, _laws(source, law, joints), joints, compiled)
+        yield
     except (ValueError, KeyError) as error:
         raise InputError(f"record (--record): {error}") from None
+
+
+def _replay_of(record: Measurement, mechanism: Mechanism | None) -> Replay:
+    if mechanism is None:
+        raise InputError(RECORDED.format("this law stands alone"))
+    with _of_record():
+        return replay_of(record, mechanism)
 
 
 def _laws(source: "Source", law: str | None, joints: Sequence[Tested]) -> dict[str, FrictionLaw]:
@@ -465,13 +476,6 @@ def _stated(
                 "contact with inputs of its own", name, [*filter(None, contacts)]
             )
     return shared, own
-
-
-def _subject(source: "Source", model: Model, asked: Asked, whole: Subject) -> Subject:
-    """Return the law as the format takes it: at values of its contact inputs, but for its own."""
-    if not asked.at and model.has_exactly(whole):
-        return whole
-    return subject_of(source, model.title, asked, evaluates=True, rig=None)
 
 
 def _applied(joint: ModelJoint, contact: str, subject: Subject, carried: Carried) -> AppliedJoint:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
@@ -23,8 +24,6 @@ from stickslip.identification.settings import SensorResponse
 
 Array = NDArray[np.float64]
 
-DRIVEN = ("motor", "transmitted")
-"""Contact inputs that have the force of the drive in them."""
 LOST = 0.98
 """Most by which friction may grow with the force of a drive: with all of it, nothing moves."""
 BENT = 0.02
@@ -451,12 +450,13 @@ def _by_inputs(
         unseen = _friction(bare, there, offset, before, change)[0]
         return _seen(bare, there, unseen, left, offset, before, change)[0][:, 0]
 
+    here = force(np.zeros(count))
     for j in range(count):
         most = max(float(np.max(np.abs(x[:, j]))) for x in slopes.values())
         if most > 0.0:
             size = max(float(np.max(np.abs(one.path.inputs[name]))) for name in slopes)
             step = MOVED * (size or 1.0) / most * (np.arange(count) == j)
-            found[:, j] = (force(step) - force(0.0 * step)) / step[j]
+            found[:, j] = (force(step) - here) / step[j]
     return found
 
 
@@ -475,7 +475,7 @@ def _seen(
     with that force, what friction does not take is what the motion has.
     """
     seen = one.seen(force)
-    inputs = {name: one.path.inputs[name] for name in DRIVEN if name in own.base.inputs}
+    inputs = {name: one.path.inputs[name] for name in DRIVES if name in own.base.inputs}
     if not (one.passed and inputs):
         return seen, np.ones((len(left), 1))
     step = BENT * max(float(np.max(np.abs(x))) for x in inputs.values()) or BENT

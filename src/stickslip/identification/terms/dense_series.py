@@ -8,8 +8,9 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.errors import InputError
-from stickslip.evidence import DRIVES, Series, outliers
+from stickslip.evidence import Series, outliers
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import inputs_along, recorded_inputs
@@ -301,8 +302,8 @@ def _series(
     if "friction" in known:
         friction = response.acted(time, np.asarray(record.values("friction"), dtype=float))
         if {"motor", "external"} <= {*covariates}:
-            beside = covariates.pop("external")
-            covariates |= _gear(record, friction - beside, -beside, beside, 0.0 * beside)
+            motor, beside = covariates["motor"], covariates.pop("external")
+            covariates |= _gear(record, motor, motor - friction, beside, 0.0 * beside)
         return Series(time, x, friction, inertia=False, covariates=covariates, velocity=velocity)
     forces = _forces(mechanism, record, [one for one in unknown if not one.endswith(FOUND)])
     mass = None if finds_mass(unknown) else mass_of(as_recorded(mechanism, record))

@@ -200,8 +200,8 @@ def _asked(
 ) -> Asked | None:
     """Return the laws of an explanation.
 
-    A gear that is `loaded` by inertia alone is named if hardly more than noise is left: torques of
-    impacts in a gap or a coupling are in proportion to accelerations, too.
+    Where inertia alone loads a gear (not `loaded`), it is named if hardly more than noise is left:
+    torques of impacts in a gap or a coupling are in proportion to accelerations, too.
     """
     try:
         found = explain(series, fc=fc, progress=progress)

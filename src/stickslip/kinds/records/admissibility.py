@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Checks, Measurement
+from stickslip.contact_inputs import DRIVES
+from stickslip.experiments import Checks, Measurement, as_recorded
 from stickslip.formatting import number, percent, quantity
 from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
 from stickslip.kinds.records.verdict import RecordCandidate
@@ -119,20 +120,26 @@ def _alike(fit: RecordFit) -> list[str]:
 def _braked(fit: RecordFit) -> list[str]:
     """Return that the constants of a motor take the place of viscous friction, where they may.
 
-    A law without a slope, and that no torque loads, leaves all of the brake of one recorded voltage
-    to back-EMF: both constants then follow from the law, and their intervals do not show it.
+    A law whose slope is known, and that no torque of the motor loads, leaves all of the brake of
+    recorded voltages to back-EMF: both constants then follow from the law, and their intervals do
+    not show it. An open winding does not brake.
     """
     motor, paths = motor_of(fit.mechanism), fit.free_parameters.paths
     if motor is None or motor.back_emf_constant is not None or not {*MOTOR} <= {*paths}:
         return []
     records, fields = fit.measurement.records(), fields_of(type(fit.law))
-    own = {f"friction.{name}" for name, one in fields.items() if one.scale == "slope"}
-    told = {*paths} & own or fit.law.inputs or "current" in fit.measurement.quantities()
-    return (
-        []
-        if told or len(records) > 1
-        else ["$R$ and $k_t$ hold only if friction has no viscous part"]
-    )
+    slopes = [name for name, one in fields.items() if one.scale.startswith("slope")]
+    motors = [motor_of(as_recorded(fit.mechanism, record)) for record in records]
+    if (
+        {*paths}.intersection(f"friction.{name}" for name in slopes)
+        or {*DRIVES}.intersection(fit.law.inputs)
+        or "current" in fit.measurement.quantities()
+        or any(one is not None and one.current_limit == 0.0 for one in motors)
+    ):
+        return []
+    held = any(getattr(fit.law, name) for name in slopes)
+    what = "has the viscous part that was held" if held else "has no viscous part"
+    return [f"$R$ and $k_t$ hold only if friction {what}"]
 
 
 def _no_step(step: float, low: float, high: float, unit: str) -> str:

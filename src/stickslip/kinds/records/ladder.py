@@ -1,7 +1,7 @@
 """Candidates a part at a time: a richer law is fitted where what it builds on is shown to hold."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from typing import final
@@ -9,18 +9,20 @@ from typing import final
 from stickslip.formatting import count
 from stickslip.friction import CandidateSpec, Rung, rungs, specification
 from stickslip.kinds.records.verdict import RecordCandidate
-from stickslip.selection import LEAST, LEFT_OUT, Fitted, Watch, fitted_side_by_side, friction_of
+from stickslip.selection import (
+    LEAST,
+    LEFT_OUT,
+    Fitted,
+    Watch,
+    contains,
+    fitted_side_by_side,
+    friction_of,
+)
 
 SHOWN = 5.0
 """Akaike's criterion by which a law must be below all that it contains to be built upon."""
-LOADED: Mapping[str, tuple[str, ...]] = {
-    "bam-m3": (),
-    "level + gear + viscous": (),
-    "bam-m4": (),
-    "bam-m5": ("level + gear + viscous", "bam-m4"),
-    "bam-m6": ("bam-m5",),
-}
-"""Laws of gears under load, and the ones of which one must be shown to hold for each."""
+LOADED = ("bam-m3", "level + gear + viscous", "bam-m4", "bam-m5", "bam-m6")
+"""Laws of gears under load, each after those that it contains."""
 EXPONENT = "fading_exponent"
 """Parameter of gear laws that is looked for: held at 2 where it was 1, M5 was named for M4."""
 IDLE = "not scored: it leaves hardly less than a law that it contains"
@@ -89,20 +91,22 @@ def with_gears(
     executor: Executor | None,
     *,
     seen: Callable[[Sequence[RecordCandidate], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
+    known: Collection[str],
 ) -> Climbed:
-    """Return candidates with laws of gears whose load no single level of a structure grows with.
+    """Return candidates with gear laws; richer ones follow where one they contain is shown to hold.
 
-    Those with more parts follow where one that they contain leaves less than all that it contains.
+    Those that contain at most one of the others are always fitted. A law that asks for a contact
+    input which is not `known` is not.
     """
-    for name, below in LOADED.items():
-        fits, done = (
-            _Fits.of(seen(found.tried, found.specs)),
-            {one.name: one for one in found.tried},
-        )
-        shown = [one for one in below if one in fits.known and fits.is_shown(fits.known[one])]
-        if name in done or (below and not shown):
+    for one in map(_with_exponent, map(specification, LOADED)):
+        done = {c.name: c for c in found.tried}
+        if one.name in done or not {*one.law.inputs} <= {*known}:
             continue
-        specs = (*found.specs, _with_exponent(specification(name)))
+        within = [c for c in found.specs if c.name in LOADED and contains(one, c)]
+        below = {c.name for c in within if not any(contains(other, c) for other in within)}
+        if len(within) > 1 and not _Fits.of(seen(found.tried, found.specs)).shows(below):
+            continue
+        specs = (*found.specs, one)
         tried = fitted_side_by_side(fitted, specs, watch, executor, done)
         found = replace(found, specs=specs, tried=tuple(tried))
     return found
@@ -172,6 +176,10 @@ class _Fits:
         """Whether the criterion of a law is so far below those of all that it contains."""
         simpler = (self.criteria[name] for name in c.simpler if name in self.known)
         return all(one - self.criteria[c.name] > by for one in simpler)
+
+    def shows(self, names: Collection[str]) -> bool:
+        """Whether one of these laws is shown to hold."""
+        return any(self.is_shown(self.known[name]) for name in names if name in self.known)
 
     def is_idle(self, name: str) -> bool:
         """Whether a law takes no more off than chance does from one that it contains."""

@@ -27,6 +27,7 @@ from stickslip.identification import (
     compared,
     decided,
     fit_record,
+    known_inputs,
     loads_motor,
     mass_held,
     memory_is_seen,
@@ -188,7 +189,8 @@ def select_records(
     if asked and laws is None:
         found = _with_relatives(fitted, found, asked, progress)
     if laws is None and (asked.loads_gear if asked else loads_motor(mechanism, measurement)):
-        found = with_gears(found, fitted, progress, executor, seen=with_contained)
+        known = known_inputs(mechanism, measurement)
+        found = with_gears(found, fitted, progress, executor, seen=with_contained, known=known)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         plan, judged, without = judged_of(
             fitted,
