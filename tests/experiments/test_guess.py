@@ -662,6 +662,19 @@ def test_a_joint_goes_with_its_own_torque(tmp_path, names, own):
     assert any("The file has 2 joints" in doubt for doubt in guess.doubts)
 
 
+def test_a_motor_with_quantities_is_no_input_of_joints_of_their_names(tmp_path):
+    file = tmp_path / "log.csv"
+    moved = {"time": "t", "motor.position__rad": "x", "motor.velocity__rad/s": "c"}
+    for driven, name in (("torque__N m", "force"), ("current__A", "current")):
+        found = guess_data(table(file, **moved, **{f"motor.{driven}": "n"}))
+        assert found.columns["position"] == "motor.position"
+        assert found.columns["velocity"] == "motor.velocity"
+        assert found.columns[name] == f"motor.{driven.partition('__')[0]}"
+    joint = {"position.elbow__rad": "x", "motor.elbow__N m": "n", "effort__N m": "c"}
+    found = guess_data(table(file, time="t", **joint))
+    assert found.columns == {"time": "time", "position": "position.elbow", "force": "effort"}
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

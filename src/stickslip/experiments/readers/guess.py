@@ -13,7 +13,13 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES, TRAVELS, Array
+from stickslip.experiments.measurement import (
+    BY_JOINT,
+    QUANTITIES,
+    TRAVELS,
+    Array,
+    is_beside,
+)
 from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
@@ -829,8 +835,9 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
 
 def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
-    names = [name for name in frame.names if name]
     known = [one for one in given.values() if isinstance(one, str)]
+    inputs = inputs_in([*frame.names])
+    names = [name for name in frame.names if name and (name in known or name not in inputs)]
     wanted = next((numbered(one)[1] for one in known if numbered(one)[1]), "")
     joint = wanted or next(iter(joints_in(names)), "")
     if not joint:
@@ -857,7 +864,7 @@ def joint_in(name: str) -> tuple[str, str]:
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in (*BY_JOINT, *BESIDE, "reference", "current") and "." not in joint
+    known = first in (*BY_JOINT, "reference", "current") and "." not in joint
     return (first, joint) if known and joint.casefold() not in ("", *NAMES["time"]) else ("", "")
 
 
@@ -873,11 +880,29 @@ def numbered(name: str) -> tuple[str, str]:
     return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
 
 
-def joints_in(names: Sequence[str]) -> dict[str, None]:
-    """Return the numbers or names of joints, if positions or speeds of several have columns."""
-    named = dict.fromkeys(
+def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return input and joint of columns such as motor.elbow, where a joint elbow moves.
+
+    Examples
+    --------
+    >>> inputs_in(["position.elbow", "motor.elbow", "motor.position"])
+    {'motor.elbow': ('motor', 'elbow')}
+    """
+    joints = _moving(names)
+    parts = {name: name.partition(".") for name in names if is_beside(name)}
+    return {name: (first, joint) for name, (first, _, joint) in parts.items() if joint in joints}
+
+
+def _moving(names: Sequence[str]) -> dict[str, None]:
+    """Return the names of joints whose positions or speeds have columns."""
+    return dict.fromkeys(
         joint for first, joint in map(joint_in, names) if first in ("position", "velocity")
     )
+
+
+def joints_in(names: Sequence[str]) -> dict[str, None]:
+    """Return the numbers or names of joints, if positions or speeds of several have columns."""
+    named = _moving(names)
     if len(named) > 1:
         return named
     stems: dict[str, dict[str, None]] = {}

@@ -19,6 +19,7 @@ from stickslip.experiments.readers.guess import (
     assigned,
     changing_temperature,
     column_text,
+    inputs_in,
     joint_in,
     joints_in,
     layout_and_reasons,
@@ -227,8 +228,9 @@ def _logged(
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
     named: dict[str, dict[str, Found]] = {}
+    inputs = inputs_in(names)
     for name in names:
-        what, joint = joint_in(name)
+        what, joint = inputs.get(name) or joint_in(name)
         if joint:
             unit = frame.units.get(name)
             named.setdefault(joint, {})[what] = Found(
