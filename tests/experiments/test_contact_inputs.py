@@ -91,11 +91,13 @@ def test_rows_of_a_record_have_the_inputs_of_these_rows():
         ({"temperature": [1.0, 2.0, 3.0]}, InputError, "has 3 values"),
         ({"temperature": [1.0, float("nan")]}, ParameterError, "must be finite"),
         ({"temperature": "30 mm"}, ParameterError, "must be in degC"),
+        ({"position": [1.0, 2.0]}, InputError, r"position, which is a quantity of the record"),
+        (5, InputError, "must be a mapping by name, got 5"),
     ],
 )
 def test_inputs_that_do_not_fit_are_refused(inputs, error, words):
     with pytest.raises(error, match=words):
-        Measurement(time=[0.0, 1.0], force=[1.0, 2.0], inputs=inputs)
+        Measurement(time=[0.0, 1.0], position=[0.0, 0.0], force=[1.0, 2.0], inputs=inputs)
 
 
 def test_temperatures_are_converted_with_their_zeros():

@@ -346,12 +346,15 @@ class _Files:
 
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
-        joints = {name.partition(".")[2] for name in self._joint_columns(frame)} | {""}
+        joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
         found: dict[str, Array] = {}
-        for name in frame.names:
-            if is_beside(name) and name.partition(".")[2] in joints:
+        for name in filter(is_beside, frame.names):
+            first, _, joint = name.partition(".")
+            if not joint or joint in joints:
                 with self._optional(name):
                     found[name] = frame.raw(name)
+            elif name in self.reading.columns:
+                raise UnknownNameError(f"joint in columns, {first}:", joint, joints)
         return found
 
     def _inputs(
