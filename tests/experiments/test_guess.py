@@ -675,6 +675,16 @@ def test_a_motor_with_quantities_is_no_input_of_joints_of_their_names(tmp_path):
     assert found.columns == {"time": "time", "position": "position.elbow", "force": "effort"}
 
 
+def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_file(tmp_path):
+    names = {"t__ms": "t", "position__rad": "x", "torque__N m": "n"}
+    file = table(tmp_path / "log.csv", **names)
+    found = guess_data(file)
+    assert found.columns == {"time": "t", "position": "position", "force": "torque"}
+    read = load_measurement(file, columns=found.columns, units=found.units, layout=found.layout)
+    assert read.turning
+    np.testing.assert_allclose(read.time, 1e-3 * T)
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

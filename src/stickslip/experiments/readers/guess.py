@@ -316,7 +316,7 @@ def guess_data(
     layout, reasons = layout_and_reasons(path)
     given = dict(columns or {})
     named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
-    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
     found = assigned(frame, given, units or {})
     _check_enough(frame, found)
     trial = trial_column(frame, given, found)

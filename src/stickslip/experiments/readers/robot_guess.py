@@ -118,7 +118,7 @@ def guess_robot(
     file = data_file(Path(path))
     check_file(file)
     layout, reasons = layout_and_reasons(file)
-    frame = read_frame(file, columns={}, units={}, layout=layout)
+    frame = read_frame(file, columns={}, units={}, layout=layout).as_headed()
     times = next((one for q, one in assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")

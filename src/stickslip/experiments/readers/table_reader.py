@@ -64,6 +64,16 @@ class Frame:
     remarks: tuple[str, ...] = ()
     """What the reader decided and a user should know."""
 
+    def as_headed(self) -> "Frame":
+        """Return the table with all columns known by their headers, as who names them does."""
+        known = {header: name for name, header in _headers(self.file, self.data)[0].items()}
+        own = {key: known[header] for key, header in self.names.items()}
+        return replace(
+            self,
+            names={own[key]: header for key, header in self.names.items()},
+            units={own[key]: unit for key, unit in self.units.items()},
+        )
+
     def line(self, row: int) -> str:
         """Return where a row stands in the file."""
         kind = "line" if self.first_row > 1 else "row"
