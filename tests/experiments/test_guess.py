@@ -685,6 +685,75 @@ def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_fi
     np.testing.assert_allclose(read.time, 1e-3 * T)
 
 
+def test_measured_and_wanted_positions_are_no_joints(tmp_path):
+    names = {"time": "t", "position.desired__rad": "c", "position.actual__rad": "x"}
+    found = guess_data(table(tmp_path / "log.csv", **names, **{"effort.actual__N m": "n"}))
+    columns = {"position": "position.actual", "reference": "position.desired"}
+    assert found.columns == {"time": "time", **columns, "force": "effort.actual"}
+    assert not any("joint" in doubt for doubt in found.doubts)
+
+
+def test_a_unit_before_its_name_is_known(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text("[ms] time;(mm) pos;[N] force\n" + rows((T, X, F), ";", points))
+    found = guess_data(file)
+    assert found.units == {"time": "ms", "position": "mm", "force": "N"}
+    np.testing.assert_allclose(read_data([file], found.reading).position, 1e-3 * X, atol=1e-7)
+
+
+def test_a_column_without_any_cell_is_none_of_the_quantities(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};;{x:.4f};{f:.4f}\n" for t, x, f in zip(T, X, F, strict=True))
+    file.write_text(f"time;velocity;position;force\n{body}")
+    found = guess_data(file)
+    assert "velocity" not in found.columns
+    assert not found.repair
+    read = read_data([file], found.reading)
+    assert read.quantities() == ("position", "force")
+    assert "velocity" in read.unused
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (";".join, r"position', line 2: must be a finite number, got '0,0000'"),
+        (lambda cells: f'{cells[0]},"{cells[1]}",{cells[2]}', r"line 2: .*got '0,0000'"),
+        (",".join, r"rows have 4 cells.*decimal commas must be in quotes"),
+    ],
+    ids=["semicolons", "quotes", "commas"],
+)
+def test_a_file_with_both_decimal_marks_is_never_read_without_one(tmp_path, text, message):
+    cells = [(f"{t:.2f}", german(x), points(f)) for t, x, f in zip(T, X, F, strict=True)]
+    file = tmp_path / "log.csv"
+    head = text(("time", "position", "force")).replace('"', "")
+    file.write_text("\n".join([head, *map(text, cells)]))
+    with pytest.raises(InputError, match=message):
+        guess_data(file)
+
+
+def test_a_name_that_a_comma_cuts_is_said_to_be_cut(tmp_path):
+    file = tmp_path / "log.csv"
+    head = "Time (s),Position (mm, relative),Force (N)\n"
+    file.write_text(head + rows((T, X, F), ",", points))
+    with pytest.raises(InputError, match=r"'Position \(mm,relative\)' of a column holds a mark"):
+        guess_data(file)
+
+
+def test_a_motion_in_other_than_decimal_numbers_is_named(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f},0x{k:04x},1.5\n" for k, t in enumerate(T))
+    file.write_text(f"time,position,force\n{body}")
+    with pytest.raises(InputError, match=r"line 2: must be a finite number, got '0x0000'"):
+        guess_data(file)
+
+
+def test_an_axis_that_is_said_to_turn_is_read_so(tmp_path):
+    names = {"time": "t", "theta": "x", "tau": "c"}
+    found = guess_data(table(tmp_path / "log.csv", **names))
+    assert found.turning
+    assert read_data([tmp_path / "log.csv"], found.reading).turning
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

@@ -288,8 +288,7 @@ class _Files:
         holes = "gaps" in reading.repair
         raw: dict[str, Array] = {
             quantity: frame.raw(quantity, holes=holes, repairable=True)
-            for quantity in wanted
-            if quantity in frame.names
+            for quantity in self._with_cells(frame, wanted)
         }
         gains = gains_of(stated, raw)
         if not set(raw) - {"time"}:
@@ -331,6 +330,13 @@ class _Files:
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),
         )
+
+    def _with_cells(self, frame: "Frame", wanted: Iterable[str]) -> list[str]:
+        """Return the columns of quantities without those of channels that were off."""
+        found = [name for name in wanted if name in frame.names]
+        named = ("time", *self.reading.columns)
+        told = [name for name in found if name in named or not frame.is_empty(name)]
+        return told if {*told} - {"time"} else found
 
     def _joint_columns(self, frame: "Frame") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.

@@ -24,7 +24,7 @@ from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_t
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
-from stickslip.experiments.readers.layout import Layout, decoded, layout_of
+from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
@@ -125,10 +125,9 @@ VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
-PREFERRED: Final = (
-    *("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor"),
-    *("motor", "drive", "antrieb"),
-)
+MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
+"""Words of measured signals."""
+PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb")
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
 TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
 """Words in names of columns of temperatures."""
@@ -176,9 +175,12 @@ _STYLES: Final = (
     re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
     re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
+    re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, Weg_mm."""
+"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
+SURE: Final = 3
+"""Of these, the first that hold whatever the unit is; in the others it may be any word."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -237,6 +239,7 @@ class Guess(metaclass=Described):
             repair=self.repair,
             layout=self.layout,
             conditions=self.conditions,
+            rotary=self.turning or None,
         )
 
     @override
@@ -485,6 +488,8 @@ def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
 
 def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
+    if frame.is_empty(name):
+        return
     column = frame.data[frame.names[name]]
     numeric = pd.api.types.is_numeric_dtype(column.dtype)
     upside_down = quantity == "time" and _is_upside_down(column, name, frame.units.get(name))
@@ -619,9 +624,8 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     own = [part for part in parts if _fits(part[1], quantity)]
     if not parts and len(name) > 1 and name.casefold() not in NAMES[quantity] and is_unit(name):
         return "", name  # counts, rpm
-    last = _STYLES[-1].fullmatch(name)
-    # A last word may be anything, and is a unit only if it is one of the quantity.
-    others = [part for part in parts if last is None or part[1] != last["unit"]]
+    words = {one["unit"].strip() for one in found[SURE:] if one}
+    others = [part for part in parts if part[1] not in words]
     return next(iter((*own, *others)), (name, None))
 
 
@@ -690,6 +694,8 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
             ' columns={"time": "..."}.'
         )
     if not ({"position", "velocity"} & set(found)):
+        for name in frame.names:
+            _refuse_text(frame, name)
         raise InputError(
             f"{frame.file}: no column seems to hold a position or a velocity; the columns are"
             f' {listed}. Name it, as columns={{"position": "..."}}.'
@@ -705,7 +711,16 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if pd.to_numeric(cells, errors="coerce").notna().mean() > DIGITS:
+    if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
+        frame.raw(name)
+
+
+def _refuse_text(frame: Frame, name: str) -> None:
+    """Say which cell of a column is no number where its name is that of a motion."""
+    column = frame.data[frame.names[name]]
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in ("position", "velocity")}
+    named = any(_score(*said, q)[0] >= PART for q, said in bare.items())
+    if named and len(column) and not pd.api.types.is_numeric_dtype(column.dtype):
         frame.raw(name)
 
 
@@ -860,12 +875,13 @@ def joint_in(name: str) -> tuple[str, str]:
 
     Examples
     --------
-    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("q2")
+    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("position.actual")
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
     known = first in (*BY_JOINT, "reference", "current") and "." not in joint
-    return (first, joint) if known and joint.casefold() not in ("", *NAMES["time"]) else ("", "")
+    none = ("", *NAMES["time"], *MEASURED, *WANTED)
+    return (first, joint) if known and joint.casefold() not in none else ("", "")
 
 
 def numbered(name: str) -> tuple[str, str]:

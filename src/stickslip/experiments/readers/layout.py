@@ -342,6 +342,11 @@ def _last_mark(cell: str) -> Iterator[str]:
 
 
 def _other_mark(numbers: Sequence[str], decimal: str) -> str:
-    """Return the mark that is no decimal one but stands in whole numbers, such as 1.592."""
+    """Return the mark that is no decimal one but stands in whole numbers, such as 1.592.
+
+    Where it stands elsewhere too, as in 0.15, a file has both decimal marks, and none is dropped.
+    """
     other = "," if decimal == "." else "."
-    return other if any(other in cell for cell in numbers) else ""
+    found = [cell for cell in numbers if other in cell]
+    whole = rf"[+-]?[1-9]\d{{0,2}}(?:\{other}\d{{3}})+"
+    return other if found and all(re.fullmatch(whole, cell) for cell in found) else ""

@@ -64,6 +64,10 @@ class Frame:
     remarks: tuple[str, ...] = ()
     """What the reader decided and a user should know."""
 
+    def is_empty(self, name: str) -> bool:
+        """Return whether no cell of a column holds anything, as of a channel that was off."""
+        return bool(self.data[self.names[name]].isna().all())
+
     def as_headed(self) -> "Frame":
         """Return the table with all columns known by their headers, as who names them does."""
         known = {header: name for name, header in _headers(self.file, self.data)[0].items()}
