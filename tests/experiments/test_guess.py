@@ -754,6 +754,15 @@ def test_an_axis_that_is_said_to_turn_is_read_so(tmp_path):
     assert read_data([tmp_path / "log.csv"], found.reading).turning
 
 
+def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path):
+    names = {"time.a": "t", "position.a": "x", "force.a": "n"}
+    assert "time" not in guess_data(table(tmp_path / "one.csv", **names)).units
+    names |= {"time.b": "t", "position.b": "x", "force.b": "n"}
+    file = table(tmp_path / "two.csv", **names)
+    found = guess_data(file, columns={"position": "position.b"})
+    assert found.columns["time"] == "time.b"
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

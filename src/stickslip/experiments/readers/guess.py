@@ -9,6 +9,7 @@ from typing import Any, Final, final
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.described import Described
@@ -162,6 +163,8 @@ DIGITS: Final = 0.5
 """Share of the cells of a column that are numbers from which the others are faults."""
 GAP: Final = 3.0
 """Usual steps of time from which a step is called a gap."""
+FULL: Final = 0.5
+"""Share of the rows that have all columns, below which it is said that others are lost."""
 LONG: Final = 4_000_000
 """Bytes of a text from which its top is looked at first."""
 TOP: Final = 250_000
@@ -181,6 +184,8 @@ _STYLES: Final = (
 """How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
 SURE: Final = 3
 """Of these, the first that hold whatever the unit is; in the others it may be any word."""
+CALENDAR: Final = ("a", "d")
+"""Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -372,6 +377,7 @@ def guess_data(
         reasons=reasons,
         doubts=(
             *frame.remarks,
+            *rates_doubt(frame, found),
             *([UPSIDE_DOWN] if backwards else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
@@ -620,11 +626,12 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     """Return a name without the unit that it carries, one of the quantity if there is one."""
     found = [style.fullmatch(name) for style in _STYLES]
+    words = {one["unit"].strip() for one in found[SURE:] if one}
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
+    parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if _fits(part[1], quantity)]
     if not parts and len(name) > 1 and name.casefold() not in NAMES[quantity] and is_unit(name):
         return "", name  # counts, rpm
-    words = {one["unit"].strip() for one in found[SURE:] if one}
     others = [part for part in parts if part[1] not in words]
     return next(iter((*own, *others)), (name, None))
 
@@ -792,14 +799,7 @@ def repairs_of(
     frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
 ) -> tuple[Repair, ...]:
     """Return what the reader would refuse, and can repair."""
-    headers = [
-        frame.names[key]
-        for one in found.values()
-        for key in frame.names
-        if one.name in (key, frame.names[key])
-    ]
-    cells = frame.data[headers]
-    gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
+    gaps = not _full_rows(frame, found).all()
     late = False
     if times is not None:
         known = np.isfinite(times)
@@ -811,6 +811,31 @@ def repairs_of(
         late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
+
+
+def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
+    """Return which rows have a finite number, or a text, in all columns that are read."""
+    headers = [
+        frame.names[key]
+        for one in found.values()
+        for key in frame.names
+        if one.name in (key, frame.names[key])
+    ]
+    cells = frame.data[headers]
+    return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
+
+
+def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
+    """Yield that most rows lack a cell, as where channels were sampled at other times."""
+    full = _full_rows(frame, found)
+    cure = "Interpolate channels of different rates to the times of one of them first"
+    if not full.any():
+        raise InputError(f"{frame.file}: no row has all of its columns. {cure}.")
+    if full.mean() < FULL:
+        yield (
+            f"Only {count(int(full.sum()), 'row')} of {full.size:,} have all of these columns, and"
+            f" the others are left out. {cure}, if that is too few."
+        )
 
 
 def _refuse_restarts(frame: Frame, times: Array) -> None:
@@ -879,7 +904,7 @@ def joint_in(name: str) -> tuple[str, str]:
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in (*BY_JOINT, "reference", "current") and "." not in joint
+    known = first in ("time", *BY_JOINT, "reference", "current") and "." not in joint
     none = ("", *NAMES["time"], *MEASURED, *WANTED)
     return (first, joint) if known and joint.casefold() not in none else ("", "")
 
