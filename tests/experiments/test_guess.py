@@ -763,6 +763,43 @@ def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path
     assert found.columns["time"] == "time.b"
 
 
+def test_a_wanted_speed_is_no_velocity(tmp_path):
+    names = {"time__s": "t", "position__m": "x", "speed setpoint__m/s": "c"}
+    assert "velocity" not in guess_data(table(tmp_path / "log.csv", **names)).columns
+
+
+def test_a_unit_before_a_remark_is_known(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text("time (s);pos (mm, raw);force [N] filtered\n" + rows((T, X, F), ";", points))
+    assert guess_data(file).units == {"time": "s", "position": "mm", "force": "N"}
+
+
+def test_a_mark_that_may_be_either_is_doubted(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};{german(5.0 + x, 3)};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert guess_data(file).doubts[0].startswith("5,000 is read as 5000")
+    body = "".join(f"{t:.2f};{5e3 + x:,.3f};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert "is read as" not in guess_data(file).doubts[0]
+
+
+@pytest.mark.parametrize(
+    ("stamps", "unit", "message"),
+    [
+        ([f"12:00:{int(t):02d}" for t in T], "", "one time stamp for several rows"),
+        ([f"{t:.2f}" for t in T], " [mm]", "is in mm, which is no unit of time"),
+    ],
+    ids=["whole seconds", "unit"],
+)
+def test_why_a_column_holds_no_times_is_said(tmp_path, stamps, unit, message):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t},{x:.4f}\n" for t, x in zip(stamps, X, strict=True))
+    file.write_text(f"time{unit},position\n{body}")
+    with pytest.raises(InputError, match=message):
+        guess_data(file)
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

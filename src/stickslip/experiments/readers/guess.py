@@ -90,6 +90,7 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = {
 WANTED: Final = (
     "soll",
     "set",
+    "setpoint",
     "cmd",
     "command",
     "desired",
@@ -179,9 +180,10 @@ _STYLES: Final = (
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
     re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
     re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
+    re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
+"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg [mm] x, Weg_mm."""
 SURE: Final = 3
 """Of these, the first that hold whatever the unit is; in the others it may be any word."""
 CALENDAR: Final = ("a", "d")
@@ -331,6 +333,7 @@ def guess_data(
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, by its name"
+    assumed = reasons.pop("thousands", "")
     turning = _turns(found)
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
@@ -378,6 +381,7 @@ def guess_data(
         doubts=(
             *frame.remarks,
             *rates_doubt(frame, found),
+            *([assumed] if assumed else []),
             *([UPSIDE_DOWN] if backwards else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
@@ -432,6 +436,13 @@ def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
     if found.units:
         where = "row below the header" if layout.units_row else "labels of LabVIEW above the header"
         reasons["units"] = f"{where}: {', '.join(found.units)}"
+    if found.assumed:
+        plain = found.assumed.replace(layout.thousands, "")
+        reasons["thousands"] = (
+            f"{found.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
+            f" it stands for {found.assumed.replace(layout.thousands, layout.decimal)}, write all"
+            " numbers with one decimal mark."
+        )
     return layout, reasons
 
 
@@ -649,8 +660,16 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
         if isinstance(part.iloc[0], str) and not is_stamp(part.iloc[0].strip()):
             return False
         seconds = seconds_of(part)
-        return seconds is not None and len(seconds) > 1 and bool(np.ptp(seconds) > 0.0)
+        return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
     return share_later(part) > ORDERED
+
+
+def _are_coarse(seconds: Array) -> bool:
+    """Whether time stamps are equal in many rows: those of whole seconds are no times of samples.
+
+    Sorting by time would average these rows.
+    """
+    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - ORDERED)
 
 
 def share_later(column: "pd.Series[Any]") -> float:
@@ -733,11 +752,24 @@ def _refuse_text(frame: Frame, name: str) -> None:
 
 def _refuse_disorder(frame: Frame, name: str) -> None:
     """Say of a column that is called time why it holds none."""
-    bare, _ = _bare_and_unit(name, frame.units.get(name), "time")
+    bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
     column = frame.data[frame.names[name]]
-    if _named_score(bare, "time")[0] < PART or not pd.api.types.is_numeric_dtype(column.dtype):
+    if _named_score(bare, "time")[0] < PART:
+        return
+    if not pd.api.types.is_numeric_dtype(column.dtype):
+        seconds = seconds_of(column.iloc[:CHECKED].dropna())
+        if seconds is not None and len(seconds) > 1 and _are_coarse(seconds):
+            raise InputError(
+                f"{frame.file}: the column {shown(name)} has one time stamp for several rows: give"
+                " times with parts of a second."
+            )
         return
     later = share_later(column.iloc[:CHECKED].dropna())
+    if later > ORDERED and unit:
+        raise InputError(
+            f"{frame.file}: the column {shown(name)} is in {unit}, which is no unit of time. Name"
+            ' the right one, as units={"time": "s"}.'
+        )
     raise InputError(
         f"{frame.file}: the column {shown(name)} holds no times of samples: from row to row, only"
         f" {percent(later)} of them increase. Sort the rows by time, or name another column, as"

@@ -100,6 +100,8 @@ class Text:
     """Names of the columns as they stand in the header."""
     units: tuple[str, ...]
     """Units of the columns, from a row below or above the header; empty where there is none."""
+    assumed: str
+    """A whole number with a mark that is only assumed to part thousands; empty if none has."""
     rows: tuple[tuple[str, ...], ...]
     """Cells of some of the upper rows."""
 
@@ -194,6 +196,8 @@ def _table(
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
     labels = labview_units(names, lines[:header], separator)
     decimal, thousands = _marks(text, rows, separator)
+    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
+    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
     return Text(
         layout=Layout(
             encoding=encoding,
@@ -205,6 +209,7 @@ def _table(
         ),
         names=names,
         units=_padded(units, len(names)) if units else labels,
+        assumed="" if sure else next(iter(grouped), ""),
         rows=rows,
     )
 
