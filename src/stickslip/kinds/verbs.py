@@ -295,7 +295,8 @@ def select(
 
 def _one_thread() -> AbstractContextManager[object]:
     """Keep linear algebra to one thread: of thin matrices, others would wait for each other."""
-    return threadpool_limits(limits=1, user_api="blas")
+    limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
+    return limits
 
 
 def _chosen(kind: AnyKind, request: Request) -> Request:

@@ -183,7 +183,7 @@ _STYLES: Final = (
     re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg [mm] x, Weg_mm."""
+"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
 SURE: Final = 3
 """Of these, the first that hold whatever the unit is; in the others it may be any word."""
 CALENDAR: Final = ("a", "d")
