@@ -182,6 +182,13 @@ def test_a_named_temperature_of_a_joint_that_is_not_there_is_refused():
             load_measurement(table, columns=columns)
 
 
+def test_a_named_column_of_a_joint_is_not_left_out_for_a_plain_one():
+    table = {"time": TIME, "q": TIME, "p": TIME, "F": TIME}
+    columns = {"position": "q", "position.arm": "p", "force": "F"}
+    with pytest.raises(InputError, match=r"columns has position\.arm and the table position"):
+        load_measurement(table, columns=columns)
+
+
 def test_a_rig_file_names_the_temperature_of_each_joint(folder):
     text = RIG.replace(
         'force.shoulder = "m1" }', 'force.shoulder = "m1", temperature.elbow = "T" }'

@@ -297,6 +297,7 @@ class _Files:
         beside = self._beside(frame)
         used = {*raw, *(name for name in beside if "." in name)}
         raw |= beside
+        self._refuse_twice(raw)
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
         line = None
@@ -350,6 +351,15 @@ class _Files:
         single = any(name in chosen for name in BY_JOINT)
         yield from (name for name in found if name in chosen or (name in fitting and not single))
 
+    def _refuse_twice(self, raw: Iterable[str]) -> None:
+        """Refuse a named column of a joint beside one of the same quantity that is of none."""
+        for name in filter(self.reading.columns.__contains__, raw):
+            first, _, joint = name.partition(".")
+            if joint and first in raw:
+                raise InputError(
+                    f"columns has {name} and the table {first}: give it by joint, or once for all."
+                )
+
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
         joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
@@ -357,8 +367,10 @@ class _Files:
         for name in filter(is_beside, frame.names):
             first, _, joint = name.partition(".")
             if not joint or joint in joints:
+                named = name in self.reading.columns
+                holes = named and "gaps" in self.reading.repair
                 with self._optional(name):
-                    found[name] = frame.raw(name)
+                    found[name] = frame.raw(name, holes=holes, repairable=named)
             elif name in self.reading.columns:
                 raise UnknownNameError(f"joint in columns, {first}:", joint, joints)
         return found

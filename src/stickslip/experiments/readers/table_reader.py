@@ -102,18 +102,17 @@ class Frame:
         column = self.data[self.names[name]]
         if name == "time" and not pd.api.types.is_numeric_dtype(column.dtype):
             column = _times(column)
-        values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+        cells = pd.Series(np.nan, column.index) if _is_other(column) else column
+        values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
         if holes:  # what is a number or nothing at all may stay
             wrong &= column.notna().to_numpy() & np.isnan(values)
-        if _is_other(column):
-            wrong = np.ones(len(column), dtype=bool)
         bad = np.flatnonzero(wrong)
         if bad.size:
             first = culprit(column.iloc[bad].tolist())
-            row, cell = int(bad[first]), column.iloc[int(bad[first])]
+            row, cell = int(bad[first]), column.iloc[bad].tolist()[first]
             got = "nothing" if pd.isna(cell) else shown(cell)
-            hole = pd.isna(cell) or not np.isnan(values[row])
+            hole = pd.isna(cell) or np.isinf(values[row])
             cure = ' To drop such samples, give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
                 f"{self.place(name, row)}: must be a finite number, got {got}."
@@ -152,9 +151,9 @@ def _times(column: "pd.Series[Any]") -> "pd.Series[Any]":
 
 
 def _is_other(column: "pd.Series[Any]") -> bool:
-    """Whether a column holds neither numbers nor text: truth values and dates would convert."""
+    """Whether a column holds neither real numbers nor text: others would convert to some."""
     kinds = pd.api.types
-    if kinds.is_bool_dtype(column.dtype):
+    if kinds.is_bool_dtype(column.dtype) or kinds.is_complex_dtype(column.dtype):
         return True
     return not any(
         check(column.dtype)
