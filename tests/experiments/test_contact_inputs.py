@@ -46,6 +46,21 @@ def test_a_column_that_nobody_named_may_be_something_else(tmp_path):
         load_measurement(path, columns={"temperature": "temperature"})
 
 
+def test_gaps_of_a_named_input_are_dropped_if_asked(tmp_path):
+    path = file_of(tmp_path, **{"T oil [°C]": np.where(T > 4.0, np.nan, 40.0 + T)})
+    with pytest.raises(ParameterError, match='give repair="gaps"'):
+        load_measurement(path, columns={"temperature": "T oil"})
+    record = load_measurement(path, columns={"temperature": "T oil"}, repair="gaps")
+    np.testing.assert_allclose(record.inputs["temperature"], 40.0 + record.time)
+    assert record.time[-1] == 4.0
+
+
+def test_complex_numbers_and_truth_values_are_no_quantities():
+    for cells in (T + 1j, T > 2.0):
+        with pytest.raises(ParameterError, match=r"must be a finite number, got [^.]*\.?[^.]*$"):
+            load_measurement({"time": T, "position": cells})
+
+
 def test_repairs_keep_inputs_beside_their_samples(tmp_path):
     order = np.r_[0:200, 250:300, 200:250, 300:500]
     table = pd.DataFrame({"time [s]": T, "position [m]": T, "temperature [degC]": 3.0 * T})
@@ -91,11 +106,13 @@ def test_rows_of_a_record_have_the_inputs_of_these_rows():
         ({"temperature": [1.0, 2.0, 3.0]}, InputError, "has 3 values"),
         ({"temperature": [1.0, float("nan")]}, ParameterError, "must be finite"),
         ({"temperature": "30 mm"}, ParameterError, "must be in degC"),
+        ({"position": [1.0, 2.0]}, InputError, r"position, which is a quantity of the record"),
+        (5, InputError, "must be a mapping by name, got 5"),
     ],
 )
 def test_inputs_that_do_not_fit_are_refused(inputs, error, words):
     with pytest.raises(error, match=words):
-        Measurement(time=[0.0, 1.0], force=[1.0, 2.0], inputs=inputs)
+        Measurement(time=[0.0, 1.0], position=[0.0, 0.0], force=[1.0, 2.0], inputs=inputs)
 
 
 def test_temperatures_are_converted_with_their_zeros():

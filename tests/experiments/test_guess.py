@@ -662,6 +662,144 @@ def test_a_joint_goes_with_its_own_torque(tmp_path, names, own):
     assert any("The file has 2 joints" in doubt for doubt in guess.doubts)
 
 
+def test_a_motor_with_quantities_is_no_input_of_joints_of_their_names(tmp_path):
+    file = tmp_path / "log.csv"
+    moved = {"time": "t", "motor.position__rad": "x", "motor.velocity__rad/s": "c"}
+    for driven, name in (("torque__N m", "force"), ("current__A", "current")):
+        found = guess_data(table(file, **moved, **{f"motor.{driven}": "n"}))
+        assert found.columns["position"] == "motor.position"
+        assert found.columns["velocity"] == "motor.velocity"
+        assert found.columns[name] == f"motor.{driven.partition('__')[0]}"
+    joint = {"position.elbow__rad": "x", "motor.elbow__N m": "n", "effort__N m": "c"}
+    found = guess_data(table(file, time="t", **joint))
+    assert found.columns == {"time": "time", "position": "position.elbow", "force": "effort"}
+
+
+def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_file(tmp_path):
+    names = {"t__ms": "t", "position__rad": "x", "torque__N m": "n"}
+    file = table(tmp_path / "log.csv", **names)
+    found = guess_data(file)
+    assert found.columns == {"time": "t", "position": "position", "force": "torque"}
+    read = load_measurement(file, columns=found.columns, units=found.units, layout=found.layout)
+    assert read.turning
+    np.testing.assert_allclose(read.time, 1e-3 * T)
+
+
+def test_measured_and_wanted_positions_are_no_joints(tmp_path):
+    names = {"time": "t", "position.desired__rad": "c", "position.actual__rad": "x"}
+    found = guess_data(table(tmp_path / "log.csv", **names, **{"effort.actual__N m": "n"}))
+    columns = {"position": "position.actual", "reference": "position.desired"}
+    assert found.columns == {"time": "time", **columns, "force": "effort.actual"}
+    assert not any("joint" in doubt for doubt in found.doubts)
+
+
+def test_a_unit_before_its_name_is_known(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text("[ms] time;(mm) pos;[N] force\n" + rows((T, X, F), ";", points))
+    found = guess_data(file)
+    assert found.units == {"time": "ms", "position": "mm", "force": "N"}
+    np.testing.assert_allclose(read_data([file], found.reading).position, 1e-3 * X, atol=1e-7)
+
+
+def test_a_column_without_any_cell_is_none_of_the_quantities(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};;{x:.4f};{f:.4f}\n" for t, x, f in zip(T, X, F, strict=True))
+    file.write_text(f"time;velocity;position;force\n{body}")
+    found = guess_data(file)
+    assert "velocity" not in found.columns
+    assert not found.repair
+    read = read_data([file], found.reading)
+    assert read.quantities() == ("position", "force")
+    assert "velocity" in read.unused
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (";".join, r"position', line 2: must be a finite number, got '0,0000'"),
+        (lambda cells: f'{cells[0]},"{cells[1]}",{cells[2]}', r"line 2: .*got '0,0000'"),
+        (",".join, r"rows have 4 cells.*decimal commas must be in quotes"),
+    ],
+    ids=["semicolons", "quotes", "commas"],
+)
+def test_a_file_with_both_decimal_marks_is_never_read_without_one(tmp_path, text, message):
+    cells = [(f"{t:.2f}", german(x), points(f)) for t, x, f in zip(T, X, F, strict=True)]
+    file = tmp_path / "log.csv"
+    head = text(("time", "position", "force")).replace('"', "")
+    file.write_text("\n".join([head, *map(text, cells)]))
+    with pytest.raises(InputError, match=message):
+        guess_data(file)
+
+
+def test_a_name_that_a_comma_cuts_is_said_to_be_cut(tmp_path):
+    file = tmp_path / "log.csv"
+    head = "Time (s),Position (mm, relative),Force (N)\n"
+    file.write_text(head + rows((T, X, F), ",", points))
+    with pytest.raises(InputError, match=r"'Position \(mm,relative\)' of a column holds a mark"):
+        guess_data(file)
+
+
+def test_a_motion_in_other_than_decimal_numbers_is_named(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f},0x{k:04x},1.5\n" for k, t in enumerate(T))
+    file.write_text(f"time,position,force\n{body}")
+    with pytest.raises(InputError, match=r"line 2: must be a finite number, got '0x0000'"):
+        guess_data(file)
+
+
+def test_an_axis_that_is_said_to_turn_is_read_so(tmp_path):
+    names = {"time": "t", "theta": "x", "tau": "c"}
+    found = guess_data(table(tmp_path / "log.csv", **names))
+    assert found.turning
+    assert read_data([tmp_path / "log.csv"], found.reading).turning
+
+
+def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path):
+    names = {"time.a": "t", "position.a": "x", "force.a": "n"}
+    assert "time" not in guess_data(table(tmp_path / "one.csv", **names)).units
+    names |= {"time.b": "t", "position.b": "x", "force.b": "n"}
+    file = table(tmp_path / "two.csv", **names)
+    found = guess_data(file, columns={"position": "position.b"})
+    assert found.columns["time"] == "time.b"
+
+
+def test_a_wanted_speed_is_no_velocity(tmp_path):
+    names = {"time__s": "t", "position__m": "x", "speed setpoint__m/s": "c"}
+    assert "velocity" not in guess_data(table(tmp_path / "log.csv", **names)).columns
+
+
+def test_a_unit_before_a_remark_is_known(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text("time (s);pos (mm, raw);force [N] filtered\n" + rows((T, X, F), ";", points))
+    assert guess_data(file).units == {"time": "s", "position": "mm", "force": "N"}
+
+
+def test_a_mark_that_may_be_either_is_doubted(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};{german(5.0 + x, 3)};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert guess_data(file).doubts[0].startswith("5,000 is read as 5000")
+    body = "".join(f"{t:.2f};{5e3 + x:,.3f};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert "is read as" not in guess_data(file).doubts[0]
+
+
+@pytest.mark.parametrize(
+    ("stamps", "unit", "message"),
+    [
+        ([f"12:00:{int(t):02d}" for t in T], "", "one time stamp for several rows"),
+        ([f"{t:.2f}" for t in T], " [mm]", "is in mm, which is no unit of time"),
+    ],
+    ids=["whole seconds", "unit"],
+)
+def test_why_a_column_holds_no_times_is_said(tmp_path, stamps, unit, message):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t},{x:.4f}\n" for t, x in zip(stamps, X, strict=True))
+    file.write_text(f"time{unit},position\n{body}")
+    with pytest.raises(InputError, match=message):
+        guess_data(file)
+
+
 def test_two_positions_of_one_axis_are_no_joints(tmp_path):
     file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
     assert not any("joints" in doubt for doubt in guess_data(file).doubts)

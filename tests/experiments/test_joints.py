@@ -166,10 +166,27 @@ def test_joints_have_contact_inputs_of_their_own():
     assert "temperature" in str(one)
     with pytest.raises(UnknownNameError, match=r"inputs, temperature.*'elbo'.*'elbow'"):
         arm(inputs={"temperature": {"elbo": 20.0}})
+    with pytest.raises(InputError, match="gives position, which is a quantity"):
+        arm(inputs={"position": {"elbow": 1.0}})
     with pytest.raises(InputError, match="by joint, but no position"):
         Measurement(time=TIME, position=TIME, inputs={"temperature": {"elbow": 20.0}})
     with pytest.raises(ParameterError, match=r"inputs\.temperature"):
         arm(inputs={"temperature": {"elbow": -300.0}})
+
+
+def test_a_named_temperature_of_a_joint_that_is_not_there_is_refused():
+    table = {"time": TIME, "q": TIME, "F": TIME, "T": 20.0 + TIME}
+    for joint in ("", ".arm"):
+        columns = {f"position{joint}": "q", f"force{joint}": "F", "temperature.elbow": "T"}
+        with pytest.raises(UnknownNameError, match="joint in columns, temperature: 'elbow'"):
+            load_measurement(table, columns=columns)
+
+
+def test_a_named_column_of_a_joint_is_not_left_out_for_a_plain_one():
+    table = {"time": TIME, "q": TIME, "p": TIME, "F": TIME}
+    columns = {"position": "q", "position.arm": "p", "force": "F"}
+    with pytest.raises(InputError, match=r"columns has position\.arm and the table position"):
+        load_measurement(table, columns=columns)
 
 
 def test_a_rig_file_names_the_temperature_of_each_joint(folder):

@@ -4,6 +4,7 @@ import json
 from importlib.resources import files
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -296,6 +297,47 @@ def chain(names):
 
 
 UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+
+
+def two_joints(tmp_path, **columns):
+    """Write a log of joints a and b, of which columns are changed, and the robot."""
+    t = np.arange(300) / 100
+    table = {"time": t} | {f"{q}.{j}": np.sin(t) for q in ("position", "force") for j in "ab"}
+    pd.DataFrame(table | columns).to_csv(tmp_path / "log.csv", index=False)
+    (tmp_path / "ab.urdf").write_text(chain(["a", "b"]))
+    return tmp_path / "log.csv", tmp_path / "ab.urdf"
+
+
+def test_joints_of_different_rates_are_said_to_lose_rows(tmp_path):
+    x = np.sin(np.arange(300) / 100)
+    slow = np.where(np.arange(300) % 5 == 0, x, np.nan)
+    guess = guess_robot(*two_joints(tmp_path, **{"position.b": slow}))
+    assert guess.repair == ("gaps",)
+    assert any("Only 60 rows of 300 have all" in doubt for doubt in guess.doubts)
+    odd, even = (np.where(np.arange(300) % 2 == k, x, np.nan) for k in (0, 1))
+    with pytest.raises(InputError, match="no row has all of its columns"):
+        guess_robot(*two_joints(tmp_path, **{"position.a": odd, "position.b": even}))
+
+
+def test_joints_with_times_of_their_own_are_not_mixed(tmp_path):
+    t = np.arange(300) / 100
+    log, urdf = two_joints(tmp_path, **{"time": "", "time.a": t, "time.b": 5.0 * t})
+    with pytest.raises(InputError, match=r"times of their own, 'time\.a' and 'time\.b'"):
+        guess_robot(log, urdf)
+
+
+def test_a_channel_without_any_cell_drives_no_joint(tmp_path):
+    guess = guess_robot(*two_joints(tmp_path, **{"force.b": np.nan}))
+    assert guess.moving == ("a",)
+    assert "b" in guess.locked
+    assert not guess.repair
+
+
+def test_a_position_in_a_unit_of_another_kind_is_named(tmp_path):
+    log, urdf = two_joints(tmp_path)
+    log.write_text(log.read_text().replace("position.a", "position.a [mm]", 1))
+    with pytest.raises(InputError, match=r"log\.csv: column 'position\.a' must be in rad"):
+        guess_robot(log, urdf)
 
 
 @pytest.mark.parametrize("separator", [" ", ","])

@@ -398,4 +398,4 @@ def test_a_form_whose_fit_failed_is_not_said_to_be_untried():
     untried, _, rest = line.partition("; ")
     assert "not tried" in untried
     assert "rate-and-two-states" not in untried.replace(",", "").split()
-    assert rest == "give start values of rate-and-two-states: the fit failed."
+    assert rest == "give start values of rate-and-two-states, whose fit failed."

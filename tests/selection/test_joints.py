@@ -138,6 +138,12 @@ def test_residuals_that_follow_the_position_of_another_joint_are_drawn_against_i
     assert made.heading == "The residuals depend on the position of the elbow"
     (figure,) = made.blocks
     assert "an error of the links" in figure.caption
+    assert "drawn" not in figure.caption
+    alike = dict.fromkeys(("one", "two", "three"), places["elbow"])
+    many = replace(wrong, joints={}, position={**places, **alike}, force=forces)
+    made = posture_section(found.joints["shoulder"], "shoulder", many)
+    assert made.heading.endswith("the elbow, one, two and three")
+    assert made.blocks[0].caption.endswith("The first 3 of these 4 joints are drawn.")
 
 
 def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():

@@ -337,7 +337,9 @@ class Measurement(Tabular, InPanels):
             "parameter_uncertainties",
             _positive("parameter_uncertainties", self.parameter_uncertainties),
         )
-        self._set("joints", _with_own_inputs(_joints(self), self))
+        joints = _joints(self)
+        _check_inputs(self, joints)
+        self._set("joints", _with_own_inputs(joints, self))
         for name in BY_JOINT if self.joints else ():
             self._set(name, None)
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
@@ -635,11 +637,22 @@ class Measurement(Tabular, InPanels):
         return value - self.offset.get(quantity, 0.0)
 
 
-def _inputs(record: Measurement) -> dict[str, Array | float]:
-    """Return contact inputs as floats and arrays (n,), all finite."""
+def _check_inputs(record: Measurement, joints: Mapping[str, Measurement]) -> None:
+    """Refuse inputs that would stand in the place of what was measured."""
     given: Any = record.inputs
     if not isinstance(given, Mapping):
         raise InputError(f"Measurement.inputs must be a mapping by name, got {_short(given)}.")
+    for name in filter(QUANTITIES.__contains__, given):
+        if joints or isinstance(given[name], Mapping) or getattr(record, name) is not None:
+            raise InputError(
+                f"Measurement.inputs gives {name}, which is a quantity of the record: give it as"
+                f" Measurement.{name} alone."
+            )
+
+
+def _inputs(record: Measurement) -> dict[str, Array | float]:
+    """Return contact inputs as floats and arrays (n,), all finite."""
+    given: Any = record.inputs
     return {
         name: _numbers(
             f"inputs.{name}",
@@ -657,7 +670,7 @@ def _with_own_inputs(
 ) -> Mapping[str, Measurement]:
     """Return joints with the contact inputs that are given by joint."""
     given: Any = record.inputs
-    tables = {name: one for name, one in dict(given).items() if isinstance(one, Mapping)}
+    tables = {name: one for name, one in given.items() if isinstance(one, Mapping)}
     found = dict(joints)
     for name, table in tables.items():
         for joint, values in table.items():

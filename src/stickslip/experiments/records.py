@@ -288,8 +288,7 @@ class _Files:
         holes = "gaps" in reading.repair
         raw: dict[str, Array] = {
             quantity: frame.raw(quantity, holes=holes, repairable=True)
-            for quantity in wanted
-            if quantity in frame.names
+            for quantity in self._with_cells(frame, wanted)
         }
         gains = gains_of(stated, raw)
         if not set(raw) - {"time"}:
@@ -298,6 +297,7 @@ class _Files:
         beside = self._beside(frame)
         used = {*raw, *(name for name in beside if "." in name)}
         raw |= beside
+        self._refuse_twice(raw)
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
         line = None
@@ -332,6 +332,13 @@ class _Files:
             provenance="; ".join([Path(frame.file).name, *done]),
         )
 
+    def _with_cells(self, frame: "Frame", wanted: Iterable[str]) -> list[str]:
+        """Return the columns of quantities without those of channels that were off."""
+        found = [name for name in wanted if name in frame.names]
+        named = ("time", *self.reading.columns)
+        told = [name for name in found if name in named or not frame.is_empty(name)]
+        return told if {*told} - {"time"} else found
+
     def _joint_columns(self, frame: "Frame") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.
 
@@ -344,14 +351,28 @@ class _Files:
         single = any(name in chosen for name in BY_JOINT)
         yield from (name for name in found if name in chosen or (name in fitting and not single))
 
+    def _refuse_twice(self, raw: Iterable[str]) -> None:
+        """Refuse a named column of a joint beside one of the same quantity that is of none."""
+        for name in filter(self.reading.columns.__contains__, raw):
+            first, _, joint = name.partition(".")
+            if joint and first in raw:
+                raise InputError(
+                    f"columns has {name} and the table {first}: give it by joint, or once for all."
+                )
+
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
-        joints = {name.partition(".")[2] for name in self._joint_columns(frame)} | {""}
+        joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
         found: dict[str, Array] = {}
-        for name in frame.names:
-            if is_beside(name) and name.partition(".")[2] in joints:
+        for name in filter(is_beside, frame.names):
+            first, _, joint = name.partition(".")
+            if not joint or joint in joints:
+                named = name in self.reading.columns
+                holes = named and "gaps" in self.reading.repair
                 with self._optional(name):
-                    found[name] = frame.raw(name)
+                    found[name] = frame.raw(name, holes=holes, repairable=named)
+            elif name in self.reading.columns:
+                raise UnknownNameError(f"joint in columns, {first}:", joint, joints)
         return found
 
     def _inputs(

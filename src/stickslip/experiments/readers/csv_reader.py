@@ -14,6 +14,7 @@ import pandas as pd
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.layout import (
+    BRACKETS,
     Layout,
     bare_cells,
     cells_of,
@@ -118,8 +119,10 @@ def _parsed(
     if twice:
         raise ambiguous(path, twice[0])
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
+    rows = [bare_cells(row, layout.separator) for row in sample if row.strip()]
+    _check_names(path, names, rows, layout.separator)
     # A mark behind the last cell makes one more, which is empty.
-    cells = [bare_cells(row, layout.separator)[len(own) :] for row in sample if row.strip()]
+    cells = [row[len(own) :] for row in rows]
     if not any(cell for more in cells for cell in more):
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
     above = layout.preface + 1 + layout.units_row
@@ -146,12 +149,29 @@ def _parsed(
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
         # What stands before it names the parser's language and nothing in the file.
         reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
+        wide = min(map(len, rows), default=0) > len(names)
+        reason = f"rows have {len(rows[0])} cells" if wide else reason
+        commas = " Numbers with decimal commas must be in quotes." * (layout.separator == ",")
         raise InputError(
             f"{path}: rows and header do not match ({reason}). Every row needs {len(names)} cells,"
-            f" separated by {layout.separator!r}."
+            f" separated by {layout.separator!r}.{commas * wide}"
         ) from None
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
     return Table(data=table.dropna(how="all"), first_row=above + 1)
+
+
+def _check_names(
+    path: Path, names: Sequence[str], rows: Sequence[Sequence[str]], separator: str
+) -> None:
+    """Refuse a name that is cut by the mark between cells: it would shift all behind it."""
+    if max(map(len, rows), default=len(names)) >= len(names):
+        return
+    for name, after in itertools.pairwise(names):
+        if any(name.count(left) > name.count(right) and right in after for left, right in BRACKETS):
+            raise InputError(
+                f"{path}: the name {shown(f'{name}{separator}{after}')} of a column holds a mark"
+                " that separates cells: put it in quotes."
+            )
 
 
 def _decoded(path: Path, data: bytes) -> tuple[str, str]:

@@ -9,16 +9,23 @@ from typing import Any, Final, final
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES, TRAVELS, Array
+from stickslip.experiments.measurement import (
+    BY_JOINT,
+    QUANTITIES,
+    TRAVELS,
+    Array,
+    is_beside,
+)
 from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
-from stickslip.experiments.readers.layout import Layout, decoded, layout_of
+from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
@@ -83,6 +90,7 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = {
 WANTED: Final = (
     "soll",
     "set",
+    "setpoint",
     "cmd",
     "command",
     "desired",
@@ -119,10 +127,9 @@ VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
-PREFERRED: Final = (
-    *("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor"),
-    *("motor", "drive", "antrieb"),
-)
+MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
+"""Words of measured signals."""
+PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb")
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
 TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
 """Words in names of columns of temperatures."""
@@ -157,6 +164,8 @@ DIGITS: Final = 0.5
 """Share of the cells of a column that are numbers from which the others are faults."""
 GAP: Final = 3.0
 """Usual steps of time from which a step is called a gap."""
+FULL: Final = 0.5
+"""Share of the rows that have all columns, below which it is said that others are lost."""
 LONG: Final = 4_000_000
 """Bytes of a text from which its top is looked at first."""
 TOP: Final = 250_000
@@ -170,9 +179,15 @@ _STYLES: Final = (
     re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
     re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
+    re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
+    re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, Weg_mm."""
+"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
+SURE: Final = 3
+"""Of these, the first that hold whatever the unit is; in the others it may be any word."""
+CALENDAR: Final = ("a", "d")
+"""Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -231,6 +246,7 @@ class Guess(metaclass=Described):
             repair=self.repair,
             layout=self.layout,
             conditions=self.conditions,
+            rotary=self.turning or None,
         )
 
     @override
@@ -310,13 +326,14 @@ def guess_data(
     layout, reasons = layout_and_reasons(path)
     given = dict(columns or {})
     named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
-    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
     found = assigned(frame, given, units or {})
     _check_enough(frame, found)
     trial = trial_column(frame, given, found)
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, by its name"
+    assumed = reasons.pop("thousands", "")
     turning = _turns(found)
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
@@ -363,6 +380,8 @@ def guess_data(
         reasons=reasons,
         doubts=(
             *frame.remarks,
+            *rates_doubt(frame, found),
+            *([assumed] if assumed else []),
             *([UPSIDE_DOWN] if backwards else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
             *_offered(conditions, found),
@@ -417,6 +436,13 @@ def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
     if found.units:
         where = "row below the header" if layout.units_row else "labels of LabVIEW above the header"
         reasons["units"] = f"{where}: {', '.join(found.units)}"
+    if found.assumed:
+        plain = found.assumed.replace(layout.thousands, "")
+        reasons["thousands"] = (
+            f"{found.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
+            f" it stands for {found.assumed.replace(layout.thousands, layout.decimal)}, write all"
+            " numbers with one decimal mark."
+        )
     return layout, reasons
 
 
@@ -479,6 +505,8 @@ def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
 
 def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
+    if frame.is_empty(name):
+        return
     column = frame.data[frame.names[name]]
     numeric = pd.api.types.is_numeric_dtype(column.dtype)
     upside_down = quantity == "time" and _is_upside_down(column, name, frame.units.get(name))
@@ -609,13 +637,13 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     """Return a name without the unit that it carries, one of the quantity if there is one."""
     found = [style.fullmatch(name) for style in _STYLES]
+    words = {one["unit"].strip() for one in found[SURE:] if one}
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
+    parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if _fits(part[1], quantity)]
     if not parts and len(name) > 1 and name.casefold() not in NAMES[quantity] and is_unit(name):
         return "", name  # counts, rpm
-    last = _STYLES[-1].fullmatch(name)
-    # A last word may be anything, and is a unit only if it is one of the quantity.
-    others = [part for part in parts if last is None or part[1] != last["unit"]]
+    others = [part for part in parts if part[1] not in words]
     return next(iter((*own, *others)), (name, None))
 
 
@@ -632,8 +660,16 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
         if isinstance(part.iloc[0], str) and not is_stamp(part.iloc[0].strip()):
             return False
         seconds = seconds_of(part)
-        return seconds is not None and len(seconds) > 1 and bool(np.ptp(seconds) > 0.0)
+        return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
     return share_later(part) > ORDERED
+
+
+def _are_coarse(seconds: Array) -> bool:
+    """Whether time stamps are equal in many rows: those of whole seconds are no times of samples.
+
+    Sorting by time would average these rows.
+    """
+    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - ORDERED)
 
 
 def share_later(column: "pd.Series[Any]") -> float:
@@ -684,6 +720,8 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
             ' columns={"time": "..."}.'
         )
     if not ({"position", "velocity"} & set(found)):
+        for name in frame.names:
+            _refuse_text(frame, name)
         raise InputError(
             f"{frame.file}: no column seems to hold a position or a velocity; the columns are"
             f' {listed}. Name it, as columns={{"position": "..."}}.'
@@ -699,17 +737,39 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if pd.to_numeric(cells, errors="coerce").notna().mean() > DIGITS:
+    if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
+        frame.raw(name)
+
+
+def _refuse_text(frame: Frame, name: str) -> None:
+    """Say which cell of a column is no number where its name is that of a motion."""
+    column = frame.data[frame.names[name]]
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in ("position", "velocity")}
+    named = any(_score(*said, q)[0] >= PART for q, said in bare.items())
+    if named and len(column) and not pd.api.types.is_numeric_dtype(column.dtype):
         frame.raw(name)
 
 
 def _refuse_disorder(frame: Frame, name: str) -> None:
     """Say of a column that is called time why it holds none."""
-    bare, _ = _bare_and_unit(name, frame.units.get(name), "time")
+    bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
     column = frame.data[frame.names[name]]
-    if _named_score(bare, "time")[0] < PART or not pd.api.types.is_numeric_dtype(column.dtype):
+    if _named_score(bare, "time")[0] < PART:
+        return
+    if not pd.api.types.is_numeric_dtype(column.dtype):
+        seconds = seconds_of(column.iloc[:CHECKED].dropna())
+        if seconds is not None and len(seconds) > 1 and _are_coarse(seconds):
+            raise InputError(
+                f"{frame.file}: the column {shown(name)} has one time stamp for several rows: give"
+                " times with parts of a second."
+            )
         return
     later = share_later(column.iloc[:CHECKED].dropna())
+    if later > ORDERED and unit:
+        raise InputError(
+            f"{frame.file}: the column {shown(name)} is in {unit}, which is no unit of time. Name"
+            ' the right one, as units={"time": "s"}.'
+        )
     raise InputError(
         f"{frame.file}: the column {shown(name)} holds no times of samples: from row to row, only"
         f" {percent(later)} of them increase. Sort the rows by time, or name another column, as"
@@ -771,14 +831,7 @@ def repairs_of(
     frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
 ) -> tuple[Repair, ...]:
     """Return what the reader would refuse, and can repair."""
-    headers = [
-        frame.names[key]
-        for one in found.values()
-        for key in frame.names
-        if one.name in (key, frame.names[key])
-    ]
-    cells = frame.data[headers]
-    gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
+    gaps = not _full_rows(frame, found).all()
     late = False
     if times is not None:
         known = np.isfinite(times)
@@ -790,6 +843,31 @@ def repairs_of(
         late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
+
+
+def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
+    """Return which rows have a finite number, or a text, in all columns that are read."""
+    headers = [
+        frame.names[key]
+        for one in found.values()
+        for key in frame.names
+        if one.name in (key, frame.names[key])
+    ]
+    cells = frame.data[headers]
+    return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
+
+
+def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
+    """Yield that most rows lack a cell, as where channels were sampled at other times."""
+    full = _full_rows(frame, found)
+    cure = "Interpolate channels of different rates to the times of one of them first"
+    if not full.any():
+        raise InputError(f"{frame.file}: no row has all of its columns. {cure}.")
+    if full.mean() < FULL:
+        yield (
+            f"Only {count(int(full.sum()), 'row')} of {full.size:,} have all of these columns, and"
+            f" the others are left out. {cure}, if that is too few."
+        )
 
 
 def _refuse_restarts(frame: Frame, times: Array) -> None:
@@ -829,8 +907,9 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
 
 def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
-    names = [name for name in frame.names if name]
     known = [one for one in given.values() if isinstance(one, str)]
+    inputs = inputs_in([*frame.names])
+    names = [name for name in frame.names if name and (name in known or name not in inputs)]
     wanted = next((numbered(one)[1] for one in known if numbered(one)[1]), "")
     joint = wanted or next(iter(joints_in(names)), "")
     if not joint:
@@ -853,12 +932,13 @@ def joint_in(name: str) -> tuple[str, str]:
 
     Examples
     --------
-    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("q2")
+    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("position.actual")
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in (*BY_JOINT, *BESIDE, "reference", "current") and "." not in joint
-    return (first, joint) if known and joint.casefold() not in ("", *NAMES["time"]) else ("", "")
+    known = first in ("time", *BY_JOINT, "reference", "current") and "." not in joint
+    none = ("", *NAMES["time"], *MEASURED, *WANTED)
+    return (first, joint) if known and joint.casefold() not in none else ("", "")
 
 
 def numbered(name: str) -> tuple[str, str]:
@@ -873,11 +953,29 @@ def numbered(name: str) -> tuple[str, str]:
     return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
 
 
-def joints_in(names: Sequence[str]) -> dict[str, None]:
-    """Return the numbers or names of joints, if positions or speeds of several have columns."""
-    named = dict.fromkeys(
+def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return input and joint of columns such as motor.elbow, where a joint elbow moves.
+
+    Examples
+    --------
+    >>> inputs_in(["position.elbow", "motor.elbow", "motor.position"])
+    {'motor.elbow': ('motor', 'elbow')}
+    """
+    joints = _moving(names)
+    parts = {name: name.partition(".") for name in names if is_beside(name)}
+    return {name: (first, joint) for name, (first, _, joint) in parts.items() if joint in joints}
+
+
+def _moving(names: Sequence[str]) -> dict[str, None]:
+    """Return the names of joints whose positions or speeds have columns."""
+    return dict.fromkeys(
         joint for first, joint in map(joint_in, names) if first in ("position", "velocity")
     )
+
+
+def joints_in(names: Sequence[str]) -> dict[str, None]:
+    """Return the numbers or names of joints, if positions or speeds of several have columns."""
+    named = _moving(names)
     if len(named) > 1:
         return named
     stems: dict[str, dict[str, None]] = {}

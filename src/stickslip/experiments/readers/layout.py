@@ -100,6 +100,8 @@ class Text:
     """Names of the columns as they stand in the header."""
     units: tuple[str, ...]
     """Units of the columns, from a row below or above the header; empty where there is none."""
+    assumed: str
+    """A whole number with a mark that is only assumed to part thousands; empty if none has."""
     rows: tuple[tuple[str, ...], ...]
     """Cells of some of the upper rows."""
 
@@ -194,6 +196,8 @@ def _table(
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
     labels = labview_units(names, lines[:header], separator)
     decimal, thousands = _marks(text, rows, separator)
+    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
+    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
     return Text(
         layout=Layout(
             encoding=encoding,
@@ -205,6 +209,7 @@ def _table(
         ),
         names=names,
         units=_padded(units, len(names)) if units else labels,
+        assumed="" if sure else next(iter(grouped), ""),
         rows=rows,
     )
 
@@ -342,6 +347,11 @@ def _last_mark(cell: str) -> Iterator[str]:
 
 
 def _other_mark(numbers: Sequence[str], decimal: str) -> str:
-    """Return the mark that is no decimal one but stands in whole numbers, such as 1.592."""
+    """Return the mark that is no decimal one but stands in whole numbers, such as 1.592.
+
+    Where it stands elsewhere too, as in 0.15, a file has both decimal marks, and none is dropped.
+    """
     other = "," if decimal == "." else "."
-    return other if any(other in cell for cell in numbers) else ""
+    found = [cell for cell in numbers if other in cell]
+    whole = rf"[+-]?[1-9]\d{{0,2}}(?:\{other}\d{{3}})+"
+    return other if found and all(re.fullmatch(whole, cell) for cell in found) else ""

@@ -1,6 +1,6 @@
 """What a log holds of the joints of a robot whose description is known."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.signal import correlate, correlation_lags
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.measurement import BESIDE, BY_JOINT, Array
 from stickslip.experiments.readers.formats import data_file
 from stickslip.experiments.readers.guess import (
@@ -19,11 +19,13 @@ from stickslip.experiments.readers.guess import (
     assigned,
     changing_temperature,
     column_text,
+    inputs_in,
     joint_in,
     joints_in,
     layout_and_reasons,
     numbered,
     rate_text,
+    rates_doubt,
     repair_text,
     repairs_of,
     times_of,
@@ -117,7 +119,7 @@ def guess_robot(
     file = data_file(Path(path))
     check_file(file)
     layout, reasons = layout_and_reasons(file)
-    frame = read_frame(file, columns={}, units={}, layout=layout)
+    frame = read_frame(file, columns={}, units={}, layout=layout).as_headed()
     times = next((one for q, one in assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
@@ -161,7 +163,12 @@ def guess_robot(
         locked=locked,
         delays=delays,
         reasons=reasons,
-        doubts=(*frame.remarks, *doubts, *_doubts(joints, moving, current)),
+        doubts=(
+            *frame.remarks,
+            *rates_doubt(frame, columns),
+            *doubts,
+            *_doubts(joints, moving, current),
+        ),
     )
 
 
@@ -176,6 +183,7 @@ def _matched(
             f"{frame.file}: no column belongs to a joint; the columns are {listed}. Name them by"
             " joint in a rig file, as columns = { position.elbow = ... }."
         )
+    _refuse_clocks(frame, clock, logged)
     own = {coordinate_of(name): name for name in kinds}
     doubts = []
     pairs = {key: own[key] for key in logged if key in own}
@@ -203,6 +211,18 @@ def _matched(
     ], doubts
 
 
+def _refuse_clocks(frame: Frame, clock: str, joints: Collection[str]) -> None:
+    """Refuse joints with times of their own: those of one are not when another was read."""
+    stem, own = numbered(clock)
+    for name in frame.names if own else ():
+        same = frame.data[frame.names[name]].equals(frame.data[frame.names[clock]])
+        if numbered(name)[0] == stem and numbered(name)[1] in joints and not same:
+            raise InputError(
+                f"{frame.file}: joints have times of their own, {shown(clock)} and {shown(name)}:"
+                " interpolate all to the times of one of them."
+            )
+
+
 def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
     """Return the joints that numbers stand for: by the numbers in their names, or in their order.
 
@@ -227,9 +247,10 @@ def _logged(
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
     named: dict[str, dict[str, Found]] = {}
+    inputs = inputs_in(names)
     for name in names:
-        what, joint = joint_in(name)
-        if joint:
+        what, joint = inputs.get(name) or joint_in(name)
+        if joint and not frame.is_empty(name):
             unit = frame.units.get(name)
             named.setdefault(joint, {})[what] = Found(
                 score=WHOLE, name=name, unit=units.get(what, unit), stated=True, why="by its name"
@@ -265,7 +286,11 @@ def _numbers(frame: Frame, joint: _Joint, units: Mapping[str, str]) -> Iterator[
             unit = units.get("position") if what == "reference" else None
             target = "rad" if joint.turns else "m"
             unit = found.unit or unit
-            yield what, cells.to_numpy(dtype=float) * (factor(unit, target) if unit else 1.0)
+            try:
+                scale = factor(unit, target) if unit else 1.0
+            except ParameterError as error:
+                raise ParameterError(f"{frame.file}: column {found.name!r} {error}.") from None
+            yield what, cells.to_numpy(dtype=float) * scale
 
 
 def _columns(joints: Sequence[_Joint]) -> dict[str, Found]:

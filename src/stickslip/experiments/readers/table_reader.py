@@ -64,6 +64,20 @@ class Frame:
     remarks: tuple[str, ...] = ()
     """What the reader decided and a user should know."""
 
+    def is_empty(self, name: str) -> bool:
+        """Return whether no cell of a column holds anything, as of a channel that was off."""
+        return bool(self.data[self.names[name]].isna().all())
+
+    def as_headed(self) -> "Frame":
+        """Return the table with all columns known by their headers, as who names them does."""
+        known = {header: name for name, header in _headers(self.file, self.data)[0].items()}
+        own = {key: known[header] for key, header in self.names.items()}
+        return replace(
+            self,
+            names={own[key]: header for key, header in self.names.items()},
+            units={own[key]: unit for key, unit in self.units.items()},
+        )
+
     def line(self, row: int) -> str:
         """Return where a row stands in the file."""
         kind = "line" if self.first_row > 1 else "row"
@@ -88,18 +102,17 @@ class Frame:
         column = self.data[self.names[name]]
         if name == "time" and not pd.api.types.is_numeric_dtype(column.dtype):
             column = _times(column)
-        values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+        cells = pd.Series(np.nan, column.index) if _is_other(column) else column
+        values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
         if holes:  # what is a number or nothing at all may stay
             wrong &= column.notna().to_numpy() & np.isnan(values)
-        if _is_other(column):
-            wrong = np.ones(len(column), dtype=bool)
         bad = np.flatnonzero(wrong)
         if bad.size:
             first = culprit(column.iloc[bad].tolist())
-            row, cell = int(bad[first]), column.iloc[int(bad[first])]
+            row, cell = int(bad[first]), column.iloc[bad].tolist()[first]
             got = "nothing" if pd.isna(cell) else shown(cell)
-            hole = pd.isna(cell) or not np.isnan(values[row])
+            hole = pd.isna(cell) or np.isinf(values[row])
             cure = ' To drop such samples, give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
                 f"{self.place(name, row)}: must be a finite number, got {got}."
@@ -138,9 +151,9 @@ def _times(column: "pd.Series[Any]") -> "pd.Series[Any]":
 
 
 def _is_other(column: "pd.Series[Any]") -> bool:
-    """Whether a column holds neither numbers nor text: truth values and dates would convert."""
+    """Whether a column holds neither real numbers nor text: others would convert to some."""
     kinds = pd.api.types
-    if kinds.is_bool_dtype(column.dtype):
+    if kinds.is_bool_dtype(column.dtype) or kinds.is_complex_dtype(column.dtype):
         return True
     return not any(
         check(column.dtype)

@@ -59,7 +59,7 @@ class OptimizeResult:
     cancelled: bool = False
     """Whether the watcher ended the search."""
     hopeless: bool = False
-    """Whether only the best of several starts was continued, for a rival far below."""
+    """Whether the search was ended early, for a rival far below."""
 
     @property
     def agreeing(self) -> int:

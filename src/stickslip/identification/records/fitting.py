@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.drives import SampledSwing
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
-from stickslip.formatting import joined, number, percent, quantity
+from stickslip.formatting import count, joined, number, percent, quantity
 from stickslip.friction import FrictionLaw, containment_of, simpler_laws
 from stickslip.identification.contact_inputs import (
     as_informed,
@@ -891,7 +891,7 @@ def _doubtful(found: OptimizeResult) -> tuple[str, ...]:
     """Return a sentence where no other start came to the least residual."""
     if found.hopeless:
         return (
-            f"The search was stopped early: from each of its {len(found.costs)} starts, the"
+            f"The search from {count(len(found.costs), 'start')} was stopped early: the least"
             " residual is more than three times that of another law.",
         )
     if found.agreeing > 1 or len(found.costs) == 1:

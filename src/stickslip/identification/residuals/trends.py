@@ -106,8 +106,8 @@ def has_trend(residual: Array, by: Array, *, among: int = 1) -> bool:
     """Whether residuals (n,) in the order of time follow a quantity (n,), such as the velocity.
 
     Their means in cells of the quantity, from all blocks but one, must take squares off that one:
-    in so many blocks that chance would do so in one record of 20, with any `among` so many
-    quantities.
+    in so many blocks that the probability of it by chance is below 0.05, divided by the number of
+    quantities tested, `among` (Bonferroni).
 
     Examples
     --------

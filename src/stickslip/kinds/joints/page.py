@@ -227,21 +227,26 @@ def posture_section(verdict: RecordVerdict, name: str, whole: Measurement) -> Se
     if not others:
         return None
     followed = [joint for joint, x in others.items() if has_trend(residual, x, among=len(others))]
-    if not followed:
+    drawn = followed[:PANELS]
+    if not drawn:
         names = joined(list(others)).replace(" and ", " or ")
         text = f"No test finds a dependence of the residuals on the position of the {names}."
-        made = (Paragraph(text=text),)
-        return Section(id="posture", nav="Posture", heading="Residuals by posture", blocks=made)
+        return Section(
+            id="posture",
+            nav="Posture",
+            heading="Residuals by posture",
+            blocks=(Paragraph(text=text),),
+        )
     shown = sampled(len(residual), DOTS)
     panels = []
-    for joint in followed[:PANELS]:
+    for joint in drawn:
         by, unit = scale_of(others[joint], whole.unit(f"position.{joint}"))
         label = f"position of the {joint}, {unit}"
         x, effective = by * others[joint], fit.inference.effective
         panels.append(panel_of(label, x, residual, effective, shown))
     svg = inline_svg(
         draw_residuals(panels, f"residual, {verdict.scale.unit}"),
-        alt=f"Residuals of the chosen law against the position of the {joined(followed[:PANELS])}",
+        alt=f"Residuals of the chosen law against the position of the {joined(drawn)}",
         prefix="posture-figure",
         **residual_sizes(len(panels)),
     )
@@ -251,6 +256,8 @@ def posture_section(verdict: RecordVerdict, name: str, whole: Measurement) -> Se
         " blocks). What the links weigh changes with the posture: an error of the links, and"
         " friction that grows with the load, look like this."
     )
+    if len(drawn) < len(followed):
+        caption += f" The first {len(drawn)} of these {len(followed)} joints are drawn."
     return Section(
         id="posture",
         nav="Posture",

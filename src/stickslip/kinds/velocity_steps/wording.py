@@ -102,9 +102,9 @@ def _misses(fit: RateStateFit) -> bool:
 def _unfitted(
     ordered: Sequence[RateStateCandidate], fit: RateStateFit
 ) -> tuple[list[str], list[str]]:
-    """Return which further forms were not tried, and whose fit failed; none of a fit to noise.
+    """Return which further forms were not tried, and whose fit failed.
 
-    These are forms that contain one that was tried, with two states or another evolution.
+    These have two states or another evolution. Where a fit leaves noise alone, none is named.
     """
     forms = [name for name, form in RATE_STATE_FORMS.items() if form.evolution != "none"]
     fitted = {one.law.name for one in ordered if one.law is not None}
@@ -127,8 +127,8 @@ def _untried(ordered: Sequence[RateStateCandidate], fit: RateStateFit) -> tuple[
             f"first compare the forms that were not tried, {joined(left)}, by naming them as laws"
         )
     if failed:
-        names = f"{joined(failed)}: {'their fits' if len(failed) > 1 else 'the fit'} failed"
-        said.append(f"give start values of {names}")
+        fits = "fits" if len(failed) > 1 else "fit"
+        said.append(f"give start values of {joined(failed)}, whose {fits} failed")
     return (f"Nothing yet: {'; '.join(said)}.",) if said else ()
 
 
