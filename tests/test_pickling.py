@@ -215,6 +215,7 @@ print(repr(float(run.at(0.123)["x"][0])), repr(float(run.at(0.3).sensitivity("x"
 """
 
 
+@pytest.mark.slow
 def test_results_mean_the_same_in_another_process(made):
     import hashlib
 

@@ -73,6 +73,7 @@ for command in (["schema"], ["simulate", "slab.toml", "--json"]):
 """
 
 
+@pytest.mark.slow
 def test_a_law_touches_three_places(tree: Tree) -> None:
     line = '    **dict.fromkeys(NAMED, "registry"),'
     places = contributed(
@@ -115,6 +116,7 @@ class ToyEntry:
 """
 
 
+@pytest.mark.slow
 def test_a_composed_law_touches_one_place_beside_its_test(tree: Tree) -> None:
     path = tree / "src/stickslip/friction/named.py"
     path.write_text(path.read_text(encoding="utf-8") + ENTRY, encoding="utf-8")
@@ -154,6 +156,7 @@ def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(t
     assert [one.read_text(encoding="utf-8") for one in tables] == before
 
 
+@pytest.mark.slow
 def test_a_mechanism_touches_three_places(tree: Tree) -> None:
     line = '    "Capsule": "capsule",'
     places = contributed(
@@ -181,6 +184,7 @@ assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
     assert places == 3
 
 
+@pytest.mark.slow
 def test_a_plot_touches_three_places(tree: Tree) -> None:
     line = "HOMES = {"
     places = contributed(

@@ -37,6 +37,7 @@ def test_a_fit_with_its_own_values_is_judged_as_itself(other_package):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tool", [*REGRESSIONS, "mujoco"])
 def test_a_peer_finds_the_true_values(other_package, tool):
     pytest.importorskip("lmfit" if tool == "scipy" else tool)
@@ -52,6 +53,7 @@ def test_a_peer_finds_the_true_values(other_package, tool):
     assert math.isfinite(row.seconds)
 
 
+@pytest.mark.slow
 def test_the_law_that_made_the_record_errs_least(other_package):
     _, rows = made_by("made-up", "stickslip")
     by_law = {one.law: one for one in rows}
@@ -62,6 +64,7 @@ def test_the_law_that_made_the_record_errs_least(other_package):
         assert abs(found[path]["value"] / true - 1.0) < 1e-3
 
 
+@pytest.mark.slow
 def test_what_is_there_is_not_run_again(other_package, tmp_path):
     first = run(["made-up"], tmp_path, peers=["scipy"])
     assert (first.made, first.complete) == (2, True)
@@ -78,6 +81,7 @@ def test_what_is_there_is_not_run_again(other_package, tmp_path):
     assert [one["tool"] for one in rows] == ["stickslip", "stickslip", "scipy"]
 
 
+@pytest.mark.slow
 def test_progress_that_says_no_ends_after_what_is_in_work(other_package, tmp_path):
     found = run(["made-up"], tmp_path, peers=["scipy"], progress=lambda done, of: done < 1)
     assert (found.made, found.complete) == (1, False)

@@ -1,6 +1,7 @@
 """Tables of laws of measured servos: how much less a law errs, and what is left out."""
 
 import numpy as np
+import pytest
 from benchmarks.servos import SERVO, SETS, SWING, SWINGING, SWINGS, swing, table
 
 from stickslip import CoulombViscous, Measurement, Pendulum, fit
@@ -41,6 +42,7 @@ def test_each_set_has_a_table_and_a_law_that_failed_says_why():
     assert "no." in lines[3]
 
 
+@pytest.mark.slow
 def test_records_of_the_pendulum_end_before_anybody_pushes_it(data_dir):
     records = [swing(name) for name in SWINGS]
     for record in records:

@@ -51,6 +51,7 @@ def test_a_campaign_goes_on_where_it_was_cut_off(plain, tmp_path, capsys):
     ).read_text()
 
 
+@pytest.mark.slow
 def test_each_study_judges_a_rig():
     row = studies.judged("tables", 5, 0)
     assert "refused" not in row

@@ -129,6 +129,7 @@ def test_the_published_cycle_returns_energy_from_lugre_unless_it_is_viscous_enou
     assert cycle_energy(ELASTO_PLASTIC, **cycle)[0] == pytest.approx(-7.1e-5, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_search_finds_a_cycle_that_is_no_better_than_the_published_one():
     found = passivity(Bench(law=LUGRE))
     assert not found.passive
@@ -281,6 +282,7 @@ def test_results_are_tables_json_and_sentences(several):
     assert "laws side by side" in str(several)
 
 
+@pytest.mark.slow
 def test_all_tests_of_a_law_have_a_sentence_and_a_table():
     found = characterize(LUGRE)
     assert [*found.results] == [*TESTS]
@@ -345,6 +347,7 @@ def test_an_input_without_a_value_is_one_error_that_names_the_option():
         characterize(WARM)
 
 
+@pytest.mark.slow
 def test_latched_laws_are_tested_by_runs_and_what_cannot_be_is_said():
     slipping = law("gms[4](level + stribeck) + viscous")
     found = characterize(slipping, load=10.0, tests=["presliding", "drift", "cost", "passivity"])

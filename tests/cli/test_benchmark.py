@@ -23,6 +23,7 @@ def test_tasks_are_listed(capsys):
     assert all(one["licence"] and one["fitted"] and one["judged"] and one["metric"] for one in rows)
 
 
+@pytest.mark.slow
 def test_a_folder_gets_a_page_a_table_and_a_document(data_dir, tmp_path, capsys):
     assert call(*TASKS, "--peers", "scipy", "-o", tmp_path) == 0
     shown = capsys.readouterr()

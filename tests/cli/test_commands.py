@@ -105,6 +105,7 @@ def test_the_formula_of_a_law_is_text_and_not_latex(run, law):
     assert re.findall(r"[\\{}$]", out) == []
 
 
+@pytest.mark.slow
 def test_simulate_shows_events_and_certificate(run):
     code, out, _ = run("simulate", "demo", "--law", "coulomb")
     assert code == 0
@@ -199,6 +200,7 @@ def test_select_writes_a_report_and_refuses_to_overwrite_it(run, rig, tmp_path):
     assert "--force" in complaint(run, "select", "rig.toml", "--laws", "coulomb")
 
 
+@pytest.mark.slow
 def test_select_takes_trials_from_a_table(run, tmp_path):
     (tmp_path / "trials.csv").write_text(
         "name,travel [mm],uncertainty [mm],mechanism.compression [mm]\n"
@@ -494,6 +496,7 @@ def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_pa
     assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "folder"}
 
 
+@pytest.mark.slow
 def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
     def module(*arguments):
         command = [sys.executable, "-m", "stickslip", *arguments]
@@ -529,6 +532,7 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
     assert {path.name for path in folder.glob("[!.]*")} == names  # the verdict and its law stay
 
 
+@pytest.mark.slow
 def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_report(
     run, rig, tmp_path
 ):
@@ -548,6 +552,7 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
+@pytest.mark.slow
 def test_a_reader_who_has_seen_enough_costs_no_verdict(rig, tmp_path):
     """``stickslip select | head`` leaves the law for the next command."""
     command = [sys.executable, "-m", "stickslip", "select", rig(), "--laws", "coulomb"]

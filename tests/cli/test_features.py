@@ -64,6 +64,7 @@ def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
     assert set(told["second_record"]) == {"frequency", "mean", "standard_deviation"}
 
 
+@pytest.mark.slow
 def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     code, out, _ = run("select", "slider.toml", "--laws", "coulomb,stribeck")
     assert code == 0

@@ -84,6 +84,7 @@ def test_a_title_of_several_lines_cannot_forge_lines_of_the_output(run):
     assert out.startswith(r"Rig\nRecommended law: none\r\n\u2028x, Coulomb friction")
 
 
+@pytest.mark.slow
 def test_the_page_and_the_terminal_of_a_selection_show_hostile_names_as_text(run, drawn_figures):
     name = json.dumps(HOSTILE)
     trials = TRIALS.format(0.2, 0.1, name=name) + TRIALS.format(0.072, 0.06, name=name[:-1] + '2"')

@@ -145,6 +145,7 @@ def test_the_unit_of_a_band_is_that_of_its_widest_end():
     assert _cells(around_zero, "m") == ["0", "−5 to 5", "mm"]
 
 
+@pytest.mark.slow
 def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
     write("law.toml", SpringBlock(mass=1.0), law)
@@ -456,6 +457,7 @@ def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(wa
     assert "give --force to replace it, or another --report-to FOLDER" in err
 
 
+@pytest.mark.slow
 def test_a_mass_in_the_wrong_unit_shows_in_the_coefficient(walk):
     slip = BLOCK.replace("0.82 kg", "0.82 g")
     for name, text, far in (("slip", slip, True), ("right", BLOCK, False)):
@@ -510,6 +512,7 @@ t_end = "1 s"
 """
 
 
+@pytest.mark.slow
 def test_a_composition_goes_from_a_rig_file_to_c_fmu_mjcf_and_figures(
     tmp_path, monkeypatch, capsys
 ):

@@ -74,6 +74,7 @@ def test_one_json_document_is_printed(run, folder):
     assert content["files"] == []
 
 
+@pytest.mark.slow
 def test_a_filled_sheet_is_read_by_select(run, folder):
     """Travels of Coulomb friction with mu_k = 0.21, read to 1 mm: the verdict and its interval."""
     code, *_ = run("plan", "rig.toml", *LAWS, "-o", "sheet.html")
@@ -208,6 +209,7 @@ def test_a_cart_is_refused_before_anything_runs_and_pointed_to_what_is_for_it(ru
     assert said[0] == said[1]
 
 
+@pytest.mark.slow
 def test_a_table_with_measured_travels_is_never_replaced(folder, run):
     asked = ("plan", "rig.toml", "--law", "coulomb,viscous", "-o", "sheet.html")
     assert run(*asked)[0] == 0

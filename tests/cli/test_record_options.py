@@ -111,6 +111,7 @@ def test_a_value_that_is_fitted_all_the_same_is_said(run):
     assert "including viscous_coefficient = 30" in err
 
 
+@pytest.mark.slow
 def test_a_saved_fit_is_fitted_again_by_the_law_it_names(run, tmp_path):
     (tmp_path / "law.toml").write_text(RIG + "[friction.coulomb]\nkinetic_coefficient = 12\n")
     data = ("--data", "axis.csv", "--columns", "time=t,position=q,force=u")
@@ -125,6 +126,7 @@ def test_what_nobody_gives_is_still_asked_for(run):
     assert "viscous_coefficient (sigma_2) is neither varied nor fixed" in err
 
 
+@pytest.mark.slow
 def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
     code, _, err = run("select", "axis.toml", "--laws", "coulomb,coulomb-viscous", *ONCE)
     assert code == 0
@@ -140,6 +142,7 @@ def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
     ]
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_laws_are_judged_says_that_it_waits(run, monkeypatch):
     told = []
     monkeypatch.setattr("stickslip.cli.progress.note", told.append)
@@ -158,6 +161,7 @@ def test_an_interrupt_while_laws_are_judged_says_that_it_waits(run, monkeypatch)
     assert Interrupts().promise.startswith("Stopping with the best fit so far")
 
 
+@pytest.mark.slow
 def test_the_command_in_a_report_is_quoted(run, monkeypatch, tmp_path):
     command = ["select", "axis.toml", "--laws", "coulomb", *ONCE, "-o", "emps a"]
     monkeypatch.setattr("sys.argv", ["stickslip", *command])
@@ -189,6 +193,7 @@ def pushed(run):
     return "axis.toml"
 
 
+@pytest.mark.slow
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
     kind, request, _ = measured(rig, reading=Reading(), given=True)

@@ -152,6 +152,7 @@ def test_purpose_and_horizon_set_what_is_scored(run):
     assert json.loads(out)["horizon"] == pytest.approx(0.5, rel=0.1)  # whole samples
 
 
+@pytest.mark.slow
 def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, tmp_path):
     # 20 Hz instead of the 200 Hz of the controller: only joined does the force stay what it was
     write(rows=slice(None, None, 10))
@@ -169,6 +170,7 @@ def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, tmp_path):
     assert residual("joined.toml", "--hold", "zero") == held  # the option wins
 
 
+@pytest.mark.slow
 def test_fit_prints_intervals_and_restarts(run, write):
     write(rows=slice(600))
     code, out, _ = run("fit", "axis.toml", "--law", "coulomb-viscous", "--starts", "2")
@@ -221,6 +223,7 @@ def test_fit_takes_travels_too(run):
     assert run("simulate", "law.toml", "--law", "coulomb")[0] == 0
 
 
+@pytest.mark.slow
 def test_the_digest_of_the_inputs_is_that_of_the_data_too(run, write, axis_record):
     def digest(*arguments):
         code, out, err = run("fit", *arguments, *ONCE, "--json")
@@ -420,6 +423,7 @@ def test_what_is_no_record_is_one_message(run, tmp_path, command, text, said):
     assert len(err) < 500
 
 
+@pytest.mark.slow
 def test_motion_in_one_direction_works_and_says_so(run, write, axis_record):
     time = axis_record["t"]
     forward = {"q": 0.1 * time + 0.01 * np.sin(4 * time), "u": 13.0 + 1.0 * np.cos(4 * time)}
@@ -451,6 +455,7 @@ def test_a_force_that_was_cut_off_is_warned_of(run, write, axis_record):
     assert "! Force stays at its largest value, 40 N" in out
 
 
+@pytest.mark.slow
 def test_one_interrupt_keeps_the_best_so_far(run, monkeypatch):
     signals = [signal.SIGINT]
 
@@ -500,6 +505,7 @@ def test_processes_come_to_the_same_verdict(run):
     assert together[:2] == alone[:2]  # what is told meanwhile comes as it is done
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [10.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis_record, factor):
     write("wrong.csv", q=factor * axis_record["q"])

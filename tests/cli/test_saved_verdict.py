@@ -58,6 +58,7 @@ def run(*arguments):
     return CliRunner().invoke(app, list(arguments), terminal_width=200)
 
 
+@pytest.mark.slow
 def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     result = run("select", "rig.toml", "--laws", "lugre")
     assert result.exit_code == 0, result.output

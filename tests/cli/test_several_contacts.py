@@ -367,6 +367,7 @@ FITTED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
 @pytest.mark.parametrize(("tables", "asked", "laws"), FITTED.values(), ids=FITTED)
 def test_the_laws_of_the_joints_are_fitted(called, tables, asked, laws):
@@ -378,6 +379,7 @@ def test_the_laws_of_the_joints_are_fitted(called, tables, asked, laws):
     assert {joint: law.name for joint, law in found.items() if law is not None} == laws
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
 def test_a_parameter_of_the_law_of_one_joint_is_held(called):
     asked = ("--law", "shoulder=coulomb-viscous,elbow=coulomb", "--starts", "1", "--json")

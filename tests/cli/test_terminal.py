@@ -204,6 +204,7 @@ def measured(tmp_path):
     return 5.0, 10.0, 30.0
 
 
+@pytest.mark.slow
 def test_two_commands_lead_from_a_german_file_to_a_report(run, tmp_path, measured):
     code, out, err = run("init", "messung.csv")
     assert (code, err) == (0, "")

@@ -43,12 +43,14 @@ def run(*arguments):
     return result.stdout
 
 
+@pytest.mark.slow
 def test_fit_says_that_the_trials_do_not_share_one_law_and_which_column_is_not_used(folder):
     said = run("fit", "rig.toml", "--law", "coulomb-viscous")
     assert "The trials do not share one law (p < 0.001)" in said
     assert "Column 'temperature' is not used but differs between the trials" in said
 
 
+@pytest.mark.slow
 def test_fit_names_the_condition_that_explains_it(folder):
     (folder / "rig.toml").write_text(RIG + 'conditions = ["temperature"]\n')
     said = run("fit", "rig.toml", "--law", "coulomb-viscous")
@@ -59,12 +61,14 @@ def test_fit_names_the_condition_that_explains_it(folder):
     ]
 
 
+@pytest.mark.slow
 def test_an_option_names_conditions_of_files(folder):
     files = [part for i in (1, 3) for part in ("--data", f"run{i}.csv")]
     said = run("fit", "rig.toml", *files, "--conditions", "temperature", "--law", "coulomb-viscous")
     assert re.search(r"at 20 °C to 6\.[12]\S* N at 60 °C", said)
 
 
+@pytest.mark.slow
 def test_select_says_it_of_the_law_that_it_names(folder):
     said = run("select", "rig.toml", "--laws", "coulomb,coulomb-viscous", "-o", "report")
     assert "The trials do not share one law (p < 0.001)" in said

@@ -112,6 +112,7 @@ def stickslip(tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_an_installed_mechanism_and_law_work_by_name_in_rig_files(stickslip):
     task = ("simulate", "rig.toml", "--law", "twofold", "--t-end", "5", "--json")
     run = stickslip(SOUND, *task)
@@ -125,6 +126,7 @@ def test_an_installed_law_is_listed(stickslip):
     assert "twofold" in run.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("entry", "message"),
     [

@@ -49,6 +49,7 @@ def test_a_command_reads_and_writes_in_the_folder_of_its_example(shell: Shell) -
     assert (code, out.split()) == (0, ["rig.toml", "run.csv", "seen.txt"])
 
 
+@pytest.mark.slow
 def test_codes_and_messages_are_those_of_a_process_of_its_own(shell: Shell) -> None:
     alone = f"{sys.executable} -m stickslip"
     for arguments in ("fit nowhere.toml", "models coulomb", "nonsense"):
@@ -61,5 +62,6 @@ def test_the_environment_is_that_of_the_example_and_not_of_the_last_one(shell: S
     assert shell("COLUMNS=150 stickslip -h")[1] == wide
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error(shell: Shell) -> None:
     assert shell("stickslip schema | head -1") == (0, "{\n", "")

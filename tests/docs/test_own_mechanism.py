@@ -39,6 +39,7 @@ def test_the_arm_is_a_file_of_less_than_forty_lines():
     assert len(arm.strip().splitlines()) - 1 < 40
 
 
+@pytest.mark.slow
 def test_the_arm_runs_compiled_with_the_derivatives_that_differences_give(shown):
     names, printed = shown
     assert names["run"].status.complete

@@ -139,6 +139,7 @@ def test_a_held_force_acts_half_a_sample_later(coulomb):
     np.testing.assert_allclose(late.parts[0].force[inside], moved[inside], atol=0.01)
 
 
+@pytest.mark.slow
 def test_pieces_between_gaps_are_explained_as_a_whole_record_is(coulomb):
     kept = np.ones(len(coulomb.t), dtype=bool)
     for first in (3000, 4500, 8000):
@@ -220,6 +221,7 @@ def test_candidates_cover_decades_of_every_parameter(balance):
     assert Structure((Term("level"),)).having(Term("offset")).has("offset")
 
 
+@pytest.mark.slow
 def test_a_late_force_is_found_where_the_inertia_and_forces_of_other_joints_are_known():
     """The motion takes its force on time: only what the channel shows is late."""
     t = 2e-3 * np.arange(10_000)

@@ -72,6 +72,7 @@ def test_a_fault_is_named_with_its_size(name, kind, value):
     assert 0.01 < fault.share < 2.0
 
 
+@pytest.mark.slow
 def test_a_delay_is_found_between_the_steps_of_its_grid():
     truth = truth_of("f_delay2")
     plant = replace(truth.plant, delay=0.0095)
@@ -83,6 +84,7 @@ def test_a_delay_is_found_between_the_steps_of_its_grid():
     assert fault.interval[0] < fault.value < fault.interval[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [7301, 7302, 7311])
 def test_an_amplifier_at_its_limit_is_found(seed):
     """Of these records 6, 46 and 38 % of the samples are beyond the limit."""
@@ -94,12 +96,14 @@ def test_an_amplifier_at_its_limit_is_found(seed):
     assert fault.value == pytest.approx(limit, rel=0.05)  # the filter rounds the corners
 
 
+@pytest.mark.slow
 def test_a_load_behind_a_gap_is_not_called_an_amplifier_at_its_limit():
     """With a limit that half of the force is beyond, little is left, as if a part did not act."""
     found = explain([record(truth_of("f_gap1"), 4314).series])
     assert not any("saturation" in fault.kinds for fault in found.faults)
 
 
+@pytest.mark.slow
 def test_friction_with_several_bristles_is_not_called_an_amplifier_at_its_limit():
     """Near the limit all of the excess would not act, and far beyond it half."""
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8821, 3]), "gms")
@@ -107,6 +111,7 @@ def test_friction_with_several_bristles_is_not_called_an_amplifier_at_its_limit(
     assert not told.faults
 
 
+@pytest.mark.slow
 def test_a_limit_below_most_of_the_force_explains_no_motion():
     """Cut off there, the force of this axis is a level, with a sixtieth of the inertia."""
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8830, 7]), "stribeck")
@@ -115,6 +120,7 @@ def test_a_limit_below_most_of_the_force_explains_no_motion():
     assert told.best.structure.has("stribeck")
 
 
+@pytest.mark.slow
 def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8824, 11]), "backlash")
     told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
@@ -165,6 +171,7 @@ def test_a_later_clock_changes_nothing(directions, explained):
     assert found.best.structure == explained.best.structure
 
 
+@pytest.mark.slow
 def test_a_record_cut_in_two_has_the_structure_of_the_whole(directions, explained):
     half = len(directions.t) // 2
     pieces = [
@@ -232,6 +239,7 @@ def test_blocks_without_an_error_do_not_upset_the_rule():
     assert not Rule().better(old, new, 1.0)
 
 
+@pytest.mark.slow
 def test_progress_grows_to_one_and_names_a_structure(directions):
     told = []
     explain([directions], progress=lambda share, text: told.append((share, text)))
@@ -373,6 +381,7 @@ def swelling(t):
     return 2.0 ** np.sin(1.3 * t)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "kinds"),
     [
@@ -393,6 +402,7 @@ def test_a_power_of_the_speed_has_no_exponent_that_is_nearly_a_level():
     assert all(term.par[0] >= 0.2 for term in powers)
 
 
+@pytest.mark.slow
 def test_the_damping_of_a_bristle_is_found_beside_its_shape():
     t = 0.001 * np.arange(20_000)
     q = 0.02 * np.sin(1.3 * t) + 0.008 * np.sin(2.9 * t + 1.0)
@@ -432,6 +442,7 @@ def test_a_bristle_that_its_damping_hides_is_no_backlash():
     assert found.left < 0.1
 
 
+@pytest.mark.slow
 def test_an_error_of_a_known_force_is_no_ripple_in_time():
     t = 0.002 * np.arange(10_000)
     q = 0.3 * np.sin(2.1 * t) + 0.2 * np.sin(4.7 * t)

@@ -112,6 +112,7 @@ def compare(path: Path, mechanism: Mechanism, law: Any, **settings: Any) -> None
     assert found["event_count"][-1] == len(run.events)
 
 
+@pytest.mark.slow
 def test_motion_and_events_are_those_of_the_engine(block, capsule, cart, clutch):
     compare(block, BLOCK, COULOMB)
     compare(capsule, CAPSULE, LUGRE)  # bristles, hard stops

@@ -86,6 +86,7 @@ def mujoco_or_skip():
     return pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
 
 
+@pytest.mark.slow
 def test_the_cost_on_a_record_is_the_difference_of_the_friction_along_its_motion(arm):
     found = replays_of(arm, run=False)
     subject = Subject(law=LAWS["shoulder"], name="", rotary=True, load=1.0, largest_speed=2.4)
@@ -106,6 +107,7 @@ def test_the_cost_on_a_record_is_the_difference_of_the_friction_along_its_motion
     assert found["elbow"].models[1].drift > 0.0
 
 
+@pytest.mark.slow
 def test_mujoco_errs_by_the_simplification_where_the_file_is_right(arm):
     mujoco_or_skip()
     found = replays_of(arm)
@@ -118,6 +120,7 @@ def test_mujoco_errs_by_the_simplification_where_the_file_is_right(arm):
         assert law.position < 0.3 * simple.position
 
 
+@pytest.mark.slow
 def test_mujoco_errs_by_what_the_links_of_its_file_are_wrong(arm, tmp_path):
     mujoco_or_skip()
     heavy = tmp_path / "heavy.urdf"
@@ -163,6 +166,7 @@ def test_an_axis_is_compared_on_its_record(tmp_path):
     assert "level and damping change the force of the law by 0 N rms" in joint.sentences[2]
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_rig_file_of_a_log(arm, tmp_path, capsys):
     path, record = arm
     table = {"time": record.time}
@@ -264,6 +268,7 @@ def servo_record(law):
     return Measurement(time=t, position=run["theta"], voltage=volts, turning=True), current
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["voltage", "current", "reference"])
 def test_the_motor_of_a_record_drives_the_file_in_mujoco(tmp_path, what):
     mujoco_or_skip()

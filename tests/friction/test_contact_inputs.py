@@ -78,6 +78,7 @@ def test_a_temperature_in_time_is_followed_and_jumps_of_it_are_met():
     assert run["v"][-1] == pytest.approx(v, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_gear_that_lifts_agrees_with_a_regularised_reference():
     run = simulate(LIFTING, GEAR, t_end=6.0)
     assert run.certificate.certified

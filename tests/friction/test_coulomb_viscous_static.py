@@ -34,6 +34,7 @@ def test_friction_against_velocity_says_nothing_of_the_static_level():
     assert "friction.static_coefficient" not in [one.path for one in found.estimates]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("static", "seed"),
     [*(pytest.param(*one, marks=pytest.mark.slow) for one in ((8.0, 0), (9.5, 2))), (6.0, 1)],

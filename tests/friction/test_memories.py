@@ -401,6 +401,7 @@ def test_memories_fit_their_own_data_from_their_type(memory, curve, flow):
         assert getattr(found.law, name) == pytest.approx(getattr(own, name), rel=0.15)
 
 
+@pytest.mark.slow
 def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
     own = truth("reset", "level", "viscous")
     t = np.arange(0.0, 3.0, 2e-3)

@@ -233,6 +233,7 @@ def test_unknowns_that_are_no_terms_of_a_balance_leave_a_record_unexplained():
     assert explained(axis, RECORD, settings, ["mechanism.load"], None) is None
 
 
+@pytest.mark.slow
 def test_the_cure_adds_to_what_is_corrected_already():
     random = np.random.default_rng(1)
     t = np.arange(0.0, 8.0, 0.004)
@@ -259,6 +260,7 @@ def left_of(share):
     return model_errors(found, record, "zero", SensorResponse())
 
 
+@pytest.mark.slow
 def test_what_is_left_beside_a_law_is_said_before_no_law_explains_it():
     assert not any(one.kind == "unexplained" for one in left_of(0.02))
     (partly,) = (one for one in left_of(0.07) if one.kind == "unexplained")
@@ -387,6 +389,7 @@ def test_a_level_that_grows_with_the_load_is_the_level_of_the_law():
     assert not asked.rejects(asked.fit_of("other", coulomb))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("share", "said"),
     [
@@ -417,17 +420,20 @@ def clipped(record, share):
     return replace(record, force=np.clip(force, -most, most))
 
 
+@pytest.mark.slow
 def test_a_fault_that_samples_at_the_end_of_a_range_alone_ask_for_may_be_that_range():
     (found,) = broken("clipped-sensor", 7330)
     assert found.kind == "backlash or saturation"
     assert "more force than was recorded where it stays at its extreme" in found.finding
 
 
+@pytest.mark.slow
 def test_a_fault_that_the_other_samples_ask_for_too_is_named_beside_a_range():
     (found,) = broken("unknown-spring", 7330, lambda one: clipped(one, 0.95))
     assert found.kind == "spring"
 
 
+@pytest.mark.slow
 def test_where_lost_samples_make_the_position_jump_nothing_is_called_late():
     assert [one.kind for one in broken("dropped-samples", 7330)] == ["unexplained"]
 
@@ -443,6 +449,7 @@ def test_outliers_are_counted_and_blame_nothing_else():
     assert found.finding.startswith("3 samples of the friction lie far off those beside")
 
 
+@pytest.mark.slow
 def test_outliers_are_left_out_of_fits_and_leave_the_verdict_alone():
     record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
     friction, position = np.array(record.friction), np.array(record.position)

@@ -102,6 +102,7 @@ def test_a_constant_input_is_said_and_its_parameter_gets_no_interval():
     assert found.estimate("kinetic_coefficient").bounded
 
 
+@pytest.mark.slow
 def test_bristles_are_integrated_along_their_inputs():
     kind = law("dahl(level * exponential[temperature])")
     decay = next(name for name in kind.__dataclass_fields__ if name.endswith("_decay"))
@@ -176,6 +177,7 @@ def servo():
     return Measurement(time=t, position=angle, force=torque, turning=True)
 
 
+@pytest.mark.slow
 def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
     found = fit(SERVO, GEAR, servo, route="inverse-dynamics")
     assert holds(found, "transmitted_coefficient", 0.12)
@@ -201,6 +203,7 @@ def test_the_transmitted_torque_of_a_servo_is_found_by_simulation(servo):
         assert holds(found, name, getattr(TRUE_GEAR, name))
 
 
+@pytest.mark.slow
 def test_a_law_with_the_transmitted_torque_is_selected_against_those_without(servo):
     names = ["coulomb-viscous", "level + weight[transmitted] + viscous"]
     verdict = select(SERVO, names, servo, route="inverse-dynamics")
@@ -236,6 +239,7 @@ def warming():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_recorded_temperature_drives_simulated_segments(warming):
     axis = Axis(inertia=5.0, stiffness=30.0)
     found = fit(axis, WARM, warming, route="shooting", settings=RecordSettings(hold="zero"))

@@ -53,6 +53,7 @@ def test_robust_regression_hardly_differs_on_a_record_without_outliers(emps):
     assert np.all(np.abs(robust.values - plain.values) < 8.0 * plain.deviations)
 
 
+@pytest.mark.slow
 def test_both_routes_agree_on_the_mass_that_was_published(emps, by_motion):
     asked = {"unknown": ("inertia",), "settings": ONE, "route": "inverse-dynamics"}
     by_force = fit_record(AXIS, DirectionDependent, emps, **asked).estimate("inertia")

@@ -119,6 +119,7 @@ def test_slopes_of_a_segment_know_what_the_law_does_to_its_first_deflection(prob
         assert np.abs(slopes[:, i] - difference).max() < 0.01 * np.abs(difference).max(), path
 
 
+@pytest.mark.slow
 def test_a_law_whose_exponent_is_whole_at_the_start_is_fitted_with_its_exponent():
     own = Dahl(kinetic_coefficient=3.0, bristle_stiffness=800.0, viscous_coefficient=2.0)
     t = np.arange(0.0, 2.0, 1e-3)

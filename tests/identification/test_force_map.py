@@ -520,6 +520,7 @@ def test_a_table_may_have_rows_at_rest():
     assert [e.value for e in found.estimates] == pytest.approx([2.0, 1.0, 0.0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_noise_of_positions_does_not_relax_bristles_at_rest():
     t, x, v = strokes_and_rests(1000.0, 5e-6)
     true = Dahl(kinetic_coefficient=2.0, bristle_stiffness=4e3)

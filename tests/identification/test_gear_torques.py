@@ -58,6 +58,7 @@ def swung(level, *, seed=0):
     return rig, record
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "name"),
     [
@@ -73,6 +74,7 @@ def test_a_pendulum_tells_what_of_its_gear_friction_grows_with(level, name):
     assert not found.explanation.faults
 
 
+@pytest.mark.slow
 def test_a_share_of_the_torque_is_that_of_the_gear():
     rig, record = swung("transmitted")
     law = asked_of(rig, record, "first", (), PROMPT).best.specification.law
@@ -80,6 +82,7 @@ def test_a_share_of_the_torque_is_that_of_the_gear():
     assert law.transmitted_coefficient == pytest.approx(SHARE, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unknown", [(), ("mechanism.inertia",)])
 def test_a_constant_weight_loads_a_gear_twice(unknown):
     q, _, a = motion()
@@ -179,6 +182,7 @@ def test_what_a_gear_leaves_is_an_error_of_the_force_that_the_motion_takes():
     np.testing.assert_allclose(left.residual[fast], seen[fast], atol=0.1)  # noise: 0.05
 
 
+@pytest.mark.slow
 def test_impacts_in_a_gap_are_no_load_of_a_gear():
     """A level that grows with the torque leaves 6 % of its friction, far more than noise."""
     rig, record, _ = closed_loop_axes.moving(np.random.default_rng([8841, 17]), "backlash")

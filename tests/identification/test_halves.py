@@ -154,6 +154,7 @@ def test_a_half_that_cannot_be_built_leaves_no_halves(monkeypatch):
     assert refits.halves_of(found) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zero", [1.6e-3, -0.05])
 def test_a_displaced_zero_of_the_encoder_makes_no_friction_that_differs_by_direction(zero):
     true = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.003)

@@ -51,6 +51,7 @@ def test_the_hold_that_nobody_gave_is_found_and_intervals_hold_the_truth(truth):
     assert found.to_dict()["hold"]["shown"] == hold
 
 
+@pytest.mark.slow
 def test_a_given_hold_is_used_and_what_contradicts_it_is_said(truth):
     hold, measurement = truth
     other = "first" if hold == "zero" else "zero"
@@ -63,6 +64,7 @@ def test_a_given_hold_is_used_and_what_contradicts_it_is_said(truth):
     assert right.assumptions == ()
 
 
+@pytest.mark.slow
 def test_a_selection_decides_the_hold_once_and_says_it():
     verdict = select(
         AXIS, ["coulomb", "coulomb-viscous"], record("first", seed=3), route="inverse-dynamics"
@@ -80,6 +82,7 @@ def test_a_slow_motion_at_a_high_rate_does_not_tell_the_hold():
     assert "Give the hold if it is known, or fit with both" in found.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", ["zero", "first"])
 def test_runs_tell_the_hold_that_the_balance_of_forces_does_not(hold):
     """Half a sample was taken wrongly, and sigma_2 stated as 5.73 to 5.82 for 6 N s/m."""
@@ -102,6 +105,7 @@ def test_runs_tell_the_hold_that_the_balance_of_forces_does_not(hold):
     assert {c.fit.hold.hold for c in verdict.candidates if c.fit} == {hold}
 
 
+@pytest.mark.slow
 def test_where_nothing_tells_the_hold_intervals_allow_for_either():
     unsure = record("zero", rate=500.0, noise=3e-2, slow=0.2)
     found = fit(AXIS, CoulombViscous, unsure, route="shooting", settings=ONCE)
@@ -137,6 +141,7 @@ def test_where_samples_are_too_coarse_for_accelerations_residuals_of_both_fits_t
     assert max(left.values()) > 10.0 * min(left.values())
 
 
+@pytest.mark.slow
 def test_a_selection_that_varies_the_mass_fits_the_laws_too():
     verdict = select(
         Axis(inertia=3.0), ["coulomb-viscous"], record("first", seed=3),
@@ -157,6 +162,7 @@ def test_an_estimate_that_no_hold_explains_or_that_is_vague_is_no_number_of_a_ho
     assert "0.40 ± 0.30 samples later" in close
 
 
+@pytest.mark.slow
 def test_a_late_motion_is_said_once_and_not_as_a_hold_too():
     sound = record("zero", seed=5)
     late = np.interp(sound.time - 0.05, sound.time, sound.position)

@@ -172,6 +172,7 @@ def arm_records():
         pytest.skip("needs STICKSLIP_DATA")
 
 
+@pytest.mark.slow
 def test_the_record_that_was_predicted_worst_is_predicted_with_a_zero_of_its_own(arm_records):
     assert all(np.less(held_out_errors("143704", arm_records), FOR_ALL))
 
@@ -182,6 +183,7 @@ def test_every_record_of_the_measured_arm_is_predicted_from_the_others(arm_recor
     assert np.all(np.array(errors) < FOR_ALL)
 
 
+@pytest.mark.slow
 def test_friction_of_a_robot_file_that_is_held_is_said_beside_the_estimates():
     t, q, v, a = motion(1)
     robot = read_urdf(

@@ -78,6 +78,7 @@ def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(foun
     assert f"Fitted at speeds up to {known.largest_speed['elbow']:.6g} rad/s" in text
 
 
+@pytest.mark.slow
 def test_estimates_are_named_by_joint_and_levels_are_torques(found):
     elbow = found.estimate("friction.elbow.kinetic_coefficient")
     assert elbow.quantity.unit == "N m"
@@ -112,6 +113,7 @@ def test_several_records_are_one_data_set(found):
     assert set(own.predict().record) == {0, 1}
 
 
+@pytest.mark.slow
 def test_a_law_that_is_not_linear_in_its_parameters_is_found():
     """Stribeck friction of the shoulder, whose step and velocity no regression gives."""
     stribeck = Stribeck(

@@ -84,6 +84,7 @@ def test_two_links_in_a_plane_have_seven_base_parameters(monkeypatch):
     assert sum("moment" in path for path in told) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 12, 13])
 def test_friction_is_found_beside_links_that_are_described_wrongly(seed):
     robot = undamped(read_urdf(DESK).robot)
@@ -158,6 +159,7 @@ def tx40():
         pytest.skip("needs STICKSLIP_DATA")
 
 
+@pytest.mark.slow
 def test_a_measured_arm_of_unknown_links_has_the_published_friction(tx40):
     from stickslip.benchmark.sets.robots import by_motors, tx40_robot
 

@@ -68,6 +68,7 @@ def by(found):
     return {one.path: one for one in found.estimates}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])
 def test_a_recorded_voltage_tells_motor_and_gear_where_friction_grows_with_the_torque(gear, route):
     record = replace(gear, current=None)
@@ -140,6 +141,7 @@ def dropped(angle, seed):
     )
 
 
+@pytest.mark.slow
 def test_swings_with_an_open_winding_separate_them(plain):
     drops = [dropped(angle, seed) for seed, angle in enumerate((1.2, -1.0, 0.8, -1.3))]
     both = Measurement(trials=(replace(plain, current=None, reference=None), *drops))
@@ -222,6 +224,7 @@ def test_without_the_voltage_a_current_does_not_tell_the_resistance(plain):
     assert found[K].bounded
 
 
+@pytest.mark.slow
 def test_a_record_of_the_goal_alone_is_fitted_through_the_loop(gear):
     record = replace(gear, current=None, voltage=None)
     found = fit(

@@ -70,6 +70,7 @@ def test_three_curves_five_memories_and_two_flows_fit_their_own_data(memory, cur
     assert_told(found, own, noise)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("memory", "name"),
     [

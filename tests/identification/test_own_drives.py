@@ -96,6 +96,7 @@ def test_a_record_that_begins_later_is_compared_where_it_begins():
     assert found.rms == pytest.approx(noise, rel=0.15)
 
 
+@pytest.mark.slow
 def test_what_is_inside_begins_where_the_record_says():
     mechanism, length, rate, noise = CASES["kicks"]
     start = {"xi": 0.03, "xi_dot": -0.2}
@@ -113,6 +114,7 @@ def test_a_start_that_is_not_told_leaves_more_than_the_noise():
     assert fitted(mechanism, seen).rms > 2.0 * noise
 
 
+@pytest.mark.slow
 def test_trials_with_other_drives_are_fitted_together():
     mechanism, _, rate, noise = CASES["kicks"]
     path = "mechanism.drive.drive.period"
@@ -126,6 +128,7 @@ def test_trials_with_other_drives_are_fitted_together():
     assert found.rms == pytest.approx(noise, rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_number_of_the_drive_may_be_looked_for_too():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise)

@@ -45,6 +45,7 @@ def linear(fit):
     return stand_in
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sampler", "counts"),
     [
@@ -114,6 +115,7 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
     assert looked_on.runs > found.runs
 
 
+@pytest.mark.slow
 def test_draws_do_not_depend_on_where_walkers_are_evaluated(linear):
     here = sample_posterior(linear, steps=20, seed=1)
     with ThreadPoolExecutor(3) as threads:
@@ -127,6 +129,7 @@ def test_draws_do_not_depend_on_where_walkers_are_evaluated(linear):
         sample_posterior(linear, sampler="dynesty", executor=Inline())
 
 
+@pytest.mark.slow
 def test_live_points_say_how_often_nested_sampling_predicts(linear):
     pytest.importorskip("dynesty")
     few, many = (sample_posterior(linear, sampler="dynesty", live_points=n) for n in (40, 160))

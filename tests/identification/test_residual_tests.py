@@ -52,6 +52,7 @@ LONG = ("amplifier-lag", "unknown-spring")
 """Named by the tests that name others too, or as long as all others together."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "kinds"),
     [pytest.param(*one, marks=[pytest.mark.slow] * (one[0] in LONG)) for one in NAMED],
@@ -62,6 +63,7 @@ def test_the_fault_of_a_record_is_named_first(fault, kinds):
     assert errors[0].kind in kinds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "law"),
     [("place-dependence", "[position]"), ("stribeck-peak", "stribeck")],
@@ -81,6 +83,7 @@ def test_a_delay_is_found_with_its_size(fault, late):
     assert error.effect == pytest.approx(late, abs=0.1 * late + 2.0 * half)
 
 
+@pytest.mark.slow
 def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
     t = np.arange(0.0, 10.0, 0.01)
     drive = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
@@ -101,6 +104,7 @@ def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
     assert (found.hold.hold, found.model_errors) == ("first", ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("records", [3, pytest.param(8, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "route", ["inverse-dynamics", pytest.param("shooting", marks=pytest.mark.slow)]
@@ -140,6 +144,7 @@ def test_a_fit_shows_its_error_of_the_model(late):
     assert found.to_dict()["model_errors"][0]["sentence"] == str(found.model_errors[0])
 
 
+@pytest.mark.slow
 def test_an_encoder_that_toggles_between_two_counts_is_no_vibration():
     step, rate, mass = 5e-6, 1000.0, 30.0
     t = np.arange(0.0, 20.0, 1.0 / rate)
@@ -154,6 +159,7 @@ def test_an_encoder_that_toggles_between_two_counts_is_no_vibration():
     assert not {"vibration"} & {one.kind for one in errors}
 
 
+@pytest.mark.slow
 def test_a_record_that_rests_most_of_the_time_is_tested_too():
     t = 0.005 * np.arange(1600)
     force = np.where(np.mod(t, 4.0) < 0.8, 30.0 * np.sin(2.5 * np.pi * t), 0.0)

@@ -89,6 +89,7 @@ def test_the_error_on_a_record_in_which_a_joint_rests_is_finite(rest):
     assert np.isfinite(scored.joints["elbow"].rms)
 
 
+@pytest.mark.slow
 def test_a_selection_and_its_page_name_the_joint_that_rests(tmp_path, sketches):
     names = ["coulomb", "coulomb-viscous"]
     verdict = select(ARM, names, resting("shoulder", "constant"), settings=QUICK)

@@ -67,6 +67,7 @@ def lugre_record():
     return controlled(LUGRE, seed=5, offset=1.0)
 
 
+@pytest.mark.slow
 def test_the_route_of_a_slow_closed_loop_is_inverse_dynamics(lugre_record):
     chosen = choose_route(Axis(inertia=4.0), lugre_record, vary=["friction.*", "mechanism.inertia"])
     assert chosen.route == "inverse-dynamics"

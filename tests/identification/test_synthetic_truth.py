@@ -54,6 +54,7 @@ def intervals(request):
     return judged(request.param, FAST_TRUTHS, 3), request.param
 
 
+@pytest.mark.slow
 def test_nominal_intervals_cover_the_truth(intervals):
     found, records = intervals
     bounded = [one for one in found if one["bounded"]]

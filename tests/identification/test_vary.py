@@ -151,6 +151,7 @@ def test_more_than_the_usual_parameters_may_be_varied():
     assert "friction.kinetic_coefficient" in more
 
 
+@pytest.mark.slow
 def test_a_selection_varies_and_holds_what_is_said_of_the_mechanism(driven):
     found = select(
         Axis(inertia=1.7), ["coulomb-viscous"], driven, vary="inertia", fixed={"offset": 0.0}
@@ -182,6 +183,7 @@ def pulled():
     return Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
 
 
+@pytest.mark.slow
 def test_features_hold_the_mass_unless_it_is_varied_as_fit_does(pulled):
     heavy = TowedBlock(mass=0.036, stiffness=1000.0, speed=4e-3, load=0.03 * 9.81)
     for verb in (fit_features, fit):

@@ -33,6 +33,7 @@ def page(verdict):
     return render(verdict_page(verdict, origin))
 
 
+@pytest.mark.slow
 def test_sections_stand_in_the_order_in_which_a_reader_decides(verdict):
     document = verdict_page(verdict, ORIGIN)
     wanted = ["verdict", "force", "scores", "parameters", "record", "next", "reproduce"]

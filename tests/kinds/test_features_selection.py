@@ -81,6 +81,7 @@ def test_the_nominal_mass_is_held_unless_it_is_looked_for_and_the_fit_says_so(re
     assert found.predicted["frequency"] < 1.003 * natural < found.observed.frequency
 
 
+@pytest.mark.slow
 def test_laws_that_have_the_same_three_features_are_not_ranked(verdict):
     assert isinstance(verdict, FeatureVerdict)
     assert verdict.best.name == "coulomb"
@@ -295,6 +296,7 @@ def test_no_law_with_fixed_parameters_has_the_scatter_of_the_slow_slider(data_di
     assert any("cannot explain the scatter" in line for line in found.words.cannot_tell)
 
 
+@pytest.mark.slow
 def test_levels_that_another_law_has_otherwise_are_told_for_the_law_that_is_named_only():
     # Stribeck friction; Coulomb friction has the same features with a static level 6 % higher
     row = pulled_sliders.pulled(7901, 6)
@@ -335,6 +337,7 @@ def test_a_saved_law_keeps_the_covariance_of_a_level_that_other_laws_leave_open(
     assert known.kept == ()
 
 
+@pytest.mark.slow
 def test_bristles_of_a_stiffness_that_nobody_gave_leave_the_static_level_open():
     # LuGre friction; with the bristles of the starting law its static level is 12 % too low
     row = pulled_sliders.pulled(7901, 7)
@@ -344,6 +347,7 @@ def test_bristles_of_a_stiffness_that_nobody_gave_leave_the_static_level_open():
     assert all(one["held"] for one in row["intervals"])
 
 
+@pytest.mark.slow
 def test_other_values_with_the_same_features_are_searched_for():
     # Stribeck friction: its three numbers give these features at kinetic levels from 0.09 to 0.19
     row = pulled_sliders.pulled(7902, 1)

@@ -103,6 +103,7 @@ def test_a_law_says_that_others_are_possible_where_readings_leave_a_gap_in_a_dip
     assert UNMEASURED in verdict.words.cannot_tell
 
 
+@pytest.mark.slow
 def test_no_other_shape_is_said_where_readings_tell_the_law():
     dense = np.geomspace(0.01, 1.0, 24)
     law = Stribeck(
@@ -177,6 +178,7 @@ def drifting_table(order, drift=-0.15):
     return Measurement(velocity=v, friction=f * np.linspace(1.0, 1.0 + drift, len(v)) + noise)
 
 
+@pytest.mark.slow
 def test_a_drift_in_the_order_of_the_speeds_is_said_to_be_possible():
     # friction that differs by direction was named without a doubt
     table = drifting_table(np.arange(len(BOTH)))
@@ -189,6 +191,7 @@ def test_a_drift_in_the_order_of_the_speeds_is_said_to_be_possible():
     assert "repeat the first speed at the end" in advice
 
 
+@pytest.mark.slow
 def test_a_drift_in_another_order_is_found_and_taken_out():
     # what was 1 % noise left 5 % with every law
     order = np.random.default_rng(3).permutation(len(BOTH))

@@ -199,6 +199,7 @@ def test_two_states_are_not_chosen_on_the_rock(data_dir):
     assert verdict.best.name == "logarithmic"
 
 
+@pytest.mark.slow
 def test_a_candidate_that_reduces_to_another_is_not_held_against_a_third():
     # the ageing law is not tried: a Nagata law without an effect of stress may stand for it
     record = pulled(law())
@@ -370,6 +371,7 @@ def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
         assert "<table" in one._repr_html_()
 
 
+@pytest.mark.slow
 def test_a_law_whose_residuals_remember_is_not_recommended_without_the_forms_that_were_not_tried():
     two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
     laws = ["rate-and-state", "logarithmic"]
@@ -379,6 +381,7 @@ def test_a_law_whose_residuals_remember_is_not_recommended_without_the_forms_tha
     assert "rate-and-two-states" in verdict.words.measure_next[0]
 
 
+@pytest.mark.slow
 def test_a_law_that_holds_to_the_noise_is_recommended_without_further_forms():
     verdict = select_rate_state(
         MACHINE, ["rate-and-state", "logarithmic"], pulled(law(), memory=1e-9), settings=SETTINGS
@@ -387,6 +390,7 @@ def test_a_law_that_holds_to_the_noise_is_recommended_without_further_forms():
     assert not any("not tried" in line for line in verdict.words.measure_next)
 
 
+@pytest.mark.slow
 def test_a_form_whose_fit_failed_is_not_said_to_be_untried():
     two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
     laws = ["rate-and-state", "logarithmic"]

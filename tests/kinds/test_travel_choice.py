@@ -93,6 +93,7 @@ def test_laws_that_are_not_told_apart_are_listed_in_the_first_sentence():
     assert "Viscous" not in verdict.sentence.replace("Coulomb + viscous", "")
 
 
+@pytest.mark.slow
 def test_a_law_never_leaves_more_than_one_that_it_contains():
     attached = dataclasses.replace(RIG, attached=True)
     truth = Coulomb(kinetic_coefficient=0.09)  # five half swings: travels rise and fall with it
@@ -204,6 +205,7 @@ def test_without_a_stated_uncertainty_it_is_estimated_with_its_degrees_of_freedo
     assert "4 degrees of freedom" in verdict.words.lede
 
 
+@pytest.mark.slow
 def test_repeats_of_a_setting_are_left_out_together():
     once = readings(VISCOUS, (0.06, 0.1, 0.15)).records()
     twice = Measurement(trials=tuple(one for one in once for _ in range(2)))
@@ -394,6 +396,7 @@ def test_who_has_marked_all_values_as_assumed_is_not_told_to(marked, settings, h
     assert instead in line
 
 
+@pytest.mark.slow
 def test_a_law_that_explains_the_readings_alone_does_so_beside_laws_that_do_not():
     # Coulomb friction leaves 18 mm of one reading; with a viscous part 2.7 mm are left of all
     read = {0.06: 0.164, 0.08: 0.265, 0.10: 0.396}
@@ -440,6 +443,7 @@ def test_a_given_value_between_the_pieces_of_an_interval_is_outside():
     assert "is outside the 95 % interval" in " ".join(verdict.words.settles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("directions", [(0.22, 0.25), (0.2, 0.3)])
 def test_friction_that_differs_by_direction_is_no_certainty_where_nobody_asked_for_it(directions):
     truth = DirectionDependent(
@@ -497,6 +501,7 @@ def test_no_setting_is_advised_whose_prediction_is_as_uncertain_as_the_laws_are_
     assert "within the uncertainty" in verdict.words.measure_next[0]
 
 
+@pytest.mark.slow
 def test_a_law_stays_where_its_best_level_swings_on_and_another_explains_as_well():
     rig = SpringBlock(mass=0.40955, stiffness=36.5607, compression=0.24019, attached=True)
     truth, errors = Coulomb(kinetic_coefficient=0.42525), (-5.96e-4, 2.06e-4, 5.18e-4)
@@ -519,6 +524,7 @@ def test_advice_has_the_uncertainty_of_what_it_predicts_and_truth_meets_it():
         assert abs(run["x"][-1] - run["x"][0] - row.predicted[proposal.best]) < 2.0 * error
 
 
+@pytest.mark.slow
 def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_branch():
     law = PowerViscous(kinetic_coefficient=0.1, viscous_coefficient=1.2, exponent=0.5)
     settings = (0.06, 0.08, 0.1, 0.12, 0.14, 0.16)
@@ -529,6 +535,7 @@ def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_bra
     assert found.chi_square <= float(np.sum((errors / 5e-4) ** 2))
 
 
+@pytest.mark.slow
 def test_bristles_are_searched_in_all_valleys_where_a_stribeck_curve_is_named():
     # their search knew that of the best law alone, whose level lies below 0.137
     rig = SpringBlock(mass=1.1720783, stiffness=91.712509, compression=0.2218701, attached=True)

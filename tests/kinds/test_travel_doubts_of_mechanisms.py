@@ -266,6 +266,7 @@ def test_the_verdict_names_a_setting_by_hand_in_millimetres():
     assert "The compression (1 mm) contributes more to its uncertainty than the readings." in said
 
 
+@pytest.mark.slow
 def test_repeats_that_were_set_anew_do_not_contradict_each_other():
     settings, s = [0.06, 0.1, 0.1], [0.0734, 0.1960, 0.2110]
     reading = travels(settings, s, error=0.0003)

@@ -44,6 +44,7 @@ def readings(rig, law, path, settings, errors, *, stated=True):
     return Measurement(trials=trials), true
 
 
+@pytest.mark.slow
 def test_intervals_hold_a_law_that_explains_the_travels_as_well_along_a_valley_that_bends():
     error = 0.67e-3
     rig = Axis(inertia=2.18, drive=Pulse(level=20.0, duration=0.285))

@@ -166,6 +166,7 @@ def failed():
     )
 
 
+@pytest.mark.slow
 def test_a_tie_opens_with_the_estimate_its_error_as_given_and_how_many_models_fit(tie_page):
     assert "0.255 0.249 to 0.261" in tie_page.text
     assert "1.9 %" in tie_page.text
@@ -241,6 +242,7 @@ def test_one_law_alone_is_not_compared(alone_page):
     assert "of 1 models" not in reader.text
 
 
+@pytest.mark.slow
 def test_a_ranking_shows_scores_and_each_trial(ranked):
     assert ranked.best.name == "coulomb-viscous"
     reader = read(page_of(ranked))
@@ -287,6 +289,7 @@ def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):
     assert steps_heading(turning[:2]) == "Fixed steps and the exact run"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1e4, 1e5])
 def test_a_step_that_bristles_do_not_allow_is_said_and_costs_nothing(stiffness):
     law = Dahl.from_forces(load=9.81, kinetic_force=2.5, bristle_stiffness=stiffness)

@@ -81,6 +81,7 @@ def percentages(text):
     return float(before), float(after)
 
 
+@pytest.mark.slow
 def test_one_per_cent_names_the_laws_that_are_then_not_told_apart():
     sheet = plan(BLOCK, ["coulomb", "coulomb-viscous", "viscous"], uncertainty=0.0055)
     one = next(one for one in sheet.preparations if one.path == X)

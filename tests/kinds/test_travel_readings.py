@@ -236,6 +236,7 @@ def test_a_table_of_a_rig_is_checked_for_cycles(tmp_path):
         load_rig(rig(tmp_path, '[data]\nfile = "ways.csv"\n'))
 
 
+@pytest.mark.slow
 def test_the_report_shows_what_was_read():
     from stickslip.kinds.travels.page.trials import trials_section
 
@@ -291,6 +292,7 @@ def test_a_run_that_ends_too_early_for_coulomb_friction_is_told_what_to_do():
         fit(BLOCK, Coulomb, Measurement(travel=0.2), t_end=0.2)
 
 
+@pytest.mark.slow
 def test_a_law_whose_bristles_creep_is_at_rest_within_the_scatter_of_unrounded_readings():
     """Numbers with sixteen digits state no error: what they scatter about the law by is one."""
     scatter = 1e-3 * np.random.default_rng(1).normal(size=6)
@@ -405,6 +407,7 @@ def fit_to_many():
     return fit(pushed(85.0, 0.5, 3.0), Coulomb, speeds(20), vary=TOLD, t_end=2.0)
 
 
+@pytest.mark.slow
 def test_many_mean_speeds_separate_a_capsules_stiffness_damping_force_and_friction():
     found = fit_to_many()
     truth = {"mu_k": 0.06, "k": 60.0, "c": 0.8, "F_1": 4.0}
@@ -427,6 +430,7 @@ def test_intervals_reach_over_other_values_that_fit_as_well():
     assert "Intervals reach over both" in found.told_apart[0]
 
 
+@pytest.mark.slow
 def test_one_setting_of_a_capsule_tells_a_combination_only_and_says_so():
     same = speeds(6, periods=(0.5, 0.5001), duties=(0.5, 0.5001))
     found = fit(pushed(85.0, 0.5, 3.0), Coulomb, same, vary=TOLD, t_end=2.0)

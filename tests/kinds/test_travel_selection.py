@@ -281,6 +281,7 @@ def test_nothing_is_said_of_a_drift_where_the_first_setting_comes_again():
     assert "drift" not in json.dumps(verdict.to_dict()["measure_next"])
 
 
+@pytest.mark.slow
 def test_more_friction_at_rest_is_found_where_it_explains_what_a_slope_does_not():
     # most draws of what nobody gave end as Coulomb + viscous friction: one of these went on for all
     rig = SpringBlock(mass=3.67, stiffness=72.3, compression=0.244, attached=True)

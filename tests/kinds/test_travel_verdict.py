@@ -227,6 +227,7 @@ def test_what_another_law_leaves_open_is_stated_for_the_named_law_only(verdict):
     assert "if Coulomb friction holds; Coulomb + viscous friction" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rig", [13, 37])
 def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):
     """Blocks with LuGre friction, for which Stribeck friction alone was stated, with wrong levels.
@@ -239,6 +240,7 @@ def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):
     assert not row["false"]
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_static_level_follows_the_speed_up_to_which_it_acts():
     """Slopes at the best values gave .1972 to .2016 for a static level of .2135."""
     row = judge(5102, 57)

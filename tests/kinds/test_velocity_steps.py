@@ -44,6 +44,7 @@ def test_fit_takes_velocity_steps_by_itself(machine, steps):
     assert fit(machine, "logarithmic", steps, route="rate-state").law.name == "logarithmic"
 
 
+@pytest.mark.slow
 def test_starts_and_seed_reach_the_search(machine, steps):
     def costs(**changes):
         settings = RecordSettings(**changes)

@@ -54,6 +54,7 @@ def short_polishes(monkeypatch):
     monkeypatch.setattr("stickslip.optimisation.optimise.POLISH", 1)
 
 
+@pytest.mark.slow
 def test_best_motion_keeps_every_limit_and_is_certified(spline):
     assert spline.best.feasible
     assert all(margin.margin >= 0.0 for margin in spline.margins)
@@ -70,6 +71,7 @@ def test_a_spline_found_by_a_short_search_brings_no_less_than_three_phases(splin
     assert spline.factor == spline.value / spline.three_phase.value
 
 
+@pytest.mark.slow
 def test_a_search_does_not_depend_on_its_executor(capsule, law, short_polishes):
     ask = {"limits": WIDE_LIMITS, "goal": "speed", "evaluations": FEW, "seed": 3}
     here = optimise_profile(capsule, law, **ask)
@@ -227,6 +229,7 @@ def test_state_of_another_problem_is_refused(capsule, law, short_polishes, tmp_p
         optimise_profile(capsule, law, limits=WIDE_LIMITS, state=state)
 
 
+@pytest.mark.slow
 def test_capsule_reaches_the_optimum_of_the_closed_form(capsule, law):
     # no way back: the slow phase just holds; and the fast one takes all of the force,
     # m (w2 - (p w2 - mu g)) = F, over the whole stroke L

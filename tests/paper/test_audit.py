@@ -274,6 +274,7 @@ def test_the_run_of_each_value_gives_the_published_travel_and_stops_as_the_paper
     assert found.requirement("viscous") is None
 
 
+@pytest.mark.slow
 def test_figures_6_to_10_show_the_published_travel_its_value_and_the_measured_one(found, page):
     figures = {
         int(n): figure

@@ -40,6 +40,7 @@ def found(tmp_path_factory):
     return audit(rig_of(tmp_path_factory.mktemp("rig"), round(travel, 6)))
 
 
+@pytest.mark.slow
 def test_levels_that_the_file_does_not_give_are_fitted_to_the_travel(found):
     assert found.own
     assert found.values.rig.compression == 0.08
@@ -66,6 +67,7 @@ def test_the_page_of_another_rig_says_nothing_of_printed_values(found):
     json.dumps(found.to_dict(), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_levels_of_the_file_stay_and_a_fastened_block_may_turn_back(tmp_path):
     more = "attached = true\n[friction]\nkinetic_coefficient = 0.1\nstatic_coefficient = 0.15"
     found = audit(rig_of(tmp_path, 0.05, more))
@@ -77,6 +79,7 @@ def test_levels_of_the_file_stay_and_a_fastened_block_may_turn_back(tmp_path):
         assert "reject every model" in paper_report(found)
 
 
+@pytest.mark.slow
 def test_assumed_bristles_are_not_said_to_stand_in_the_file(tmp_path):
     more = "[friction]\nkinetic_coefficient = 0.3\nstatic_coefficient = 0.35"
     section = assumption_section(audit(rig_of(tmp_path, 0.19, more)))

@@ -55,6 +55,7 @@ def ids(page):
     return re.findall(r'<section[^>]* id="([^"]+)"', page)
 
 
+@pytest.mark.slow
 def test_the_bundled_rig_is_reported_beside_its_paper():
     page, _ = report(load_rig())
     assert {"excitation", "table2", "equations", "misprints"} <= set(ids(page))

@@ -285,6 +285,7 @@ def test_a_wrong_digit_would_be_noticed(kind):
     assert max(excess(run, reference(setup, law)).values()) > 2.0 * limit(setup, law)
 
 
+@pytest.mark.slow
 def test_the_cases_meet_every_kind_of_event():
     every = {"stop", "reversal", "break-away", "spring touches", "block leaves the spring"}
     met = set()

@@ -132,6 +132,7 @@ def sections(html):
     return re.findall(r'<section[^>]* id="([a-z-]+)"', html)
 
 
+@pytest.mark.slow
 def test_a_record_has_all_sections_in_the_order_of_a_decision(verdict, html):
     expected = ["verdict", "map", "scores", "parameters", "residuals", "dropped", "record"]
     expected += ["certificate", "next", "reproduce"]
@@ -273,6 +274,7 @@ def test_the_chosen_law_is_compared_with_the_usual_one_or_the_next_best(verdict)
         assert rival_of(verdict).score == min(c.score for c in others)
 
 
+@pytest.mark.slow
 def test_laws_that_differ_by_direction_have_a_line_each():
     v = np.linspace(-0.2, 0.2, 160)
     noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
@@ -446,6 +448,7 @@ def loops_html(loops):
     return page_of(loops)
 
 
+@pytest.mark.slow
 def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert sections(loops_html)[1:3] == ["map", "loops"]
     text = text_of(loops_html)
@@ -467,6 +470,7 @@ def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, t
     assert "In the Coulomb + viscous law, friction grows from" in text_of(table_html)
 
 
+@pytest.mark.slow
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
     turned = dataclasses.replace(looped(), turning=True)
     with wide_only():
@@ -677,6 +681,7 @@ def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
     assert line.startswith("Friction in reverse at ")
 
 
+@pytest.mark.slow
 def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noise(verdict):
     joined = RecordSettings(starts=1, hold="first")  # the force was sampled, and not held
     fit = fit_record(

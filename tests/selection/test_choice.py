@@ -113,6 +113,7 @@ def power_table(seed, count=10, noise=0.02):
     return Measurement(velocity=v, friction=4.0 * v**0.35 * (1 + noise * random.normal(size=count)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, pytest.param(16, marks=pytest.mark.slow)])
 def test_a_power_of_the_speed_is_named_although_its_level_is_at_the_bound(count):
     for seed in range(count):
@@ -198,6 +199,7 @@ LAWS = ["coulomb", "coulomb-viscous", "direction-dependent", "power-viscous", "q
 
 
 # 90 % are asked for: with that probability 6 of 8 or more come out in 96 %, 18 of 20 in 68 %
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "least"), [(4, 3), pytest.param(20, 18, marks=pytest.mark.slow)])
 def test_coulomb_and_viscous_friction_is_named_where_it_is_the_truth(count, least):
     named = Counter(
@@ -209,6 +211,7 @@ def test_coulomb_and_viscous_friction_is_named_where_it_is_the_truth(count, leas
     assert named["coulomb-viscous"] >= least, named
 
 
+@pytest.mark.slow
 def test_a_falling_part_that_can_be_seen_is_named():
     def falling(v):
         return np.sign(v) * (2.0 + np.exp(-((v / 0.05) ** 2)) + 5.0 * np.abs(v))

@@ -55,6 +55,7 @@ def swung(*, fading):
     )
 
 
+@pytest.mark.slow
 def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
     verdict = select(RIG, None, swung(fading=0.1), settings=SETTINGS, purpose="compensate")
     assert verdict.best.name == "bam-m4"
@@ -72,6 +73,7 @@ def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
         assert found[name].low <= value <= found[name].high, name
 
 
+@pytest.mark.slow
 def test_shares_of_both_torques_that_do_not_differ_are_said():
     found = fit(RIG, BamM5, swung(fading=0.0), settings=SETTINGS, route="inverse-dynamics")
     assert "$k_m$ and $k_e$ are not shown to differ" in objection(found, shown=True)

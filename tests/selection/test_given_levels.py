@@ -149,6 +149,7 @@ def test_a_level_that_is_fitted_or_measured_is_not_said_to_be_given(record):
     assert refuted_by_record(fit(Axis(inertia=1.0), law, table)) == ""
 
 
+@pytest.mark.slow
 def test_a_selection_on_a_record_says_which_value_it_contradicts(record):
     law = Coulomb(kinetic_coefficient=0.16, static_coefficient=0.88)
     verdict = select(AXIS, {"coulomb": law}, record, route="inverse-dynamics")

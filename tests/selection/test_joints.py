@@ -60,6 +60,7 @@ def test_each_joint_has_a_ranking_of_all_laws_and_a_control(verdict):
         assert own.closest.score < 0.01  # noise of 0.01 N m, of which the filter leaves a tenth
 
 
+@pytest.mark.slow
 def test_one_multiple_of_a_unit_shows_errors_and_forces_of_all_joints():
     light = replace(ARM, lower_mass=0.01, lower_inertia=4e-4, rotor_inertia=0.0)
     t, q, v, a = motion(0, 4.0)
@@ -122,6 +123,7 @@ def test_a_report_has_a_section_for_each_joint_and_the_laws_as_a_rig_file(verdic
     assert rig.mechanism.upper_inertia == verdict.best.fit.mechanism.upper_inertia
 
 
+@pytest.mark.slow
 def test_residuals_that_follow_the_position_of_another_joint_are_drawn_against_it(
     verdict, sketches
 ):
@@ -146,6 +148,7 @@ def test_residuals_that_follow_the_position_of_another_joint_are_drawn_against_i
     assert made.blocks[0].caption.endswith("The first 3 of these 4 joints are drawn.")
 
 
+@pytest.mark.slow
 def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
     t, places, forces = parts(record(0, span=4.0))
     swapped = {"shoulder": forces["elbow"], "elbow": forces["shoulder"]}
@@ -173,6 +176,7 @@ def test_a_column_of_another_unit_or_sign_is_named(what, factor, said):
     assert any(one.startswith(said) for one in found.sentences)
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_names_what_it_has():
     told = []
 
@@ -213,6 +217,7 @@ def changed(one, joint, of):
     return Measurement(time=t, position=places, force={**forces, joint: of(t, places, forces)})
 
 
+@pytest.mark.slow
 def test_a_level_that_changes_along_the_way_of_one_joint_is_a_law_of_that_joint():
     """By 30 % from the middle to either end; without force balances it got Coulomb + viscous."""
     level, _, v, _ = TRUTH["shoulder"].kinetic_coefficient, *motion(3)[1:]
@@ -232,6 +237,7 @@ def test_a_level_that_changes_along_the_way_of_one_joint_is_a_law_of_that_joint(
     assert "coulomb-viscous" in [one.name for one in found.joints["shoulder"].candidates]
 
 
+@pytest.mark.slow
 def test_a_late_force_of_one_joint_is_a_finding_of_that_joint():
     def late(t, _, forces):
         return np.interp(t - 0.01, t, forces["elbow"])
@@ -249,6 +255,7 @@ def test_a_late_force_of_one_joint_is_a_finding_of_that_joint():
     assert [one.finding[:14] for one in alone.model_errors] == ["At the elbow: "]
 
 
+@pytest.mark.slow
 def test_what_no_law_of_a_joint_explains_is_said_without_a_cause():
     noise = np.random.default_rng(8).normal(size=5000)
     slow = np.convolve(noise, np.ones(100) / 10.0, mode="same")
@@ -285,6 +292,7 @@ def gear():
     return select(GUESSED, None, geared(3, 0.15), vary=LINEAR, settings=QUICK)
 
 
+@pytest.mark.slow
 def test_a_gear_that_loses_a_share_of_its_torque_is_found_where_masses_are_fitted(gear):
     assert gear.best is not None
     assert {name: one.closest.name for name, one in gear.joints.items()} == {

@@ -54,6 +54,7 @@ def names(verdict):
     return {one.name for one in verdict.candidates}
 
 
+@pytest.mark.slow
 def test_a_law_of_two_parts_is_reached_through_those_of_one(climbed):
     assert climbed.best.name == law(TWO_SIDED).name
     assert climbed.best.score < 0.3 * min(
@@ -62,6 +63,7 @@ def test_a_law_of_two_parts_is_reached_through_those_of_one(climbed):
     assert {"direction-dependent", "stribeck"} <= {*climbed.best.simpler}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "values"),
     [
@@ -93,6 +95,7 @@ def test_other_pairs_of_parts_are_reached_too(kind, values):
     assert found.best.name == law(kind).name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 4])
 def test_where_simple_friction_suffices_no_richer_law_is_fitted(seed):
     found = select(AXIS, None, plain(seed=seed), settings=QUICK)
@@ -128,6 +131,7 @@ def test_laws_that_were_named_are_all_fitted():
     assert not found.usual
 
 
+@pytest.mark.slow
 def test_the_ladder_is_the_same_with_several_workers(climbed):
     with ThreadPoolExecutor(2) as executor:
         again = select(AXIS, None, tilted(), settings=QUICK, executor=executor)
@@ -162,6 +166,7 @@ def test_directions_are_not_told_apart_on_motion_of_one_direction():
     assert not any(kind.directional for kind in kinds)
 
 
+@pytest.mark.slow
 def test_memory_is_not_tried_where_the_force_balance_does_not_ask_for_it():
     t = np.arange(0.0, 6.0, 2e-3)
     force = 6.0 * np.sin(2.0 * t) + 3.0 * np.sin(5.0 * t)

@@ -50,6 +50,7 @@ def late():
     return select(AXIS, LAWS, record(LATE), settings=QUICK)
 
 
+@pytest.mark.slow
 def test_friction_that_is_recorded_late_is_not_called_presliding(late):
     assert late.closest.name == "coulomb-viscous"  # though Dahl predicts as well, without a delay
     assert not late.sentence.startswith("Use")
@@ -65,6 +66,7 @@ def test_the_delay_has_an_interval_and_a_cure(late):
     assert "RecordSettings(friction_delay=0.0" in error.consequence
 
 
+@pytest.mark.slow
 def test_with_its_delay_a_record_is_that_of_the_true_law():
     own = replace(QUICK, friction_delay=0.02)
     found = select(AXIS, LAWS, record(LATE), settings=own)
@@ -74,6 +76,7 @@ def test_with_its_delay_a_record_is_that_of_the_true_law():
     assert found.model_errors == ()
 
 
+@pytest.mark.slow
 def test_true_presliding_is_presliding():
     law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
     found = select(AXIS, LAWS, record(law=law), settings=QUICK)
@@ -81,6 +84,7 @@ def test_true_presliding_is_presliding():
     assert found.model_errors == ()
 
 
+@pytest.mark.slow
 def test_presliding_that_is_recorded_late_is_named_with_its_delay():
     law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
     found = select(AXIS, LAWS, record(LATE, law=law), settings=QUICK)
@@ -88,6 +92,7 @@ def test_presliding_that_is_recorded_late_is_named_with_its_delay():
     assert found.model_errors[0].effect == pytest.approx(-0.02, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("response", [LATE, SensorResponse(delay=-0.02), SLOW])
 def test_the_force_balance_shows_how_late_friction_is_recorded(response):
     found = fit(AXIS, CoulombViscous, record(response), settings=QUICK)
@@ -157,6 +162,7 @@ def test_a_response_is_of_measured_friction_in_time():
         )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 8])
 def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_sign(number):
     # force channels late by 8 ms and slow by 16 ms; neither record is of a law with memory
@@ -167,6 +173,7 @@ def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_si
     assert [one.kind for one in found] == ["delay or presliding"]
 
 
+@pytest.mark.slow
 def test_a_model_that_does_not_hold_proposes_no_measurement_by_its_predictions():
     found = select(AXIS, LAWS, record(drift=0.8), settings=QUICK)
     assert found.model_errors[0].kind == "drift of the offset"

@@ -69,6 +69,7 @@ def unexplained():
     return selected(Measurement(velocity=np.linspace(-0.3, 0.3, 120), friction=2.0 * noise))
 
 
+@pytest.mark.slow
 def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_paragraph(confirmed):
     assert confirmed.sentence == "Use direction-dependent friction."
     best, on_second = confirmed.best, confirmed.on_second
@@ -88,6 +89,7 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     assert content["best"] == "direction-dependent"
 
 
+@pytest.mark.slow
 def test_a_law_that_loses_on_the_second_record_is_not_recommended(overturned):
     assert overturned.best is None
     assert overturned.closest.name == "direction-dependent"
@@ -104,6 +106,7 @@ def test_a_law_that_loses_on_the_second_record_is_not_recommended(overturned):
     assert "the choice does not hold there (Coulomb + viscous: " in overturned.words.lede
 
 
+@pytest.mark.slow
 def test_a_difference_within_doubt_overturns_nothing():
     # the same machine: whichever law is a little nearer on the second record by chance
     for seed in range(6):
@@ -112,6 +115,7 @@ def test_a_difference_within_doubt_overturns_nothing():
         assert found.best.name == "coulomb-viscous"
 
 
+@pytest.mark.slow
 def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says_so():
     found = selected(table(1), table(2, level=3.0))
     assert found.on_second.ratio > 5.0
@@ -143,6 +147,7 @@ def test_where_no_law_is_recommended_json_files_and_page_agree(which, tmp_path, 
     assert "chosen" not in {c["outcome"] for c in content["candidates"]}
 
 
+@pytest.mark.slow
 def test_contradictory_readings_are_seen_by_their_stated_uncertainty():
     halves = [table(1, level=2.0, noise=0.01), table(2, level=4.0, noise=0.01)]
     joined = {
@@ -163,6 +168,7 @@ def test_contradictory_readings_are_seen_by_their_stated_uncertainty():
     assert selected(table(1, noise=0.02, uncertainty={"friction": 0.001})).best is not None
 
 
+@pytest.mark.slow
 def test_a_simple_law_within_the_stated_uncertainty_is_enough():
     asymmetric = {"forward": 5.3, "noise": 0.005}
     assert selected(table(1, **asymmetric)).best.name == "direction-dependent"

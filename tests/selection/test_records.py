@@ -204,6 +204,7 @@ def test_titles_stand_in_sentences_as_one_says_them():
     assert in_sentence("Viscous") == "viscous"
 
 
+@pytest.mark.slow
 def test_a_viscous_part_that_goes_to_0_is_left_out_and_said_to_be():
     t = np.linspace(0.0, 3.0, 300)
     x = 1e-3 * np.sin(2.0 * np.pi * t)
@@ -222,6 +223,7 @@ def test_an_unknown_purpose_is_named_with_the_known_ones(record):
         select(AXIS, [Coulomb], record, purpose="play")
 
 
+@pytest.mark.slow
 def test_compensation_is_judged_by_the_friction_force(record):
     found = select(
         AXIS,
@@ -253,6 +255,7 @@ def test_the_blocks_that_are_told_are_those_that_are_scored():
     assert f"on {count} held-out blocks" in found.purpose.scored
 
 
+@pytest.mark.slow
 def test_what_is_to_be_simulated_is_simulated_over_the_whole_record(verdict, record):
     known = {c.name: c for c in verdict.candidates if c.validation}
     # after 8 s the true law leaves the encoder's noise, and what errors of its parameters add
@@ -352,6 +355,7 @@ def failing_without_a_block(*kinds):
     return descend
 
 
+@pytest.mark.slow
 def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch):
     monkeypatch.setattr(refits, "_stepped", lambda *_: None)  # no fit is spared
     monkeypatch.setattr(refits, "improve", failing_without_a_block(Viscous))
@@ -387,6 +391,7 @@ def decays(*compressions, noise=2e-5):
     return rig, Measurement(trials=tuple(trials)) if len(trials) > 1 else trials[0]
 
 
+@pytest.mark.slow
 def test_one_free_decay_is_enough_to_select_on():
     rig, record = decays(0.1)
     found = select(rig, [Viscous, CoulombViscous], record, settings=QUICK)
@@ -426,6 +431,7 @@ def test_numbers_that_a_law_made_are_selected_on_without_noise():
     assert found.best.score == pytest.approx(0.0, abs=1e-12)  # digits of a sum of some tens
 
 
+@pytest.mark.slow
 def test_two_candidates_of_one_name_are_refused(record):
     twice = [Coulomb(kinetic_coefficient=1.0), Coulomb(kinetic_coefficient=2.0)]
     with pytest.raises(InputError, match="two of `laws` are called 'coulomb': give a mapping"):
@@ -587,6 +593,7 @@ def trials_of_levels(*levels):
     )
 
 
+@pytest.mark.slow
 def test_the_verdict_on_trials_that_do_not_share_one_law_is_no_plain_use():
     verdict = select(Axis(inertia=1.0), ["coulomb-viscous"], trials_of_levels(5.0, 6.0, 7.0))
     assert "predicts best, but the trials do not share one law (p < 0.001)" in verdict.sentence
@@ -598,6 +605,7 @@ def test_the_verdict_on_trials_that_do_not_share_one_law_is_no_plain_use():
     assert not any("halves of the record" in line for line in verdict.closest.fit.sentences)
 
 
+@pytest.mark.slow
 def test_the_verdict_on_trials_that_share_one_law_says_so():
     verdict = select(Axis(inertia=1.0), ["coulomb-viscous"], trials_of_levels(5.0, 5.0, 5.0))
     assert verdict.sentence.startswith("Use ")
@@ -607,6 +615,7 @@ def test_the_verdict_on_trials_that_share_one_law_says_so():
     assert one.to_dict()["trials"] is None
 
 
+@pytest.mark.slow
 def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
     t = np.arange(0.0, 6.0, 1e-2)
     force = 9.0 * np.sin(1.7 * t) + 6.0 * np.sin(4.1 * t)

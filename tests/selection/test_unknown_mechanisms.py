@@ -38,6 +38,7 @@ def driven():
     )
 
 
+@pytest.mark.slow
 def test_of_a_free_decay_the_force_balance_names_the_law_and_its_fit_the_values():
     found = select(AXIS, None, decay(LEVEL))
     assert found.best.name == "coulomb"
@@ -78,6 +79,7 @@ def test_free_decays_ask_for_the_law_that_damps_them(text, values):
         assert asked.best.start[f"friction.{name}"] == pytest.approx(value, rel=0.03)
 
 
+@pytest.mark.slow
 def test_an_unknown_stiffness_is_a_term_of_the_force_balance(driven):
     unknown = ("mechanism.stiffness",)
     asked = asked_of(replace(AXIS, stiffness=250.0), driven, "zero", unknown, PROMPT)
@@ -86,6 +88,7 @@ def test_an_unknown_stiffness_is_a_term_of_the_force_balance(driven):
     assert model_errors(asked.explanation, driven, "zero", PROMPT) == ()
 
 
+@pytest.mark.slow
 def test_a_record_with_an_unknown_stiffness_is_selected_on_by_the_force_balance(driven):
     given = replace(AXIS, stiffness=250.0)
     found = select(given, None, driven, vary=["friction.*", "mechanism.stiffness"])
@@ -112,6 +115,7 @@ def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(driven):
     assert "is their sum" in said.finding
 
 
+@pytest.mark.slow
 def test_a_given_spring_that_is_wrong_is_said_to_be_an_error_of_given_values(driven):
     asked = asked_of(replace(AXIS, stiffness=400.0), driven, "zero", (), PROMPT)
     assert asked.best.text == "level + viscous"
@@ -120,6 +124,7 @@ def test_a_given_spring_that_is_wrong_is_said_to_be_an_error_of_given_values(dri
     assert said.effect == pytest.approx(20.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_free_motion_of_unknown_mass_and_stiffness_holds_the_mass_and_says_so():
     vary = ["friction.*", "mechanism.stiffness", "mechanism.inertia"]
     wrong = replace(AXIS, stiffness=500.0, inertia=2.2)

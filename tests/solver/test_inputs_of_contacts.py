@@ -263,6 +263,7 @@ def test_clutches_of_a_loop_that_warm_up_let_go_where_their_fading_levels_say():
         assert run.certificate.certified
 
 
+@pytest.mark.slow
 def test_both_sides_of_a_belt_agree_with_a_regularised_reference():
     rig = TwoMassAxis(
         motor_inertia=0.4, load_inertia=0.7, stiffness=60.0, damping=0.5, offset=0.6,

@@ -63,6 +63,7 @@ def test_angles_of_shafts_are_those_of_relative_angles():
     assert run["phi3"][-1] == pytest.approx(2.7104644362313807195, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_sensitivities_are_those_of_the_coordinates_that_are_asked_for():
     absolute, relative, laws, start = shafts()
     paths = ["mechanism.inertia", "friction.clutch-2.kinetic_coefficient"]

@@ -315,6 +315,7 @@ def test_the_verb_takes_arrays(tmp_path):
 # Executors.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["inline", "processes", "loky"])
 def test_any_executor_makes_the_same_files(name, tmp_path):
     whole = files(asked().run(tmp_path / "threads").folder)
@@ -332,6 +333,7 @@ def test_any_executor_makes_the_same_files(name, tmp_path):
     assert files(found.folder) == whole
 
 
+@pytest.mark.slow
 def test_a_worker_of_dask_that_is_killed_changes_nothing(tmp_path):
     from distributed import Client, LocalCluster
 
