@@ -194,18 +194,20 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
     drifting = dataclasses.replace(confirmed.checks, findings=(*findings, drift))
     assert "after an hour" in proposed(drifting)
     wrong = dataclasses.replace(findings[0], severity="warning", sentence="A gain is wrong.")
+    numbers = {"samples": 3600, "independent": 17.2}
+    few = dataclasses.replace(wrong, kind="effective size", numbers=numbers)
     said = record_wording(
         confirmed.candidates,
         confirmed.best,
         None,
         {},
-        dataclasses.replace(confirmed.checks, findings=(wrong, *findings)),
+        dataclasses.replace(confirmed.checks, findings=(wrong, few, drift, *findings)),
         confirmed.experiments[:1],
         scored="",
     ).measure_next
     assert said[0] == "First correct the record: A gain is wrong."
     *_, last = said  # what to measure comes after it, that the speeds are in order at the end
-    assert len(said) == 2 + len(confirmed.experiments[:1])
+    assert len(said) == 3  # what else there is does not crowd it out
     assert last.startswith("Measure in random order")
 
 

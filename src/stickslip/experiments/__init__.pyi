@@ -18,8 +18,8 @@ from stickslip.experiments.checking.mains import is_narrow as is_narrow
 from stickslip.experiments.checking.mains import lines_of as lines_of
 from stickslip.experiments.checking.mains import words_of as words_of
 from stickslip.experiments.checking.motion import motion_of as motion_of
-from stickslip.experiments.checking.order import order_advice as order_advice
 from stickslip.experiments.checking.order import speeds_in_order as speeds_in_order
+from stickslip.experiments.checking.order import with_order as with_order
 from stickslip.experiments.differentiation import GAP as GAP
 from stickslip.experiments.differentiation import interval_of as interval_of
 from stickslip.experiments.differentiation import noise_of as noise_of

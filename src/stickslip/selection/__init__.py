@@ -26,6 +26,8 @@ INSIDE = {
     "ONE_LAW": "verdict",
     "Plan": "cross_validation",
     "REFERENCE": "candidates",
+    "ROUNDS": "drift",
+    "SETTLED": "drift",
     "UNMEASURED": "verdict",
     "Watch": "candidates",
     "Wording": "verdict",

@@ -35,6 +35,8 @@ from stickslip.selection.cross_validation import cross_validate as cross_validat
 from stickslip.selection.cross_validation import halves as halves
 from stickslip.selection.cross_validation import plan_of as plan_of
 from stickslip.selection.drift import LIKELY as LIKELY
+from stickslip.selection.drift import ROUNDS as ROUNDS
+from stickslip.selection.drift import SETTLED as SETTLED
 from stickslip.selection.drift import along as along
 from stickslip.selection.drift import drift_text as drift_text
 from stickslip.selection.drift import if_drifting as if_drifting

@@ -10,6 +10,10 @@ from stickslip.selection.verdict import in_sentence
 
 LIKELY: Final = 0.25
 """Largest drift over all readings, over the friction, that is thought of."""
+ROUNDS: Final = 8
+"""Steps of the search for a drift beside a law, at most."""
+SETTLED: Final = 1e-3
+"""Change of a drift below which it is found."""
 
 
 def along(count: int) -> NDArray[np.float64]:

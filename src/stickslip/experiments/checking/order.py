@@ -11,23 +11,38 @@ from stickslip.formatting import lower_first
 
 FEWEST: Final = 3
 """Settings from which on an order is none by chance alone."""
+NEARLY: Final = 0.1
+"""Places that a setting is from its place in order at most, over their number: a drift over these
+few is hardly seen."""
 
 
 def monotone(settings: Array) -> str:
     """Return how settings go from one to the next: "increases", "decreases" or neither, empty.
 
-    A setting may be repeated before the next one is taken. One that comes again later ends the
-    order, and shows a drift by itself.
+    A setting may be repeated before the next one is taken. Of many, some may have changed places
+    with the next: they increase "mostly". One that comes again later ends the order, and shows a
+    drift by itself.
 
     Examples
     --------
     >>> monotone(np.array([0.1, 0.1, 0.2, 0.4])), monotone(np.array([0.1, 0.2, 0.4, 0.1]))
     ('increases', '')
+    >>> monotone(np.array([10, 9, 8, 7, 5, 6, 4, 3, 2, 1]))
+    'mostly decreases'
     """
-    steps = np.diff(settings)
     if np.unique(settings).size < FEWEST:
         return ""
-    return "increases" if np.all(steps >= 0.0) else "decreases" if np.all(steps <= 0.0) else ""
+    for how, rising in (("increases", settings), ("decreases", -settings)):
+        off = np.max(np.abs(np.argsort(rising, kind="stable") - np.arange(rising.size)))
+        if off <= NEARLY * rising.size:
+            return f"mostly {how}" if off else how
+    return ""
+
+
+def _orders(velocity: Array) -> list[str]:
+    """Return how the speeds of each direction go; one with hardly a reading has no order."""
+    sides = (velocity[velocity < 0.0], velocity[velocity > 0.0])
+    return [monotone(side) for side in sides if side.size >= FEWEST]
 
 
 def speeds_in_order(velocity: Array) -> bool:
@@ -39,9 +54,11 @@ def speeds_in_order(velocity: Array) -> bool:
     True
     >>> speeds_in_order(np.array([0.1, 0.4, 0.2])), speeds_in_order(np.array([0.1, 0.2, 0.4, 0.1]))
     (False, False)
+    >>> speeds_in_order(np.array([0.1, 0.2, 0.4, -0.1]))
+    True
     """
-    sides = [velocity[velocity < 0.0], velocity[velocity > 0.0]]
-    return all(monotone(side) for side in sides if side.size) and any(one.size for one in sides)
+    found = _orders(velocity)
+    return bool(found) and all(found)
 
 
 def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
@@ -70,8 +87,10 @@ def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
 
 def speeds(record: Measurement) -> Iterator[Finding]:
     """Say of a table that its speeds are in order."""
-    if speeds_in_order(np.asarray(record.values("velocity"))):
-        said = "The speeds are in order from row to row; if they were measured"
+    velocity = np.asarray(record.values("velocity"))
+    if speeds_in_order(velocity):
+        how = "mostly " if any(one.startswith("mostly") for one in _orders(velocity)) else ""
+        said = f"The speeds are {how}in order from row to row; if they were measured"
         yield _finding(said, "speed")
 
 
@@ -90,15 +109,16 @@ def _finding(said: str, what: str) -> Finding:
     )
 
 
-def order_advice(findings: Sequence[Finding]) -> list[str]:
-    """Return what to measure where settings are in order, in a sentence.
+def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> tuple[str, ...]:
+    """Return what to measure, so many lines at most: at last in another order, if one was found.
 
     Examples
     --------
     >>> table = Measurement(velocity=[0.1, 0.2, 0.4], friction=[2.0, 2.1, 2.3])
-    >>> order_advice([*speeds(table)])[0][:62]
-    'Measure in random order, or repeat the first speed at the end:'
+    >>> [one[:23] for one in with_order(["Measure at 1 m/s.", "Warm it up."], [*speeds(table)], 2)]
+    ['Measure at 1 m/s.', 'Measure in random order']
     """
-    return [
+    found = [
         f"{one.measure}: {lower_first(one.sentence)}" for one in findings if one.kind == "order"
     ][:1]
+    return (*lines[: most - len(found)], *found)

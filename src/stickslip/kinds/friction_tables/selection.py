@@ -1,6 +1,5 @@
 """Selection on friction tables: every law fitted, judged on speeds it has not seen, one named."""
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -24,8 +23,8 @@ from stickslip.identification import (
     positions_of,
     refitted,
 )
-from stickslip.kinds.friction_tables.drift import drift_of, drifting_instead
-from stickslip.kinds.friction_tables.shapes import Readings, other_shape
+from stickslip.kinds.friction_tables.drift import drift_of, drifting_instead, reaching
+from stickslip.kinds.friction_tables.shapes import Readings, other_shape, smooth_curve
 from stickslip.kinds.kind import Request
 from stickslip.kinds.records.admissibility import standard_uncertainty
 from stickslip.kinds.records.ladder import climbed
@@ -41,7 +40,7 @@ from stickslip.kinds.records.selection import (
     without_stated,
 )
 from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
-from stickslip.selection import APART, NEAR, CrossValidation, apart, checked, errs_more
+from stickslip.selection import APART, NEAR, apart, checked, errs_more
 
 Array = NDArray[np.float64]
 
@@ -66,12 +65,6 @@ SHARE: Final = 0.10
 SIZE: Final = 0.01
 """Share of an error up to which two laws predict the others alike: what a row that decides alone
 leaves of them is the same to a few digits, and differs by rounding always one way."""
-LENGTHS: Final = (0.1, 0.2, 0.3, 0.5, 0.85)
-"""Lengths over which curves bend, over the range of the logarithm of the speed ..."""
-NOISES: Final = (0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
-"""... and variances of the noise, over that by which they bend."""
-STIFF: Final = 100.0
-"""Variance of the level of a curve, over that by which it bends."""
 ROUTE: Final = "force-map"
 """Route of fits to friction that was measured."""
 
@@ -230,31 +223,13 @@ def with_curve(candidate: RecordCandidate, *, uncertainty: float) -> RecordCandi
     readings = Readings.of(candidate)
     if readings is None:
         return candidate
-    smooth = _smooth(readings)
+    smooth = smooth_curve(readings)
     if errs_more(
         candidate, replace(candidate, validation=smooth), errors=NEAR, uncertainty=uncertainty
     ):
         return replace(candidate, curve=smooth)
     other = other_shape(candidate, readings) if candidate.score > uncertainty else None
     return candidate if other is None else replace(candidate, curve=other)
-
-
-def _smooth(readings: Readings) -> CrossValidation:
-    """Return the held-out errors of the smooth curve that predicts a table best.
-
-    The curve is no law: a Gaussian process over the logarithm of the speed, one for each direction.
-    """
-    x, side, friction = np.log(readings.speed), readings.side, readings.friction
-    alike = side[:, None] == side[None, :]
-    apart = np.subtract.outer(x, x) / max(float(np.ptp(x)), 1e-9)
-    tried = []
-    for length, noise in itertools.product(LENGTHS, NOISES):
-        covariance = alike * (np.exp(-0.5 * (apart / length) ** 2) + STIFF)
-        inverse = np.linalg.inv(covariance + noise * np.eye(len(x)))
-        weights = inverse @ friction
-        left = [np.linalg.solve(inverse[np.ix_(r, r)], weights[r]) for r in readings.groups]
-        tried.append(tuple(float(np.mean(one**2)) for one in left))
-    return CrossValidation(losses=min(tried, key=sum), extrapolation=math.nan)
 
 
 def select_table(request: Request) -> RecordVerdict:
@@ -271,19 +246,22 @@ def select_table(request: Request) -> RecordVerdict:
     )
     verdict_of = asked.judged(measurement)
     verdict = verdict_of()
-    errors: list[ModelError] = []
     if measurement.trials:
         return verdict
+    errors: list[ModelError] = []
+    possible: list[Measurement] = []
     if drift := drift_of(verdict.closest, verdict.candidates, measurement):
-        measurement, errors = drift.without(measurement), [drift.finding]
-        verdict_of = asked.judged(measurement)
+        possible = drift.possible(measurement)
+        errors = [drift.finding(measurement.unit("friction"))]
+        measurement = drift.drift.without(measurement)
+        verdict_of = asked.judged(measurement, possible)
         verdict = verdict_of(errors)
     otherwise: dict[str, str] = {}
     stated = standard_uncertainty(measurement, "friction")
     for row in suspects(verdict.closest, stated):
         rest = without_row(measurement, row)
         with suppress(ConvergenceError, InputError):  # too few rows are left
-            again = asked.judged(rest)
+            again = asked.judged(rest, [without_row(one, row) for one in possible])
             closest = again().closest
             seen = WithoutRow.of(row, verdict.closest, closest, measurement)
             if seen.wrong:
@@ -306,8 +284,13 @@ class _Selection:
     horizon: float
     route: RouteChoice
 
-    def judged(self, measurement: Measurement) -> Callable[..., RecordVerdict]:
-        """Fit the laws to a table and judge them; return what puts that into a verdict."""
+    def judged(
+        self, measurement: Measurement, possible: Sequence[Measurement] = ()
+    ) -> Callable[..., RecordVerdict]:
+        """Fit the laws to a table and judge them; return what puts that into a verdict.
+
+        Intervals reach what follows from other tables that are `possible`.
+        """
         mechanism, asked = self.parameters.mechanism, self.request
         checks = checked(mechanism, measurement, asked.validate)
         fitted = partial(
@@ -338,8 +321,9 @@ class _Selection:
             )
 
         def told(c: RecordCandidate, errors: Sequence[ModelError]) -> RecordCandidate:
-            known = tuple(errors)
-            return c if c.fit is None else replace(c, fit=replace(c.fit, known_errors=known))
+            if c.fit is None:
+                return c
+            return replace(c, fit=replace(reaching(c.fit, possible), known_errors=tuple(errors)))
 
         def verdict_of(
             errors: Sequence[ModelError] = (), otherwise: Mapping[str, str] | None = None

@@ -680,7 +680,11 @@ def verdict_on(
         on_second=on_second,
         trials=trials,
         equals=tuple(
-            dict.fromkeys((*(c.name for c in equals_of(closest, ordered)), *closest.otherwise))
+            dict.fromkeys(
+                name
+                for name in (*(c.name for c in equals_of(closest, ordered)), *closest.otherwise)
+                if name != closest.name
+            )
         ),
         experiments=experiments,
         half_estimates=halves(closest.fit),

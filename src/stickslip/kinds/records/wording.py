@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks, order_advice
+from stickslip.experiments import QUANTITIES, Checks, with_order
 from stickslip.formatting import (
     Scale,
     capital,
@@ -449,5 +449,4 @@ def _measure_next(
         )
     elif not lines:
         lines.append("Record at other speeds, loads or temperatures, where the law extrapolates.")
-    lines += order_advice(checks.findings)
-    return tuple(lines[:MOST])
+    return with_order(lines, checks.findings, MOST)

@@ -12,16 +12,12 @@ from stickslip.identification import Estimate, TravelModel
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.verdict import TravelCandidate
 from stickslip.quantities import parameters, vary
-from stickslip.selection import LIKELY, along, if_drifting
+from stickslip.selection import LIKELY, ROUNDS, SETTLED, along, if_drifting
 
 Array = NDArray[np.float64]
 
 FORCES: Final = ("level", "slope", "drag", "force")
 """What scales of parameters begin with that a drift of friction changes."""
-ROUNDS: Final = 8
-"""Steps of the search, at most."""
-SETTLED: Final = 1e-3
-"""Change of a drift below which it is found."""
 STEP: Final = 1e-3
 """Step of differences, over the value."""
 
@@ -41,11 +37,12 @@ def drifting(candidate: TravelCandidate, t_end: float) -> TravelCandidate | None
         return None
     if found is None:
         return None
-    *_, drift = found
-    again, spread = _travels(fit, t_end, found), _spread(fit, t_end, found)
+    values, spread = found
+    *_, drift = values
+    again = _travels(fit, t_end, values)
     moved = [
         _estimate(one, value, error, drift)
-        for one, value, error in zip(fit.estimates, found[:-1].tolist(), spread, strict=True)
+        for one, value, error in zip(fit.estimates, values[:-1].tolist(), spread, strict=True)
     ]
     fit = replace(fit, predicted=tuple(again.tolist()), estimates=tuple(moved))
     title = if_drifting(candidate.title, float(drift), "trial")
@@ -79,8 +76,11 @@ def _slopes(fit: TravelFit, t_end: float, values: Array, here: Array) -> Array:
     return np.column_stack(columns)
 
 
-def _searched(fit: TravelFit, t_end: float) -> Array | None:
-    """Return the values of what was fitted, and the drift, with which a law leaves least."""
+def _searched(fit: TravelFit, t_end: float) -> tuple[Array, list[float]] | None:
+    """Return the values of what was fitted, and the drift, with which a law leaves least.
+
+    And the standard errors of these beside the drift, by the last slopes.
+    """
     root = np.linalg.cholesky(fit.travel_covariance(fit.variance[0]))
     values = np.array([*(one.value for one in fit.estimates), 0.0])
     measured, limits = np.array(fit.measured), [one.quantity.low for one in fit.estimates]
@@ -93,16 +93,9 @@ def _searched(fit: TravelFit, t_end: float) -> Array | None:
         if not abs(values[-1]) <= LIKELY:
             return None
         if abs(step[-1]) < SETTLED:
-            return values
+            covariance = np.linalg.pinv(slopes.T @ slopes, rcond=1e-10, hermitian=True)
+            return values, [math.sqrt(max(one, 0.0)) for one in np.diag(covariance)[:-1]]
     return None
-
-
-def _spread(fit: TravelFit, t_end: float, values: Array) -> list[float]:
-    """Return standard errors of what was fitted beside a drift."""
-    root = np.linalg.cholesky(fit.travel_covariance(fit.variance[0]))
-    slopes = np.linalg.solve(root, _slopes(fit, t_end, values, _travels(fit, t_end, values)))
-    covariance = np.linalg.pinv(slopes.T @ slopes, rcond=1e-10, hermitian=True)
-    return [math.sqrt(max(one, 0.0)) for one in np.diag(covariance)[:-1]]
 
 
 def _estimate(one: Estimate, value: float, error: float, drift: float) -> Estimate:

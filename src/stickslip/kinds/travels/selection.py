@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, check, order_advice, refuse_faults
+from stickslip.experiments import Measurement, check, refuse_faults
 from stickslip.formatting import joined, lower_first
 from stickslip.friction import (
     DirectionDependent,
@@ -158,7 +158,7 @@ def select_travels(
             proposal,
             against,
             ranked=scored,
-            order=order_advice(check(measurement).findings),
+            found=check(measurement).findings,
         )
     )
     return TravelVerdict(

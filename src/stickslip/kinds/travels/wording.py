@@ -6,6 +6,7 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
+from stickslip.experiments import Finding, with_order
 from stickslip.formatting import Scale, capital, count, joined, lower_first, number, quantity
 from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.kinds.travels.admissibility import doubts
@@ -58,9 +59,9 @@ def wording(
     against: Contradiction | None,
     *,
     ranked: bool,
-    order: Sequence[str] = (),
+    found: Sequence[Finding] = (),
 ) -> Wording:
-    """Put a selection into words, with what to measure where settings are in `order`."""
+    """Put a selection into words, with what was found of the order of the settings."""
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:
@@ -82,7 +83,7 @@ def wording(
         measure_next=(
             tuple(f"Check: {lower_first(line)}" for line in against.check[:3])
             if against
-            else (*_measure_next(explained, best, proposal)[: 3 - len(order)], *order)
+            else with_order(_measure_next(explained, best, proposal), found, 3)
         ),
         no_score="" if against else _no_score(trials, ranked=ranked),
     )
@@ -403,7 +404,7 @@ def _symbols(explained: Sequence[TravelCandidate], names: set[str]) -> str:
 
 def _measure_next(
     explained: Sequence[TravelCandidate], best: TravelCandidate | None, proposal: Proposal | None
-) -> tuple[str, ...]:
+) -> list[str]:
     lines = [] if proposal is None else [proposal.line({c.name: c.title for c in explained})]
     assumed = {name for c in explained for name in c.assumed}
     if best is not None and best.score is None:
@@ -412,7 +413,7 @@ def _measure_next(
         rivals = [c for c in explained if c.name in proposal.rivals]
         wanted = {name for c in rivals for name in c.invented}
         lines += [advice for name, advice in ADVICE.items() if name in wanted]
-    return tuple(lines[:3])
+    return lines
 
 
 def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:
