@@ -283,13 +283,17 @@ class Balance:
             self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
 
-    def within(self, low: float, high: float) -> "Balance":
-        """Return the balance without rows in which a measured force from a limit on has a part."""
+    def inside(self, *, largest: bool, smallest: bool) -> "Balance":
+        """Return the balance without rows in which a force at an end of its piece has a part.
+
+        Each record may have a range of its own, and a constant force may have been taken off.
+        """
         found = copy(self)
         found.use = self.use.copy()
         for one in self.parts:
-            ends = spread_out((one.raw <= low) | (one.raw >= high), int(1.0 / self.fc / one.h) + 1)
-            found.use[one.rows] &= ~ends[:: one.every]
+            there = (largest & (one.raw == one.raw.max())) | (smallest & (one.raw == one.raw.min()))
+            beside = spread_out(there, int(1.0 / self.fc / one.h) + 1)
+            found.use[one.rows] &= ~beside[:: one.every]
         return found
 
     @contextmanager
