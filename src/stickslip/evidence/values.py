@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import design, matched, solved, training_error
-from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure
+from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ def column_keys(owners: Sequence[Term]) -> list[str]:
 
 
 def free_values(structure: Structure) -> list[Value]:
-    """Return the nonlinear parameters that may leave their grids."""
+    """Return the nonlinear parameters that may leave their grids; 0 has no logarithm."""
     found = [
         Value(term, i)
         for term in structure.terms
@@ -94,8 +94,8 @@ def free_values(structure: Structure) -> list[Value]:
         if i not in TERMS[term.kind].fixed and x != 0.0
     ]
     for channel, shape in structure.memories:
-        which = (0, 2, 3) if len(shape) == 5 else (0, 1) if shape[1] > 0.0 else (0,)
-        found += [Value(channel, i) for i in which]
+        which = (0, 2, 3) if fades(shape) else (0, 1)
+        found += [Value(channel, i) for i in which if shape[i] != 0.0]
     return found
 
 
@@ -126,7 +126,7 @@ def sane(balance: Balance, structure: Structure) -> bool:
         resolved, span = balance.resolved[channel], balance.span[channel]
         if not (shape[1] <= EXPONENTS[1] and 1.5 * resolved < shape[0] < span):
             return False
-        if len(shape) == 5 and not (_seen(balance, channel, shape[2]) and shape[3] < 4.0):
+        if fades(shape) and not (_seen(balance, channel, shape[2]) and shape[3] < 4.0):
             return False
     return all(_within(balance, term) for term in structure.terms)
 
