@@ -38,8 +38,8 @@ SHORTEST = 8.0
 ROOM_TEMPERATURE = 20.0
 """Temperature [°C] from which terms in the temperature count."""
 DELIVERED = 0.3
-"""Share of the samples of a force that an amplifier delivers, at least: a force that is nearly
-always beyond its limit is not known."""
+"""Share of the samples of a force that an amplifier delivers, at least: their largest is the least
+limit that is tried. A force that is nearly always beyond its limit is not known."""
 POINTS = 20
 """Folds of a table, at most."""
 
@@ -186,13 +186,13 @@ class Balance:
         } | dict(resolved)
         self.speed: dict[str, float] = {}
         self.span: dict[str, float] = {}
-        self.usual_force: dict[str, float] = {}
+        self.least_limit: dict[str, float] = {}
         for c in self.channels:
             own = [one for one in parts if one.channel == c]
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
             force = np.abs(np.concatenate([one.raw for one in own]))
-            self.usual_force[c] = float(np.quantile(force, DELIVERED))
+            self.least_limit[c] = float(np.quantile(force, DELIVERED))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[tuple[float, float, float], Array] = {}
 

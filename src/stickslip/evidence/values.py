@@ -146,7 +146,7 @@ def _within(balance: Balance, term: Term) -> bool:
         return abs(first) * (balance.length if kind == "skew" else 1.0) <= LATEST
     if kind == "hum":
         return first < balance.fc
-    return kind != "saturation" or first >= balance.usual_force[term.channel]
+    return kind != "saturation" or first >= balance.least_limit[term.channel]
 
 
 def _seen(balance: Balance, channel: str, v_s: float) -> bool:
