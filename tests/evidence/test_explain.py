@@ -202,10 +202,11 @@ def made_up(folds, *kinds):
         ("viscous", 0.06, True),
         ("viscous", 0.03, False),
         ("spring", 0.15, False),
+        ("level_ripple", 0.15, False),
         ("spring", 0.3, True),
     ],
 )
-def test_a_term_that_accuses_the_rig_has_to_earn_more(kind, drop, stays):
+def test_a_term_that_accuses_the_rig_and_a_wave_have_to_earn_more(kind, drop, stays):
     """Drops of the mean square of 4 % and of 19 % are those of the rms of 2 % and of 10 %."""
     old = made_up(np.full(10, 1.0), "level")
     new = made_up(np.full(10, 1.0 - drop), "level", kind)

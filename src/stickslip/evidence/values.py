@@ -29,10 +29,8 @@ EXPONENTS = (0.2, 2.5)
 """Limits of the exponent of a viscous power: one of less is nearly a level."""
 SLOW = 0.5
 """Largest Stribeck velocity over the largest speed, at which the step has gone."""
-WAVES = ("ripple", "level_ripple", "imbalance")
-"""Kinds of waves along the way."""
 LEAST_PERIODS = 1.8
-"""Least periods of a ripple in the range of the position."""
+"""Least periods of a wave in the range of the position."""
 LATEST = 0.06
 """Largest delay [s], at the end of the record where it grows."""
 
@@ -140,7 +138,7 @@ def _within(balance: Balance, term: Term) -> bool:
         return EXPONENTS[0] <= first < EXPONENTS[1]
     if kind.startswith("stribeck"):
         return _seen(balance, term.channel, first)
-    if kind in ("ripple", "level_ripple"):
+    if TERMS[kind].wave:
         return first * balance.span[term.channel] / (2.0 * math.pi) > LEAST_PERIODS
     if kind in SHOWN_LATE:
         return abs(first) * (balance.length if kind == "skew" else 1.0) <= LATEST
@@ -167,7 +165,7 @@ def changes(
         turns = 0.0
         if isinstance(one.owner, Term) and one.owner.kind == "hum":
             turns = 2.0 * math.pi * balance.length * one.of(structure)
-        elif isinstance(one.owner, Term) and one.owner.kind in WAVES:
+        elif isinstance(one.owner, Term) and TERMS[one.owner.kind].wave:
             turns = balance.span[one.owner.channel] * one.of(structure)
         found.append(min(usual, TURN / max(turns, TURN)))
     return found
