@@ -119,7 +119,7 @@ def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8824, 11]), "backlash")
     told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
     (fault,) = told.faults
-    assert {"delay", "flexible"} <= set(fault.kinds)
+    assert {"delay", "flexible", "backlash"} <= set(fault.kinds)
 
 
 def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks():
