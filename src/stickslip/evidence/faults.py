@@ -69,10 +69,10 @@ def _fault(
     largest = max(group, key=lambda term: _size(search, best, [term]))
     kinds = [largest.kind, *(term.kind for term in group if term is not largest)]
     known = {term.kind for term in (*search.terms, *search.delays)}
+    if len({*kinds}) == 1:
+        kinds += _instead(search, best, ties, group)
     if not _alone(best, ties, group):
         kinds += [kind for kind in LATE_OR_ELASTIC if kind in known]
-    else:
-        kinds += _instead(search, best, ties, group)
     size = _size(search, best, group)
     value, interval = _value(best, largest, intervals)
     return Fault(
