@@ -10,6 +10,7 @@ from stickslip.errors import InputError
 from stickslip.evidence import Balance, Series, Structure, Term, begin, explain, fit
 from stickslip.evidence.fits import CHANCE, design, solved
 from stickslip.evidence.moves import moves
+from stickslip.evidence.values import free_values, logarithms
 from stickslip.evidence.vocabulary import vocabulary
 
 RANDOM = np.random.default_rng(5)
@@ -244,3 +245,10 @@ def test_no_mass_is_accused_beside_columns_of_a_mechanism_that_are_free():
     free = replace(series, extra={"inertia": np.sin(3.0 * t)})
     kinds = [{term.kind for term in vocabulary(Balance([one]))} for one in (series, free)]
     assert ["mass" in one for one in kinds] == [True, False]
+
+
+def test_a_value_of_0_stays_where_it_is_as_it_has_no_logarithm():
+    law = Structure((Term("delay", (0.0,)), Term("level")), (("", (1e-3, 1.0, 0.1, 0.0, 2.0)),))
+    free = free_values(law)
+    assert [one.name for one in free] == ["-/r0", "-/vs"]
+    np.testing.assert_allclose(logarithms(law, free), np.log([1e-3, 0.1]))

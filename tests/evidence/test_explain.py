@@ -125,7 +125,7 @@ def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
     _, found, _ = closed_loop_axes.moving(np.random.default_rng([8824, 11]), "backlash")
     told = explain([Series(found.time, found.position, found.values("force"), hold=True)])
     (fault,) = told.faults
-    assert {"delay", "flexible"} <= set(fault.kinds)
+    assert {"delay", "flexible", "backlash"} <= set(fault.kinds)
 
 
 def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks():
@@ -209,10 +209,11 @@ def made_up(folds, *kinds):
         ("viscous", 0.06, True),
         ("viscous", 0.03, False),
         ("spring", 0.15, False),
+        ("level_ripple", 0.15, False),
         ("spring", 0.3, True),
     ],
 )
-def test_a_term_that_accuses_the_rig_has_to_earn_more(kind, drop, stays):
+def test_a_term_that_accuses_the_rig_and_a_wave_have_to_earn_more(kind, drop, stays):
     """Drops of the mean square of 4 % and of 19 % are those of the rms of 2 % and of 10 %."""
     old = made_up(np.full(10, 1.0), "level")
     new = made_up(np.full(10, 1.0 - drop), "level", kind)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.signal import sosfiltfilt
 
 from stickslip.evidence import Series
 from stickslip.evidence.motion import (
@@ -30,6 +31,12 @@ def test_the_resolution_is_the_rounding_or_the_noise_whichever_is_larger():
     x = np.sin(T)
     assert resolution(np.round(x / 1e-3) * 1e-3) == pytest.approx(1e-3 / math.sqrt(12.0), rel=1e-6)
     assert resolution(noisy(x, 1e-4)) == pytest.approx(1e-4, rel=0.1)  # of a thousand samples
+
+
+@pytest.mark.parametrize("shape", [(64,), (500, 1), (500, 3)])
+def test_a_filter_that_knows_its_settled_states_is_that_of_scipy(shape):
+    low, x = low_pass(H, 30.0), np.cumsum(RANDOM.normal(size=shape), axis=0)
+    np.testing.assert_array_equal(passed(low, x), sosfiltfilt(low.sections, x, axis=0))
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e5])

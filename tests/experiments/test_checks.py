@@ -162,6 +162,7 @@ def test_a_force_that_is_cut_off_is_saturated_at_both_ends():
     cut = np.clip(parts()["force"], -30, 30)
     above, below = found("saturation", force=cut)
     assert (above.numbers["level"], below.numbers["level"]) == (30.0, -30.0)
+    assert (above.numbers["end"], below.numbers["end"]) == (1.0, -1.0)
     assert above.numbers["share"] == np.mean(cut == 30.0)
     assert above.severity == "warning"
 

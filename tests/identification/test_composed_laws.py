@@ -8,13 +8,14 @@ import pytest
 from benchmarks.faults import FAULTS, faulty
 
 from stickslip import Axis, CoulombViscous, LuGre, Measurement, SpringBlock, fit, select
-from stickslip.evidence import SIGN, Fit, Series, Structure, Term, explain
+from stickslip.evidence import SIGN, Balance, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
 from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
 from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.identification.terms import composed_laws
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
+from stickslip.identification.terms.findings import _inside
 from stickslip.kinds.records.explained import Explained, _compared, explained
 from stickslip.selection.verdict import friction_of
 
@@ -431,6 +432,22 @@ def test_a_fault_that_samples_at_the_end_of_a_range_alone_ask_for_may_be_that_ra
 def test_a_fault_that_the_other_samples_ask_for_too_is_named_beside_a_range():
     (found,) = broken("unknown-spring", 7330, lambda one: clipped(one, 0.95))
     assert found.kind == "spring"
+
+
+def test_only_the_end_at_which_a_force_stays_is_left_out_whatever_its_sign():
+    """A constant 12 N: the smallest force is 8 N, of one record, and the other has none so low."""
+    time = 0.002 * np.arange(5000)
+    force = 12.0 + 2.0 * np.sign(np.cos(3.0 * time)) + 4.0 * np.sin(3.0 * time)
+    low = Measurement(time=time, position=np.sin(3.0 * time), force=np.maximum(force, 8.0))
+    both = Measurement(trials=[low, replace(low, force=force + 10.0)])
+    balance = Balance(dense_series(Axis(inertia=1.0), both, "zero", ()))
+    inside = _inside(SimpleNamespace(balance=balance), both)
+    first, second = balance.parts
+    there = first.raw[:: first.every] == 8.0
+    assert there.mean() > 0.1
+    assert not (inside.use[first.rows] & there).any()
+    assert np.mean(inside.use[first.rows]) > 0.5
+    assert np.mean(inside.use[second.rows]) > 0.9
 
 
 @pytest.mark.slow

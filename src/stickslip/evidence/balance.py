@@ -38,8 +38,8 @@ SHORTEST = 8.0
 ROOM_TEMPERATURE = 20.0
 """Temperature [°C] from which terms in the temperature count."""
 DELIVERED = 0.3
-"""Share of the samples of a force that an amplifier delivers, at least: a force that is nearly
-always beyond its limit is not known."""
+"""Share of the samples of a force that an amplifier delivers, at least: their largest is the least
+limit that is tried. A force that is nearly always beyond its limit is not known."""
 POINTS = 20
 """Folds of a table, at most."""
 
@@ -186,13 +186,13 @@ class Balance:
         } | dict(resolved)
         self.speed: dict[str, float] = {}
         self.span: dict[str, float] = {}
-        self.usual_force: dict[str, float] = {}
+        self.least_limit: dict[str, float] = {}
         for c in self.channels:
             own = [one for one in parts if one.channel == c]
             self.speed[c] = max(top_speed(np.concatenate([one.v for one in own])), 1e-300)
             self.span[c] = max(float(np.ptp(one.q)) for one in own)
             force = np.abs(np.concatenate([one.raw for one in own]))
-            self.usual_force[c] = float(np.quantile(force, DELIVERED))
+            self.least_limit[c] = float(np.quantile(force, DELIVERED))
         self._columns: dict[tuple[Term, Shape | None], tuple[Array, Array]] = {}
         self._late: dict[tuple[float, float, float], Array] = {}
 
@@ -283,13 +283,17 @@ class Balance:
             self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
 
-    def within(self, low: float, high: float) -> "Balance":
-        """Return the balance without rows in which a measured force from a limit on has a part."""
+    def inside(self, *, largest: bool, smallest: bool) -> "Balance":
+        """Return the balance without rows in which a force at an end of its piece has a part.
+
+        Each record may have a range of its own, and a constant force may have been taken off.
+        """
         found = copy(self)
         found.use = self.use.copy()
         for one in self.parts:
-            ends = spread_out((one.raw <= low) | (one.raw >= high), int(1.0 / self.fc / one.h) + 1)
-            found.use[one.rows] &= ~ends[:: one.every]
+            there = (largest & (one.raw == one.raw.max())) | (smallest & (one.raw == one.raw.min()))
+            beside = spread_out(there, int(1.0 / self.fc / one.h) + 1)
+            found.use[one.rows] &= ~beside[:: one.every]
         return found
 
     @contextmanager

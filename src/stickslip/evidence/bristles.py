@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.blas import dtbsv
 
 Array = NDArray[np.float64]
 Shape = tuple[float, ...]
@@ -72,33 +73,20 @@ def lugre_states(path: Array, velocity: Array, shapes: Sequence[Shape], start: f
     """Return LuGre states along a path (n,) for shapes (length, 1, v_s, rho, delta): (n, k).
 
     At constant speed the state is g = 1 + rho exp(-(|v| / v_s)^delta). Each step is an affine map
-    of the state, so chunks run side by side and are joined by their products.
+    of the state, so that all of them are one triangular system with a band of two.
     """
-    length, _, v_s, rho, delta = np.array(shapes).T
-    steps = np.diff(path)
-    chunk = max(math.isqrt(len(steps)), 1)
-    chunks = -(-len(steps) // chunk)
-    padded = np.zeros((2, chunks * chunk))
-    padded[0, : len(steps)] = steps
-    padded[1, : len(steps)] = np.abs(velocity[1:])
-    way, speed = padded.reshape(2, chunks, chunk).transpose(0, 2, 1)[..., None]
-    states = np.empty((chunk, chunks, len(shapes)))
-    products = np.empty_like(states)
-    state, product = np.zeros(states.shape[1:]), np.ones(states.shape[1:])
-    for i in range(chunk):
-        level = 1.0 + rho * np.exp(-((speed[i] / v_s) ** delta))
-        forgotten = np.exp(-np.abs(way[i]) / (length * level))
-        wanted = np.sign(way[i]) * level
-        state = wanted + (state - wanted) * forgotten
-        product = product * forgotten
-        states[i], products[i] = state, product
-    starts = np.empty(states.shape[1:])
-    at = np.full(len(shapes), float(start))
-    for j in range(chunks):
-        starts[j] = at
-        at = states[-1, j] + products[-1, j] * at
-    inside = (states + products * starts).transpose(1, 0, 2).reshape(-1, len(shapes))
-    return np.concatenate([np.full((1, len(shapes)), float(start)), inside[: len(steps)]])
+    steps, speed = np.diff(path), np.abs(velocity[1:])
+    ways, sizes = np.sign(steps), np.abs(steps)
+    found = np.empty((len(shapes), len(path)))
+    band = np.ones((2, len(path)), order="F")
+    for states, (length, _, v_s, rho, delta) in zip(found, shapes, strict=True):
+        level = 1.0 + rho * np.exp(-((speed / v_s) ** delta))
+        kept = np.exp(-sizes / (length * level))
+        band[1, :-1] = -kept
+        states[0] = start
+        states[1:] = ways * level * (1.0 - kept)
+        states[:] = dtbsv(1, band, states, lower=1, diag=1)
+    return found.T
 
 
 def play(path: Array, reach: float) -> Array:

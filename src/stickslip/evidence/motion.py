@@ -1,17 +1,21 @@
 """What a measured motion shows: its resolution, the band of the balance, directions and rests."""
 
 import math
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from stickslip.evidence.series import Series
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+ORDER = 4
+"""Order of filters."""
 SHARE = 0.01
 """Share of the force that noise of the position may cost through the inertia in the band."""
 OF_FRICTION = 0.025
@@ -31,14 +35,34 @@ ABOVE = 3.0
 """Standard deviations of its noise from which a velocity has a direction."""
 
 
-def low_pass(h: float, fc: float, most: float = 0.9) -> Array:
-    """Return the filter of fourth order with a band [Hz] at steps h [s], as sections."""
-    return np.asarray(butter(4, min(2.0 * h * fc, most), output="sos"))
+@final
+@dataclass(frozen=True, eq=False)
+class LowPass:
+    """A filter, with the states that take scipy's filter longer to find than a column to pass."""
+
+    sections: Array
+    """Sections of second order (m, 6)."""
+    settled: Array
+    """Their states after a constant 1 (m, 2)."""
 
 
-def passed(sos: Array, x: Array) -> Array:
-    """Return columns (n, ...) after the filter, forward and backward."""
-    return np.asarray(sosfiltfilt(sos, x, axis=0))
+def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
+    """Return the filter of fourth order with a band [Hz] at steps h [s]."""
+    sections = np.asarray(butter(ORDER, min(2.0 * h * fc, most), output="sos"))
+    return LowPass(sections, np.asarray(sosfilt_zi(sections)))
+
+
+def passed(low: LowPass, x: Array) -> Array:
+    """Return columns (n, ...) after the filter, forward and backward, as `sosfiltfilt` does.
+
+    Beyond their ends they go on point-mirrored, and before these as a constant.
+    """
+    n = 3 * (ORDER + 1)
+    found = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
+    settled = low.settled.reshape(*low.settled.shape, *(1,) * (x.ndim - 1))
+    for _ in ("forward", "backward"):
+        found = sosfilt(low.sections, found, axis=0, zi=settled * found[0])[0][::-1]
+    return np.asarray(found[n:-n])
 
 
 def derivative(x: Array, h: float) -> Array:
@@ -100,20 +124,20 @@ def band(series: Series) -> float:
         noise = series.mass * resolution(series.q)
         allowed = SHARE * float((series.force if series.force.any() else rest).std())
         if series.taken is not None or series.extra:  # friction may be a small part of the force
-            sos = low_pass(h, min(10.0, top / 2.0))
-            a = derivative(derivative(passed(sos, series.q), h), h)
-            friction = passed(sos, rest) - series.mass * a
-            known = [passed(sos, one) for one in series.extra.values()]
+            low = low_pass(h, min(10.0, top / 2.0))
+            a = derivative(derivative(passed(low, series.q), h), h)
+            friction = passed(low, rest) - series.mass * a
+            known = [passed(low, one) for one in series.extra.values()]
             friction = friction - _fitted(np.column_stack([np.ones_like(a), *known]), friction)
             small = OF_FRICTION * float(friction.std())
             allowed = min(allowed, small) if allowed > 0.0 else small
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
-    sos = low_pass(h, min(10.0, top / 2.0))
-    v = np.gradient(passed(sos, series.q), h)
+    low = low_pass(h, min(10.0, top / 2.0))
+    v = np.gradient(passed(low, series.q), h)
     a = np.gradient(v, h)
-    f = passed(sos, rest)
+    f = passed(low, rest)
     slow = max(0.01 * top_speed(v), 1e-300)
-    known = [passed(sos, one) for one in series.extra.values()]
+    known = [passed(low, one) for one in series.extra.values()]
     columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a), *known])
     size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
     values = np.linalg.lstsq(columns / size, f, rcond=None)[0] / size

@@ -106,8 +106,9 @@ def _grams(made: Design, columns: Sequence[Array]) -> _Grams:
         for k, block in zip(range(balance.folds), blocks, strict=True)
     ]
     ends = np.cumsum([x.shape[1] for x in columns])
-    for rows in (*blocks, *gaps):
-        own, force, other = made.columns[rows], made.force[rows], wide[rows]
+    for rows in map(np.flatnonzero, (*blocks, *gaps)):
+        own, force = made.columns.take(rows, axis=0), made.force[rows]
+        other = wide.take(rows, axis=0)
         among = [
             other[:, end - x.shape[1] : end].T @ other[:, end - x.shape[1] : end]
             for end, x in zip(ends, columns, strict=True)

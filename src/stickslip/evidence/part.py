@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.evidence.bristles import SIGN, Shape, bristle_states, lugre_states, play
 from stickslip.evidence.motion import (
     RINGING,
+    LowPass,
     derivative,
     directions,
     low_pass,
@@ -45,8 +46,8 @@ class Part:
     """Step [s] of its samples."""
     every: int
     """Samples to a row: rows are not denser than the band asks for."""
-    filter: Array | None
-    """Sections of the filter that force and columns pass; None in a table, which needs none."""
+    filter: LowPass | None
+    """The filter that force and columns pass; None in a table, which needs none."""
     t: Array
     """Times (n,) [s] of the samples."""
     clock: Array

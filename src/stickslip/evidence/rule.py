@@ -18,10 +18,6 @@ Margins = tuple[float, float, float]
 
 HALF_BLOCKS = 8
 """Blocks of time in each half that its standard errors come from."""
-ALONG_THE_WAY = ("ripple", "imbalance")
-"""Forces that no law of friction has: they say as much of the rig as a fault."""
-SEARCHED = ("level_ripple",)
-"""Parts of laws whose frequency is looked for."""
 JOINT = 3.0
 """Joint standard errors within which the coefficients of two halves agree."""
 ALIKE = 0.5
@@ -57,10 +53,7 @@ class Rule:
     ties: bool = True
     """Whether the most usual is named of what is not told apart."""
     fault: Margins | None = (2.0, 0.10, 0.01)
-    """The three margins of a term that accuses the rig or the measurement."""
-    searched: Margins = (2.0, 0.05, 0.01)
-    """Those of a part of a law whose frequency is the best of some hundred: one of them fits what
-    other terms leave of the balance."""
+    """The three margins of a term that accuses the rig or the measurement, and of a wave."""
 
     def better(self, new: Fit, old: Fit, scale: float, noise: float = 0.0) -> bool:
         """Return whether a fit is better than another, at a scale [N] of the friction.
@@ -84,13 +77,9 @@ class Rule:
 
     def margins(self, new: Structure, old: Structure) -> Margins:
         """Return the margins that one structure has to earn over another."""
-        further = [term for term in new.terms if not old.has(term.kind)]
-        if self.fault is not None and any(
-            TERMS[one.kind].fault or one.kind in ALONG_THE_WAY for one in further
-        ):
+        further = [TERMS[term.kind] for term in new.terms if not old.has(term.kind)]
+        if self.fault is not None and any(one.fault or one.wave for one in further):
             return self.fault
-        if any(one.kind in SEARCHED for one in further):
-            return self.searched
         return self.errors, self.size, self.floor
 
 

@@ -71,6 +71,9 @@ class Kind:
     """Whether physics asks for coefficients that are not negative."""
     fault: bool = False
     """Whether the term says that the rig or the measurement is at fault."""
+    wave: bool = False
+    """Whether it is a wave along the way. Its frequency is the best of some hundred, one of which
+    fits what other terms leave: it has to earn the margins of a fault."""
     even: bool = False
     """Whether it acts alike in both directions: half the difference between directions."""
     limits: tuple[float, float] | None = None
@@ -284,6 +287,7 @@ TERMS: dict[str, Kind] = {
         column=_ripple,
         contact="odd",
         rank=3,
+        wave=True,
         columns=("sin", "cos"),
         par=("wave number",),
     ),
@@ -291,6 +295,7 @@ TERMS: dict[str, Kind] = {
         name="ripple",
         column=_ripple,
         rank=3,
+        wave=True,
         columns=("sin", "cos"),
         par=("wave number",),
     ),
@@ -298,6 +303,7 @@ TERMS: dict[str, Kind] = {
         name="imbalance",
         column=_imbalance,
         rank=4,
+        wave=True,
         columns=("sin", "cos"),
         par=("wave number",),
     ),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import design, matched, solved, training_error
-from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure
+from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -29,10 +29,8 @@ EXPONENTS = (0.2, 2.5)
 """Limits of the exponent of a viscous power: one of less is nearly a level."""
 SLOW = 0.5
 """Largest Stribeck velocity over the largest speed, at which the step has gone."""
-WAVES = ("ripple", "level_ripple", "imbalance")
-"""Kinds of waves along the way."""
 LEAST_PERIODS = 1.8
-"""Least periods of a ripple in the range of the position."""
+"""Least periods of a wave in the range of the position."""
 LATEST = 0.06
 """Largest delay [s], at the end of the record where it grows."""
 
@@ -86,7 +84,7 @@ def column_keys(owners: Sequence[Term]) -> list[str]:
 
 
 def free_values(structure: Structure) -> list[Value]:
-    """Return the nonlinear parameters that may leave their grids."""
+    """Return the nonlinear parameters that may leave their grids; 0 has no logarithm."""
     found = [
         Value(term, i)
         for term in structure.terms
@@ -94,8 +92,8 @@ def free_values(structure: Structure) -> list[Value]:
         if i not in TERMS[term.kind].fixed and x != 0.0
     ]
     for channel, shape in structure.memories:
-        which = (0, 2, 3) if len(shape) == 5 else (0, 1) if shape[1] > 0.0 else (0,)
-        found += [Value(channel, i) for i in which]
+        which = (0, 2, 3) if fades(shape) else (0, 1)
+        found += [Value(channel, i) for i in which if shape[i] != 0.0]
     return found
 
 
@@ -126,7 +124,7 @@ def sane(balance: Balance, structure: Structure) -> bool:
         resolved, span = balance.resolved[channel], balance.span[channel]
         if not (shape[1] <= EXPONENTS[1] and 1.5 * resolved < shape[0] < span):
             return False
-        if len(shape) == 5 and not (_seen(balance, channel, shape[2]) and shape[3] < 4.0):
+        if fades(shape) and not (_seen(balance, channel, shape[2]) and shape[3] < 4.0):
             return False
     return all(_within(balance, term) for term in structure.terms)
 
@@ -140,13 +138,13 @@ def _within(balance: Balance, term: Term) -> bool:
         return EXPONENTS[0] <= first < EXPONENTS[1]
     if kind.startswith("stribeck"):
         return _seen(balance, term.channel, first)
-    if kind in ("ripple", "level_ripple"):
+    if TERMS[kind].wave:
         return first * balance.span[term.channel] / (2.0 * math.pi) > LEAST_PERIODS
     if kind in SHOWN_LATE:
         return abs(first) * (balance.length if kind == "skew" else 1.0) <= LATEST
     if kind == "hum":
         return first < balance.fc
-    return kind != "saturation" or first >= balance.usual_force[term.channel]
+    return kind != "saturation" or first >= balance.least_limit[term.channel]
 
 
 def _seen(balance: Balance, channel: str, v_s: float) -> bool:
@@ -167,7 +165,7 @@ def changes(
         turns = 0.0
         if isinstance(one.owner, Term) and one.owner.kind == "hum":
             turns = 2.0 * math.pi * balance.length * one.of(structure)
-        elif isinstance(one.owner, Term) and one.owner.kind in WAVES:
+        elif isinstance(one.owner, Term) and TERMS[one.owner.kind].wave:
             turns = balance.span[one.owner.channel] * one.of(structure)
         found.append(min(usual, TURN / max(turns, TURN)))
     return found

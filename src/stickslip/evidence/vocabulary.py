@@ -144,7 +144,7 @@ def saturations(balance: Balance, channel: str) -> Iterator[Term]:
     force = np.concatenate([np.abs(one.raw) for one in balance.of(channel)])
     limits = np.concatenate([np.quantile(force, LIMITS), (1.0 - np.array(BEYOND)) * force.max()])
     for limit in dict.fromkeys(float(f"{x:.3g}") for x in limits):
-        if limit >= balance.usual_force[channel] > 0.0:
+        if limit >= balance.least_limit[channel] > 0.0:
             yield Term("saturation", (limit,), channel)
 
 

@@ -304,6 +304,12 @@ def _runs(values: Array) -> tuple[Array, Array]:
     return values[first], np.diff(np.append(first, values.size))
 
 
+def _ends(values: Array) -> Iterator[tuple[str, int, float]]:
+    """Yield both ends of a signal: in words, 1 for the largest value and -1, and the value."""
+    yield "largest", 1, float(values.max())
+    yield "smallest", -1, float(values.min())
+
+
 def saturated(record: Measurement) -> Iterator[Finding]:
     """Name forces that sit at their extreme for many samples in a row."""
     for name, values in arrays(record):
@@ -311,7 +317,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
         if name not in LIMITED or span == 0.0 or not bool(np.any(np.diff(values) == 0)):
             continue
         levels, lengths = _runs(values)
-        for way, extreme in (("largest", float(values.max())), ("smallest", float(values.min()))):
+        for way, end, extreme in _ends(values):
             there = levels == extreme
             near = (np.abs(levels - extreme) < 0.1 * span) & ~there
             longest = int(lengths[there].max())
@@ -329,7 +335,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
                     " sensor saturates, unless the drive was constant there."
                 ),
                 measure="Record within the range of amplifier and sensor",
-                numbers={"level": extreme, "longest": longest, "share": share},
+                numbers={"level": extreme, "end": end, "longest": longest, "share": share},
             )
 
 
@@ -346,7 +352,7 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
     clear = CLEAR * max(step, noise_of(values, step))
     levels, lengths = _runs(values)
     ends = np.cumsum(lengths)
-    for way, extreme in (("largest", float(values.max())), ("smallest", float(values.min()))):
+    for way, end, extreme in _ends(values):
         short = np.abs(values - extreme)
         found = [
             int(lengths[k])
@@ -366,7 +372,12 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
                     " motion was driven in this way."
                 ),
                 measure="Record within the range of the sensor",
-                numbers={"level": extreme, "longest": max(found), "times": len(found)},
+                numbers={
+                    "level": extreme,
+                    "end": end,
+                    "longest": max(found),
+                    "times": len(found),
+                },
             )
 
 

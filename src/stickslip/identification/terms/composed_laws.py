@@ -109,6 +109,11 @@ class Asked:
         """The law of the best structure."""
         return next(iter(self.laws.values()))
 
+    @property
+    def flows(self) -> bool:
+        """Whether the law of the best structure has a part that grows with the speed."""
+        return bool(_flow(_of(self.explanation.best.structure, "")))
+
     def starts_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> tuple[FittedLaw, ...]:
         """Return fits from which the search of a law begins, one of the best law's values first."""
         found = tuple(one.as_fit(unknown) for one in self.laws.values())

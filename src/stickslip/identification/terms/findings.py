@@ -308,17 +308,19 @@ def model_errors(
 
 
 def _inside(found: Explanation, measurement: Measurement) -> Balance | None:
-    """Return the balance without the samples at which the force stays at its extreme, if any do."""
-    ends = [x.numbers for x in check(measurement).of("saturation") if "share" in x.numbers]
-    if not ends or len(found.balance.channels) > 1:
+    """Return the balance without the samples at which a force stays at its extreme, if any do."""
+    told = [x.numbers for x in check(measurement).of("saturation") if "share" in x.numbers]
+    if not told or len(found.balance.channels) > 1:
         return None
-    levels = [one["level"] for one in ends]
-    low = max((x for x in levels if x < 0.0), default=-math.inf)
-    return found.balance.within(low, min((x for x in levels if x > 0.0), default=math.inf))
+    ends = {one["end"] for one in told}
+    return found.balance.inside(largest=1.0 in ends, smallest=-1.0 in ends)
 
 
 def _remains(inside: Balance | None, found: Explanation, fault: Fault) -> bool:
-    """Whether a fault earns its place without the samples at which the force stays at an end."""
+    """Whether a fault earns its place without the samples at which the force stays at an end.
+
+    Where they are nearly all, what is left has too few blocks to tell.
+    """
     if inside is None:
         return True
     best = without = found.best.structure

@@ -27,8 +27,6 @@ from stickslip.selection import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second", *GEARS)
 """Kinds of terms that only a record which asks for them brings in."""
-FLOWS = ("viscous", "power", "drag")
-"""Parts of laws that grow with the speed."""
 MOST = 2
 """Rivals that are fitted beside the law of the best structure."""
 FEWEST = 5
@@ -38,7 +36,8 @@ CLEARER = 0.5
 """Error of a fitted force over that of the balance below which the fit of a law with a memory has
 seen what the balance has not. That of other laws has the narrower band."""
 TEXTBOOK = "lugre"
-"""Law with a bristle that stands beside all others that have one."""
+"""Law with a bristle that stands beside all others that have one, and that is tried where all
+others have none and leave more than noise."""
 ONE_MEMORY = "dahl-exponent"
 """Law whose exponent two memories may stand for."""
 ELASTIC = "elasto-plastic"
@@ -46,8 +45,6 @@ ELASTIC = "elasto-plastic"
 RELATIVES = ("gms", ELASTIC)
 """Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
 leaves more than noise."""
-BRISTLE = "lugre"
-"""Law with a bristle that is tried where all others have none and leave more than noise."""
 CLEARLY = 1.5
 """Force that laws without a bristle leave, over what one with it leaves, from which it is less."""
 WHITE = 1.5
@@ -140,13 +137,13 @@ class Explained:
         # of a law without a bristle, rests are not among the rows that its fit leaves a force at
         bristled = [one for one in fits if one.law.states]
         if not bristled:
-            first = specification(BRISTLE)
-            new = closest.rms > noise and BRISTLE not in tried
+            first = specification(TEXTBOOK)
+            new = closest.rms > noise and TEXTBOOK not in tried
             return (first, closest.fitted_law) if new else None
         closest = min(bristled, key=lambda one: one.rms)
         rigid = [one.rms for one in fits if not one.law.states]
-        told = self.asked.best.specification.law.states
-        if not told and CLEARLY * closest.rms > min(rigid, default=math.inf):
+        resolved = self.asked.best.specification.law.states
+        if not resolved and CLEARLY * closest.rms > min(rigid, default=math.inf):
             return None
         name = next((one for one in RELATIVES if one not in tried), None)
         composed = [one for one in bristled if one.law.name not in RELATIVES]
@@ -272,7 +269,7 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     own = {}
-    if not (best.structure.memories or any(part in asked.best.text for part in FLOWS)):
+    if not (best.structure.memories or asked.flows):
         kind = law(f"{asked.best.text} + viscous")
         own = {kind.name: CandidateSpec(name=kind.name, title=kind.title, law=kind)}
         names |= dict.fromkeys(own)

@@ -46,7 +46,7 @@ from stickslip.kinds.records.admissibility import (
     unidentified,
     variation_of,
 )
-from stickslip.kinds.records.explained import BRISTLE, Explained, explained
+from stickslip.kinds.records.explained import TEXTBOOK, Explained, explained
 from stickslip.kinds.records.ladder import Climbed, climbed, with_gears
 from stickslip.kinds.records.next_measurements import experiments_after
 from stickslip.kinds.records.simplification import one_part_less, untold
@@ -313,11 +313,13 @@ def _with_relatives(
         new = asked.relative(fits, {spec.name for spec in found.specs})
         if new is None:
             return found
+        spec, start = new
         rival = min(fits, key=lambda one: one.rms).fitted_law
-        one = fitted(new[0], [new[1]], rival.cost / rival.rows, watch)
-        rigid = new[0].name == BRISTLE and one.fit and STIFFNESS in unidentified(one.fit)
+        one = fitted(spec, [start], rival.cost / rival.rows, watch)
+        bristle = one.fit if spec.name == TEXTBOOK else None
+        rigid = bristle is not None and STIFFNESS in unidentified(bristle)
         one = replace(one, dropped=RIGID) if rigid else one
-        found = replace(found, specs=(*found.specs, new[0]), tried=(*found.tried, one))
+        found = replace(found, specs=(*found.specs, spec), tried=(*found.tried, one))
         if rigid:
             return found
 
