@@ -14,7 +14,6 @@ from stickslip.evidence.motion import (
     directions,
     low_pass,
     open_rows,
-    passed,
     resolution,
 )
 
@@ -36,7 +35,7 @@ def test_the_resolution_is_the_rounding_or_the_noise_whichever_is_larger():
 @pytest.mark.parametrize("shape", [(64,), (500, 1), (500, 3)])
 def test_a_filter_that_knows_its_settled_states_is_that_of_scipy(shape):
     low, x = low_pass(H, 30.0), np.cumsum(RANDOM.normal(size=shape), axis=0)
-    np.testing.assert_array_equal(passed(low, x), sosfiltfilt(low.sections, x, axis=0))
+    np.testing.assert_array_equal(low.passed(x), sosfiltfilt(low.sections, x, axis=0))
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e5])
@@ -60,9 +59,7 @@ def test_in_the_band_noise_of_the_position_costs_its_share_of_the_force():
     v, a = np.gradient(x, H), -0.3 * (2.0 * np.pi) ** 2 * np.sin(2.0 * np.pi * T)
     force = mass * a + 5.0 * np.sign(v)
     fc = band(Series(T, noisy(x, sigma), force))
-    noise = derivative(
-        derivative(passed(low_pass(H, fc), sigma * RANDOM.normal(size=len(T))), H), H
-    )
+    noise = derivative(derivative(low_pass(H, fc).passed(sigma * RANDOM.normal(size=len(T))), H), H)
     # the filter is not as steep as the closed form assumes, and goes forward and backward
     assert mass * np.std(noise[100:-100]) == pytest.approx(SHARE * np.std(force), rel=0.25)
 
@@ -77,7 +74,7 @@ def test_slow_motion_has_a_direction_where_the_band_is_narrow_enough():
     sigma = 1e-4
     slow = np.where(T < 10.0, 4e-3 * T, 4e-2 - 4e-3 * (T - 10.0))
     x = noisy(slow, sigma)
-    wide = passed(low_pass(H, 120.0), x)
+    wide = low_pass(H, 120.0).passed(x)
     found = directions(Series(T, x, T), np.gradient(wide, H), sigma, 60.0)
     assert np.mean(found[1000:9500] == 1.0) > 0.95
     assert np.mean(found[11_000:19_000] == -1.0) > 0.95

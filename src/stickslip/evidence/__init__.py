@@ -11,7 +11,7 @@ from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
 from stickslip.evidence.fits import Fit, acceleration_noise, fit
 from stickslip.evidence.intervals import Interval
-from stickslip.evidence.motion import derivative, resolution
+from stickslip.evidence.motion import LowPass, derivative, low_pass, resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import GEARS, LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
@@ -31,6 +31,7 @@ __all__ = [
     "Fit",
     "Interval",
     "Kind",
+    "LowPass",
     "Rule",
     "Series",
     "Shape",
@@ -42,6 +43,7 @@ __all__ = [
     "explain",
     "fades",
     "fit",
+    "low_pass",
     "outliers",
     "pieces",
     "play",

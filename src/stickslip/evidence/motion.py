@@ -45,24 +45,23 @@ class LowPass:
     settled: Array
     """Their states after a constant 1 (m, 2)."""
 
+    def passed(self, x: Array) -> Array:
+        """Return columns (n, ...) after the filter, forward and backward, as `sosfiltfilt` does.
+
+        Beyond their ends they go on point-mirrored, and before these as a constant.
+        """
+        n = 3 * (ORDER + 1)
+        found = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
+        settled = self.settled.reshape(*self.settled.shape, *(1,) * (x.ndim - 1))
+        for _ in ("forward", "backward"):
+            found = sosfilt(self.sections, found, axis=0, zi=settled * found[0])[0][::-1]
+        return np.asarray(found[n:-n])
+
 
 def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
     """Return the filter of fourth order with a band [Hz] at steps h [s]."""
     sections = np.asarray(butter(ORDER, min(2.0 * h * fc, most), output="sos"))
     return LowPass(sections, np.asarray(sosfilt_zi(sections)))
-
-
-def passed(low: LowPass, x: Array) -> Array:
-    """Return columns (n, ...) after the filter, forward and backward, as `sosfiltfilt` does.
-
-    Beyond their ends they go on point-mirrored, and before these as a constant.
-    """
-    n = 3 * (ORDER + 1)
-    found = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
-    settled = low.settled.reshape(*low.settled.shape, *(1,) * (x.ndim - 1))
-    for _ in ("forward", "backward"):
-        found = sosfilt(low.sections, found, axis=0, zi=settled * found[0])[0][::-1]
-    return np.asarray(found[n:-n])
 
 
 def derivative(x: Array, h: float) -> Array:
@@ -125,19 +124,19 @@ def band(series: Series) -> float:
         allowed = SHARE * float((series.force if series.force.any() else rest).std())
         if series.taken is not None or series.extra:  # friction may be a small part of the force
             low = low_pass(h, min(10.0, top / 2.0))
-            a = derivative(derivative(passed(low, series.q), h), h)
-            friction = passed(low, rest) - series.mass * a
-            known = [passed(low, one) for one in series.extra.values()]
+            a = derivative(derivative(low.passed(series.q), h), h)
+            friction = low.passed(rest) - series.mass * a
+            known = [low.passed(one) for one in series.extra.values()]
             friction = friction - _fitted(np.column_stack([np.ones_like(a), *known]), friction)
             small = OF_FRICTION * float(friction.std())
             allowed = min(allowed, small) if allowed > 0.0 else small
         return float(np.clip(_frequency(allowed / noise, h), LOWEST, top)) if noise > 0.0 else top
     low = low_pass(h, min(10.0, top / 2.0))
-    v = np.gradient(passed(low, series.q), h)
+    v = np.gradient(low.passed(series.q), h)
     a = np.gradient(v, h)
-    f = passed(low, rest)
+    f = low.passed(rest)
     slow = max(0.01 * top_speed(v), 1e-300)
-    known = [passed(low, one) for one in series.extra.values()]
+    known = [low.passed(one) for one in series.extra.values()]
     columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a), *known])
     size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
     values = np.linalg.lstsq(columns / size, f, rcond=None)[0] / size
@@ -179,7 +178,7 @@ def directions(series: Series, v: Array, sigma: float, fc: float) -> Array:
     for f in (2.0 * fc, fc, fc / 2.0, fc / 4.0):
         x = v
         if f < 2.0 * fc and series.velocity is None:
-            x = np.gradient(passed(low_pass(h, f), series.q), h)
+            x = np.gradient(low_pass(h, f).passed(series.q), h)
         noise = sigma * math.sqrt(2.0 * h * (2.0 * math.pi) ** 2 * f**3 / 3.0)
         shown = (found == 0.0) & (np.abs(x) > ABOVE * noise)
         found[shown] = np.sign(x[shown])

@@ -17,7 +17,6 @@ from stickslip.evidence.motion import (
     low_pass,
     near_rest,
     open_rows,
-    passed,
     resolution,
 )
 from stickslip.evidence.series import Series, even
@@ -141,9 +140,9 @@ def part_of(
     h = float(s.t[1] - s.t[0])
     every = max(int(0.5 / (h * 3.0 * fc)), 1)
     own, wide = low_pass(h, fc), low_pass(h, 2.0 * fc, 0.95)
-    q, slow = passed(wide, s.q), passed(own, s.q)
-    v = derivative(q, h) if s.velocity is None else passed(wide, s.velocity)
-    speed = derivative(slow, h) if s.velocity is None else passed(own, s.velocity)
+    q, slow = wide.passed(s.q), own.passed(s.q)
+    v = derivative(q, h) if s.velocity is None else wide.passed(s.velocity)
+    speed = derivative(slow, h) if s.velocity is None else own.passed(s.velocity)
     sigma = max(resolution(piece.q), 1e-6 * float(np.ptp(q)))
     direction = directions(s, v, sigma, fc)
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
@@ -151,7 +150,7 @@ def part_of(
     a = derivative(speed, h)
     taken = (s.mass or 0.0) * a
     if s.taken is not None:
-        taken = taken + passed(own, s.taken)
+        taken = taken + own.passed(s.taken)
     beside = near_rest(q, RESOLVED * sigma, fc, h, math.ceil(RINGING / fc / h))[::every]
     return Part(
         channel=s.channel,
@@ -169,10 +168,10 @@ def part_of(
         v=v,
         a=a,
         raw=s.force,
-        force=passed(own, acting) - taken,
+        force=own.passed(acting) - taken,
         taken=taken,
-        covariates={name: passed(own, x) for name, x in s.covariates.items()},
-        extra={name: passed(own, x) for name, x in s.extra.items()},
+        covariates={name: own.passed(x) for name, x in s.covariates.items()},
+        extra={name: own.passed(x) for name, x in s.extra.items()},
         references=references,
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
         noise=sigma,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.evidence.bristles import SIGN, Shape, free_load
-from stickslip.evidence.motion import derivative, passed
+from stickslip.evidence.motion import derivative
 from stickslip.evidence.part import Part
 from stickslip.formatting import number
 
@@ -102,7 +102,7 @@ def column_of(part: Part, term: Term, shape: Shape) -> tuple[Array, Array | None
             state = np.abs(state) if kind.contact == "even" else state
             column, multiplier = state[:, None] * made, made
     if not kind.filtered and part.filter is not None:
-        column = passed(part.filter, column)
+        column = part.filter.passed(column)
     return column, multiplier
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_even_times
+from stickslip.evidence import LowPass, low_pass
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
@@ -37,8 +38,6 @@ GROWTH = 1.2
 """Factor between the lengths of parabolas that are tried for velocities."""
 SEGMENTS = 40
 """Segments of a record where no length is given."""
-BUTTERWORTH = 4
-"""Order of the filter that derived friction came through."""
 TIMELESS = "bristles depend on displacement, which a table without time does not have"
 """Why laws of bristles are not fitted to tables."""
 BEYOND = 4.0
@@ -519,17 +518,13 @@ def _displacements(position: Array, least: float) -> tuple[NDArray[np.intp], Arr
 
 def smoothed(columns: Array, passed: float) -> Array:
     """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed."""
-    from scipy import signal
-
-    return np.asarray(signal.sosfiltfilt(_sections(passed), columns, axis=0), dtype=float)
+    return _low_pass(passed).passed(columns)
 
 
 @functools.lru_cache(maxsize=64)
-def _sections(passed: float) -> Array:
+def _low_pass(passed: float) -> LowPass:
     """Return the filter, whose design takes as long as its use on a few seconds of a record."""
-    from scipy import signal
-
-    return np.asarray(signal.butter(BUTTERWORTH, passed, output="sos"))
+    return low_pass(0.5, passed, most=1.0)
 
 
 def _velocity(time: Array, position: Array) -> tuple[Array, float]:
