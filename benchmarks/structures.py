@@ -42,11 +42,11 @@ from stickslip.evidence import (
     begin,
     explain,
     fit,
+    low_pass,
     predict,
 )
 from stickslip.evidence.fits import design, matched
 from stickslip.evidence.intervals import refined
-from stickslip.evidence.motion import low_pass, passed
 from stickslip.identification import asked_of
 from stickslip.identification.settings import PROMPT
 from stickslip.identification.terms.composed_laws import composed_law
@@ -188,7 +188,7 @@ def friction_error(found: Fit, balance: Balance, second: AxisRecord) -> float:
     own = np.array([term.kind not in OF_PLANT for term in made.owners])
     predicted = made.columns[:, own] @ values[own]
     part = there.parts[0]
-    true = passed(low_pass(part.h, there.fc), second.friction)[:: part.every]
+    true = low_pass(part.h, there.fc).passed(second.friction)[:: part.every]
     rows = there.use & ~there.at_rest
     return float(np.sqrt(np.mean((predicted - true)[rows] ** 2)) / np.std(true[rows]))
 

@@ -118,6 +118,7 @@ INSIDE = {
     "required_of": "estimation.parameters",
     "search": "estimation.levenberg_marquardt",
     "segments_of": "shooting.segments",
+    "serves_inverse_dynamics": "records.route_choice",
     "settled": "records.fit",
     "span_of": "rig_uncertainties",
     "spanning": "results",

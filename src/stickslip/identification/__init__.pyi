@@ -66,6 +66,7 @@ from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import better_route as better_route
 from stickslip.identification.records.route_choice import choose_route as choose_route
 from stickslip.identification.records.route_choice import decided as decided
+from stickslip.identification.records.route_choice import serves_inverse_dynamics as serves_inverse_dynamics
 from stickslip.identification.records.route_choice import to_compare as to_compare
 from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
 from stickslip.identification.records.route_choice import with_simulated_hold as with_simulated_hold

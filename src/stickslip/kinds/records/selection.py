@@ -31,6 +31,7 @@ from stickslip.identification import (
     loads_motor,
     mass_held,
     memory_is_seen,
+    serves_inverse_dynamics,
     tells_no_scale,
     to_compare,
     whole_record_error,
@@ -46,7 +47,7 @@ from stickslip.kinds.records.admissibility import (
     unidentified,
     variation_of,
 )
-from stickslip.kinds.records.explained import TEXTBOOK, Explained, explained
+from stickslip.kinds.records.explained import CLEARLY, TEXTBOOK, Explained, explained
 from stickslip.kinds.records.ladder import Climbed, climbed, with_gears
 from stickslip.kinds.records.next_measurements import experiments_after
 from stickslip.kinds.records.simplification import one_part_less, untold
@@ -187,6 +188,15 @@ def select_records(
         starts=asked.starts_of(chosen, parameters.unknown) if asked else {},
     )
     if asked and laws is None:
+        along = partial(
+            candidate_of,
+            parameters=parameters,
+            measurement=without_stated(measurement, "inverse-dynamics"),
+            route=replace(choice, route="inverse-dynamics", alternative=None, resolved=True),
+            starts={},
+        )
+        derivable = serves_inverse_dynamics(parameters.mechanism, measurement, parameters.unknown)
+        found = _with_simulated(fitted, along, found, asked, progress) if derivable else found
         found = _with_relatives(fitted, found, asked, progress)
     if laws is None and (asked.loads_gear if asked else loads_motor(mechanism, measurement)):
         known = known_inputs(mechanism, measurement)
@@ -322,6 +332,35 @@ def _with_relatives(
         found = replace(found, specs=(*found.specs, spec), tried=(*found.tried, one))
         if rigid:
             return found
+
+
+def _with_simulated(
+    fitted: Callable[..., RecordCandidate],
+    along: Callable[..., RecordCandidate],
+    found: Climbed,
+    asked: Explained,
+    watch: Watch | None,
+) -> Climbed:
+    """Return simulated candidates with the law that no structure is, if it leaves clearly less.
+
+    Their simulations take minutes: fits along the measured motion, which take seconds, say which.
+    """
+    bristled = [one for one in found.tried if one.fit and one.fit.law.states]
+    closest = min(bristled, key=lambda one: one.residual, default=None)
+    if closest is None or closest.fit is None or not closest.fit.problem.simulates:
+        return found
+    spec = found.specs[found.tried.index(closest)]
+    first = along(spec, [closest.fit.fitted_law], 0.0, watch)
+    if first.fit is None:
+        return found
+    shown = _with_relatives(along, Climbed(specs=(spec,), tried=(first,)), asked, watch)
+    fits = [(s, one.fit) for s, one in zip(shown.specs, shown.tried, strict=True) if one.fit]
+    new, least = min(fits, key=lambda pair: pair[1].rms)
+    if CLEARLY * least.rms > first.fit.rms:
+        return found
+    rival = closest.fit.fitted_law
+    one = fitted(new, [least.fitted_law], rival.cost / rival.rows, watch)
+    return replace(found, specs=(*found.specs, new), tried=(*found.tried, one))
 
 
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
