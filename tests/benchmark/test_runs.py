@@ -17,6 +17,7 @@ from stickslip.errors import InputError, UnknownNameError
 REGRESSIONS = ("scipy", "lmfit", "pysindy")
 
 
+@pytest.mark.slow
 def test_a_fit_with_its_own_values_is_judged_as_itself(other_package):
     fitted, judging = other_package.split()
     own = fit(

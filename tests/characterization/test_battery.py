@@ -243,6 +243,7 @@ def several():
     return found
 
 
+@pytest.mark.slow
 def test_laws_beside_the_first_take_its_levels_speed_and_stiffness(several):
     dahl, smooth = (one.law for one in several.others)
     assert (dahl.kinetic_coefficient, dahl.static_coefficient) == (1.0, 1.5)

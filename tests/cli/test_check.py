@@ -92,6 +92,7 @@ def test_each_of_several_files_has_an_overview(run, write, tmp_path):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_overview_is_written_and_not_overwritten(run, write, tmp_path):
     file = write(**good())
     code, out, _ = run(file, *COLUMNS, *SCALES, "-o", "seen")

@@ -218,6 +218,7 @@ def test_select_takes_trials_from_a_table(run, tmp_path):
     assert found == pytest.approx(0.25, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_select_says_why_a_law_has_no_held_out_error(run, tmp_path):
     """What nobody gave or fitted is not judged beside laws that need no guess."""
     table = tmp_path / "travels.csv"
@@ -439,6 +440,7 @@ def test_a_full_device_is_one_message_and_exit_code_2(command):
     assert done.stderr == "stickslip: cannot write: No space left on device.\n"
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_early_is_no_error():
     read, write = os.pipe()
     os.close(read)
@@ -510,6 +512,7 @@ def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
     assert bad.stderr.startswith("stickslip: ")
 
 
+@pytest.mark.slow
 def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
     select = ("select", rig(), "--laws", "coulomb", "--force")
     folder = tmp_path / "stickslip-report"

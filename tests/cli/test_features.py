@@ -43,6 +43,7 @@ def run(capsys, monkeypatch, tmp_path, table):
     return commands(capsys, one_line=True)
 
 
+@pytest.mark.slow
 def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
     code, out, _ = run("fit", "slider.toml", "--law", "coulomb", "-o", "fitted.toml")
     assert code == 0
@@ -55,6 +56,7 @@ def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
     assert "break-away" in out
 
 
+@pytest.mark.slow
 def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
     np.savetxt(tmp_path / "later.csv", table[1000:], delimiter=",", header="t,F", comments="")
     _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "later.csv")

@@ -137,6 +137,7 @@ def test_a_path_cannot_steer_the_terminal(run, name):
     assert (code, is_clean(out, err)) == (0, True), (out, err)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such names")
 def test_a_name_that_is_no_text_can_be_printed_in_any_locale(tmp_path):
     """What no encoding can write would end in a traceback on the way out."""

@@ -235,6 +235,7 @@ def test_a_record_shorter_than_a_natural_period_has_no_features(run, field, valu
     assert (code, "one natural period or more" in err) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_page_of_travels_that_are_fitted_exactly_is_whole(run):
     exact = copy.copy(TRAVEL).replace("[[published]]", "#").split("#")[0]
     exact = changed(exact, ("trial", 0, "travel"), 0.01 * 100.0 / (2 * 0.25 * 9.81))

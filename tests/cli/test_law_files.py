@@ -105,6 +105,7 @@ def test_an_author_walks_from_three_travels_to_a_page_of_his_cart(walk):
     assert "<script" not in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in SIX]
 )

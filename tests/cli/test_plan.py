@@ -41,6 +41,7 @@ def run(folder, capsys):
     return one
 
 
+@pytest.mark.slow
 def test_a_plan_is_printed(run, folder):
     code, out, _ = run("plan", "rig.toml", *LAWS, "--uncertainty", "2mm")
     assert code == 0

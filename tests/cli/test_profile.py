@@ -64,6 +64,7 @@ def test_kinds_are_called_as_in_rig_files_too(run):
     assert documents[0]["kind"] == "sine"
 
 
+@pytest.mark.slow
 def test_an_interval_takes_paths_and_two_ends(run):
     given = "friction.kinetic_coefficient=0.19..0.21"
     code, out, _ = run(*LIMITS, *QUICK, "--interval", given, "--json")

@@ -116,6 +116,7 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", out)
 
 
+@pytest.mark.slow
 def test_measured_friction_of_a_second_record_is_predicted_along_its_motion(run, tmp_path):
     t = np.arange(400) / 100.0
     v = np.sin(3.0 * t)
@@ -449,6 +450,7 @@ def test_a_typo_in_columns_is_named_and_drops_nothing(run):
     assert "a force with a gain" in err
 
 
+@pytest.mark.slow
 def test_a_force_that_was_cut_off_is_warned_of(run, write, axis_record):
     write("cut.csv", rows=slice(600), u=np.clip(axis_record["u"], -40.0, 40.0))
     _, out, _ = run("fit", "bare.toml", "--data", "cut.csv", *COLUMNS, "--starts", "1")
@@ -477,6 +479,7 @@ def test_one_interrupt_keeps_the_best_so_far(run, monkeypatch):
     assert code == 3
 
 
+@pytest.mark.slow
 def test_a_second_interrupt_cancels(run, tmp_path, monkeypatch):
     def interrupted(*_arguments, **_options):
         os.kill(os.getpid(), signal.SIGINT)
@@ -549,6 +552,7 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     assert "Restarts: none, a single start" in out
 
 
+@pytest.mark.slow
 def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum, drawn_figures):
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "1")
     assert pendulum(*asked, "-o", "law.toml")[0] == 0

@@ -68,6 +68,7 @@ def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     assert "The bristles of this law need steps below" in page
 
 
+@pytest.mark.slow
 def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeypatch):
     def cancelled(*_arguments, **_settings):
         raise KeyboardInterrupt
@@ -79,6 +80,7 @@ def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeyp
     assert (rig.parent / "stickslip-report" / "law.toml").is_file()
 
 
+@pytest.mark.slow
 def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatch):
     def failing(*_arguments, **_settings):
         raise ValueError("no ink")

@@ -236,6 +236,7 @@ rear.kinetic_coefficient = [0.15, 0.25]
 """
 
 
+@pytest.mark.slow
 def test_an_ensemble_draws_from_the_laws_of_all_contacts(called, monkeypatch):
     plain = partial(band_of, solver=EventDriven(tier="python"))  # no kernels to compile
     monkeypatch.setattr("stickslip.cli.simulate.band_of", plain)
@@ -404,6 +405,7 @@ initial = { shoulder = 0.5 }
 """
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
 def test_runs_of_joints_get_the_temperature_of_their_record(called, tmp_path):
     table = pd.read_csv(tmp_path / "arm.csv")

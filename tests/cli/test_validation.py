@@ -53,6 +53,7 @@ def test_a_carried_law_is_compared_with_the_record_and_refitted(walk, cart):
     assert ": agree (difference" in out
 
 
+@pytest.mark.slow
 def test_json_and_page_say_what_the_screen_says(walk, cart):
     rig = cart(0.24)
     asked = ("simulate", rig, "--law", "law.toml", "--ensemble", 50, "--refit", "--t-end", 1.0)
@@ -69,6 +70,7 @@ def test_json_and_page_say_what_the_screen_says(walk, cart):
     assert "do not agree" in page
 
 
+@pytest.mark.slow
 def test_a_travel_per_cycle_was_measured(walk, cart):
     rig = cart()
     trial = '[[trial]]\ntravel_per_cycle = "56 mm"\nuncertainty = "1 mm"\n'

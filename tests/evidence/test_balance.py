@@ -150,6 +150,7 @@ def test_pieces_between_gaps_are_explained_as_a_whole_record_is(coulomb):
     assert str(found.best.structure) == "inertia + level"
 
 
+@pytest.mark.slow
 def test_uneven_times_are_put_on_a_grid(coulomb):
     kept = RANDOM.random(len(coulomb.t)) > 0.1
     found = explain([rows_of(coulomb.series, kept)])
@@ -168,6 +169,7 @@ def test_a_table_has_a_row_for_each_point_and_no_memory():
     assert level == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_level_in_load_stands_for_the_level_where_the_load_is_measured():
     t = 2e-3 * np.arange(6000)
     load = 2.0 + np.sin(0.7 * t)
@@ -205,6 +207,7 @@ def test_a_table_of_few_points_or_of_missing_values_is_refused(v):
         Balance.points(v, np.ones_like(v))
 
 
+@pytest.mark.slow
 def test_motion_in_one_direction_has_a_level_and_no_fault():
     t = 1e-3 * np.arange(12_000)
     v, a = 0.5 + 0.2 * np.cos(t), -0.2 * np.sin(t)

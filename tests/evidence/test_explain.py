@@ -128,6 +128,7 @@ def test_a_delay_beside_which_a_neighbour_leaves_less_is_not_all_there_is():
     assert {"delay", "flexible", "backlash"} <= set(fault.kinds)
 
 
+@pytest.mark.slow
 def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks():
     """Over 15 s, an error of 9 mHz turns the ripple by an eighth, which a drift would undo."""
     _, found = faulty("aliased-ripple", np.random.default_rng([7330, 17]))
@@ -155,6 +156,7 @@ def test_a_mirrored_record_has_the_same_structure_and_the_opposite_offset(direct
     assert there == pytest.approx(here, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("force", "position"), [(10.0, 1.0), (1.0, 1000.0), (1e-3, 1e-6)])
 def test_units_change_values_and_not_the_structure(directions, explained, force, position):
     scaled = replace(directions, q=position * directions.q, force=force * directions.force)
@@ -166,6 +168,7 @@ def test_units_change_values_and_not_the_structure(directions, explained, force,
         assert there == pytest.approx(factor * here, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_later_clock_changes_nothing(directions, explained):
     found = explain([replace(directions, t=directions.t + 1e4)])
     assert found.best.structure == explained.best.structure
@@ -185,6 +188,7 @@ def test_a_record_cut_in_two_has_the_structure_of_the_whole(directions, explaine
     assert found.best.of("level")[0] == pytest.approx(explained.best.of("level")[0], rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_term_that_changes_its_sign_between_halves_is_not_accepted():
     t = 2e-3 * np.arange(8000)
     offset = np.where(t < t[-1] / 2.0, 0.3, -0.3)
@@ -311,6 +315,7 @@ def plain():
     return record(truth_of("cv1"), 5, seconds=SECONDS).series
 
 
+@pytest.mark.slow
 def test_a_drift_between_the_clocks_of_force_and_position_is_named_with_its_rate(plain):
     late = np.interp(plain.t * 1.0015, plain.t, plain.force)
     (fault,) = explain([replace(plain, force=late)]).faults
@@ -318,6 +323,7 @@ def test_a_drift_between_the_clocks_of_force_and_position_is_named_with_its_rate
     assert fault.value == pytest.approx(-1.5e-3, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_ripple_of_the_force_in_time_is_named_with_its_frequency(plain):
     rippled = plain.force + 0.15 * np.sin(2.0 * np.pi * 7.3 * plain.t)
     found = explain([replace(plain, force=rippled)])
@@ -328,6 +334,7 @@ def test_a_ripple_of_the_force_in_time_is_named_with_its_frequency(plain):
     assert kinds_of(found.best.structure) == {"level", "viscous", "hum"}
 
 
+@pytest.mark.slow
 def test_single_values_far_off_are_left_out_and_accuse_nothing(plain):
     q, force = plain.q.copy(), plain.force.copy()
     random = np.random.default_rng(3)
@@ -365,6 +372,7 @@ def axis_at(h, *, level=lambda v: 1.0, length=0.0, noise=1e-6, load=None, second
     return Series(t, x + noise * random.normal(size=len(t)), force, covariates=covariates)
 
 
+@pytest.mark.slow
 def test_noise_of_the_acceleration_is_no_flexible_coupling():
     # a resonance below the band takes the noise of the acceleration off the force
     found = explain([axis_at(0.005, length=2e-3)])
@@ -372,6 +380,7 @@ def test_noise_of_the_acceleration_is_no_flexible_coupling():
     assert kinds_of(found.best.structure) == {"level", "viscous", "memory"}
 
 
+@pytest.mark.slow
 def test_what_the_filter_mixes_with_the_force_at_rest_is_no_delay():
     _, _, measured, _ = force_maps.drawn(18, 42)  # stops with rests between them, at 100 Hz
     found = explain(dense_series(force_maps.AXIS, measured, "zero", ()))
@@ -397,6 +406,7 @@ def test_all_that_acts_through_the_contact_grows_with_a_load_that_varies(level, 
     assert not found.faults
 
 
+@pytest.mark.slow
 def test_a_power_of_the_speed_has_no_exponent_that_is_nearly_a_level():
     found = explain([axis_at(0.002)])
     powers = [t for one in found.family.values() for t in one.structure.terms if t.kind == "power"]

@@ -341,6 +341,7 @@ def test_a_fit_with_a_memory_that_leaves_far_less_than_the_balance_lacks_no_law(
     assert kinds() == ["unexplained", "delay"]  # a fit to positions leaves no force
 
 
+@pytest.mark.slow
 def test_bristles_that_positions_do_not_resolve_are_no_reason_to_ask_for_another_law():
     t = np.arange(0.0, 10.0, 0.002)
     x, v = np.sin(t) - 0.4 * np.sin(2.3 * t), np.cos(t) - 0.92 * np.cos(2.3 * t)
@@ -355,6 +356,7 @@ def test_bristles_that_positions_do_not_resolve_are_no_reason_to_ask_for_another
         assert asked.rejects(asked.fit_of(own.name, own)) is unlike
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [None, 1.0])
 def test_beside_other_joints_a_spring_may_be_an_error_of_their_parameters(known):
     t = np.arange(0.0, 10.0, 0.002)
@@ -380,6 +382,7 @@ def under_a_load(friction):
     return Measurement(time=t, position=x, friction=friction(v, load) + noise, load=load)
 
 
+@pytest.mark.slow
 def test_a_level_that_grows_with_the_load_is_the_level_of_the_law():
     record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
     asked = asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT)
@@ -455,6 +458,7 @@ def test_where_lost_samples_make_the_position_jump_nothing_is_called_late():
     assert [one.kind for one in broken("dropped-samples", 7330)] == ["unexplained"]
 
 
+@pytest.mark.slow
 def test_outliers_are_counted_and_blame_nothing_else():
     record = under_a_load(lambda v, load: 0.3 * load * np.sign(v) + 40.0 * v)
     friction = np.array(record.friction)

@@ -183,6 +183,7 @@ def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
     assert holds(found, "transmitted_coefficient", 0.12)
 
 
+@pytest.mark.slow
 def test_estimates_are_those_under_the_torque_of_each_sample_where_rows_are_fewer(servo):
     noise = np.random.default_rng(3).normal(0.0, 1e-5, len(servo.time))
     finer = replace(servo, position=servo.position - 0.999 * noise)
@@ -388,6 +389,7 @@ def gears():
 JOINT_GEAR = law("level + weight[transmitted] + viscous")
 
 
+@pytest.mark.slow
 def test_the_torques_that_the_gears_of_an_arm_transmit_are_inputs_of_its_joints(gears):
     bare, laws, record = gears
     found = fit(bare, dict.fromkeys(laws, JOINT_GEAR), record)
@@ -402,6 +404,7 @@ def test_the_torques_that_the_gears_of_an_arm_transmit_are_inputs_of_its_joints(
         assert found.score(record).joints[joint].rms < 0.5 * plain.score(record).joints[joint].rms
 
 
+@pytest.mark.slow
 def test_a_torque_that_a_gear_transmits_changes_with_a_mass_that_is_fitted(gears):
     bare, laws, record = gears
     kinds = dict.fromkeys(laws, JOINT_GEAR)

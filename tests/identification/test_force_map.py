@@ -279,6 +279,7 @@ class TwoDahls(BristleLaw):
         return (self.kinetic_coefficient + self.soft_coefficient) * load
 
 
+@pytest.mark.slow
 def test_a_law_of_several_bristles_needs_nothing_but_its_equations():
     x = loops(2e-4 * np.arange(1.0, 9.0))
     force = dahl_force(x, 2.0, 1e5, 0.0) + dahl_force(x, 3.0, 1e4, 0.0)

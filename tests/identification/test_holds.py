@@ -36,6 +36,7 @@ def along(measurement, settings=ONCE):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_hold_that_nobody_gave_is_found_and_intervals_hold_the_truth(truth):
     hold, measurement = truth
     found = along(measurement)
@@ -125,6 +126,7 @@ def test_measured_friction_and_free_decays_have_no_hold():
     assert hold_of(AXIS, Measurement(time=t, position=np.exp(-t)), None) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", ["zero", "first"])
 def test_where_samples_are_too_coarse_for_accelerations_residuals_of_both_fits_tell(truth):
     """What the sentence advises: at 20 Hz, half a sample is hundreds of times the noise."""

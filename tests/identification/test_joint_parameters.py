@@ -113,6 +113,7 @@ def displaced():
 ASKED = ["friction.*", *LINEAR]
 
 
+@pytest.mark.slow
 def test_unknown_zeros_of_positions_do_not_bias_what_is_fitted(displaced):
     laws = dict.fromkeys(JOINTS, CoulombViscous)
     own = fit(GUESSED, laws, displaced, vary=ASKED, settings=ZEROS)

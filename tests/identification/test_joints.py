@@ -45,6 +45,7 @@ TRUE_VALUES = {
 }
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_laws_of_both_joints_and_the_base_parameters():
     """Of 40 intervals of four records; nominally 95 % are right, fewer than 34 are 1 in 1,000."""
     held = 0

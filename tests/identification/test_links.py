@@ -125,6 +125,7 @@ def test_links_are_of_robots_only():
         fit(arm, CoulombViscous, record, vary=["friction.*", "links"])
 
 
+@pytest.mark.slow
 def test_a_rig_file_says_that_links_are_unknown_and_a_fit_is_saved_with_them(tmp_path):
     robot = undamped(read_urdf(DESK).robot)
     (tmp_path / "desk_arm.urdf").write_text(DESK.read_text())

@@ -87,6 +87,7 @@ def test_a_recorded_voltage_tells_motor_and_gear_where_friction_grows_with_the_t
         assert one.value == pytest.approx(value, rel=0.04)
 
 
+@pytest.mark.slow
 def test_what_one_voltage_cannot_separate_is_named_and_has_no_interval(plain):
     record = replace(plain, current=None)
     found = fit(
@@ -177,6 +178,7 @@ def test_a_recorded_current_tells_the_torque_constant_whatever_the_resistance(ge
     assert found["friction.transmitted_coefficient"].value == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
     noise = 0.01 * np.random.default_rng(seed).standard_normal(plain.time.size)
@@ -195,6 +197,7 @@ def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
         assert one.high - one.low < 0.1 * value
 
 
+@pytest.mark.slow
 def test_rows_of_a_winding_stand_beside_those_of_friction_in_time(plain):
     found = fit(GUESS, BamM1, plain, vary=["friction.*", R, K], settings=SETTINGS)
     problem, best = found.problem, found.optimum.best

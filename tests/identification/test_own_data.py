@@ -53,6 +53,7 @@ def assert_told(found, own, noise):
             assert one.reason
 
 
+@pytest.mark.slow
 def test_a_law_fits_its_own_data_from_its_composition():
     own = truth("maxwell[3]", "level", "viscous")
     written = "viscous + maxwell[3](level)"
@@ -116,6 +117,7 @@ def test_intervals_include_other_valleys_that_fit_nearly_as_closely():
     assert any("in place of" in one for one in found.sentences)
 
 
+@pytest.mark.slow
 def test_no_interval_takes_for_known_what_a_search_left_at_a_bound():
     own = truth("reset", "level + lorentz", "power")
     table, noise = measured(own, 2.0, share=SHARE)

@@ -88,6 +88,7 @@ def test_a_cart_that_goes_one_way_is_nothing_to_correct(name):
     assert third.severity == "warning"
 
 
+@pytest.mark.slow
 def test_a_record_that_begins_later_is_compared_where_it_begins():
     mechanism, length, rate, noise = CASES["swing"]
     late = record(mechanism, length, rate, noise, first=1.3)
@@ -108,6 +109,7 @@ def test_what_is_inside_begins_where_the_record_says():
         fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
 
 
+@pytest.mark.slow
 def test_a_start_that_is_not_told_leaves_more_than_the_noise():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise, y0={"xi": 0.03, "xi_dot": -0.2})
@@ -138,6 +140,7 @@ def test_a_number_of_the_drive_may_be_looked_for_too():
     assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
 
 
+@pytest.mark.slow
 def test_an_axis_with_a_drive_of_its_own_is_driven_by_it_in_every_segment():
     shaken = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
     seen = record(shaken, 6.0, 100.0, 2e-4)

@@ -107,6 +107,7 @@ WIDEN = 1.5
 RAW = Unranged(grip=3.0, fall=0.3, knee_speed=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "route"),
     [

@@ -101,6 +101,7 @@ def test_a_selection_and_its_page_name_the_joint_that_rests(tmp_path, sketches):
     assert "The joint shoulder rests throughout" in page
 
 
+@pytest.mark.slow
 def test_jitter_does_not_set_the_filter_of_joints_that_move():
     still = record(1)
     t, q, u = parts(still)

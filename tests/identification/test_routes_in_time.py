@@ -36,6 +36,7 @@ def tracked():
     return axis, Measurement(time=t, position=run.at(t)["x"], reference=asked)
 
 
+@pytest.mark.slow
 def test_a_record_in_closed_loop_gives_the_friction_that_made_it():
     axis, record = tracked()
     found = fit(axis, CoulombViscous, record, settings=QUICK)
@@ -79,6 +80,7 @@ def test_restarts_of_a_free_decay_are_those_of_its_first_search():
     assert min(told["restarts"]) <= told["residual_rms"]
 
 
+@pytest.mark.slow
 def test_a_free_decay_that_is_stopped_in_longer_segments_says_so():
     rig, _, record = decay()
     seen: list[float] = []

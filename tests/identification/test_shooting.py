@@ -52,6 +52,7 @@ def record():
     return record_of(RIG, TRUE)
 
 
+@pytest.mark.slow
 def test_an_exact_record_gives_its_parameters_back(record):
     settings = RecordSettings(resolution=200, starts=1)
     found = fit_record(Axis(inertia=1.0), CoulombViscous, record, unknown=("inertia",),
@@ -198,6 +199,7 @@ def decay_of(law, start, *, end=30.0, noise=1e-3, seed=0):
     return Measurement(time=t, position=angle)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "start", "other"),
     [
@@ -237,6 +239,7 @@ def dwelling(seed, *, noise=1e-5, end=16.0):
                        force=force)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_an_axis_that_dwells_under_stiction_is_fitted_and_predicted_to_its_noise():
     settings = RecordSettings(resolution=200, starts=1)
     found = fit(Axis(inertia=1.0), CoulombViscous, dwelling(1), vary=["friction.*", "inertia"],

@@ -36,6 +36,7 @@ def level_of(rig, record):
     return level, found.rms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in range(1, 20))]
 )

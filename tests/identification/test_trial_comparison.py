@@ -53,6 +53,7 @@ def compared(measurement, law=CoulombViscous):
 
 
 # 3 of 60 sets are expected of 5 %: more than 8 have a probability of 0.3 %, and more than 4 of 20
+@pytest.mark.slow
 @pytest.mark.parametrize(("sets", "most"), [(20, 4), pytest.param(60, 8, marks=pytest.mark.slow)])
 def test_trials_of_one_law_are_seldom_said_to_differ(sets, most):
     rejected = sum(not compared(made(seed)).shared for seed in range(sets))

@@ -165,6 +165,7 @@ def _levels(found):
     ]
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_where_a_mass_is_off_by_its_uncertainty():
     error = 0.005
     record = swung(replace(CART, cart_mass=0.5 + error))
@@ -246,6 +247,7 @@ def test_halves_of_a_record_do_not_contradict_each_other_for_a_mass_that_is_off(
     assert np.all(np.abs(known.halves.distance) < np.abs(sure.halves.distance))
 
 
+@pytest.mark.slow
 def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval():
     record = replace(rubbed(), parameter_uncertainties={N: 0.4})
     verdict = select(AXIS, [Coulomb, CoulombViscous], record)

@@ -92,6 +92,7 @@ def test_a_record_without_the_force_of_the_spring_is_refused():
         features_of(Measurement(time=t, position=t), mechanism=BLOCK)
 
 
+@pytest.mark.slow
 def test_mass_and_levels_of_a_simulated_block_are_recovered():
     truth = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
     measured = record(BLOCK, truth, noise=2e-3 * LOAD)
@@ -105,6 +106,7 @@ def test_mass_and_levels_of_a_simulated_block_are_recovered():
     assert found.score < 0.01
 
 
+@pytest.mark.slow
 def test_more_unknowns_than_features_are_said_not_to_be_told():
     truth = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
     found = fit_features(

@@ -48,6 +48,7 @@ def test_the_page_says_the_verdict_and_how_to_get_it_again(verdict, page):
     assert "nominal mechanism" in page
 
 
+@pytest.mark.slow
 def test_a_law_that_cannot_be_fitted_stands_on_the_page_with_the_reason(verdict):
     found = select(
         verdict.mechanism, [Coulomb, Viscous], verdict.measurement, vary=["friction.*", "mass"]

@@ -59,6 +59,7 @@ def test_the_force_of_a_spring_is_fitted_by_its_features(record):
     assert found.law.static_coefficient == pytest.approx(0.32, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_fit_is_saved_as_a_rig_that_simulates_the_same_limit_cycle(record, tmp_path):
     found = fit(STATED, Coulomb, record, vary=["friction.*", "mechanism.mass"])
     found.save(tmp_path / "fitted.toml")
@@ -127,6 +128,7 @@ def test_where_no_limit_cycle_is_right_no_law_is_beyond_objection(record):
     assert any("Fit the mass as well" in line for line in found.words.measure_next)
 
 
+@pytest.mark.slow
 def test_a_law_without_a_level_is_kept_with_the_reason(record):
     found = select(STATED, [Coulomb, Viscous], record, vary=["friction.*", "mechanism.mass"])
     assert found.best.name == "coulomb"
@@ -134,6 +136,7 @@ def test_a_law_without_a_level_is_kept_with_the_reason(record):
     assert "no friction level" in found.candidates[1].outcome
 
 
+@pytest.mark.slow
 def test_a_law_that_misses_what_it_was_fitted_to_is_no_rival(record):
     # without a step the swing is what the start leaves, V / omega: not what was measured
     found = select(STATED, [Coulomb, QuadraticDrag], record, vary=["friction.*", "mechanism.mass"])
@@ -143,6 +146,7 @@ def test_a_law_that_misses_what_it_was_fitted_to_is_no_rival(record):
     assert not found.words.no_score
 
 
+@pytest.mark.slow
 def test_a_second_record_judges_every_law(record):
     second = pulled(seed=1, end=3.0)
     found = select(
@@ -181,6 +185,7 @@ def test_a_candidate_is_left_out_once_the_search_is_ended(record):
     assert {"coulomb", "stribeck"} <= set(seen)
 
 
+@pytest.mark.slow
 def test_the_route_can_be_asked_for_where_motion_was_measured_too():
     t = np.arange(0.5, 4.5, 5e-4)
     run = simulate(REAL, TRUTH, t_end=4.5).at(t)
@@ -230,6 +235,7 @@ def shifted(found, **errors):
     return replace(found, held_out_errors={**found.held_out_errors, **errors})
 
 
+@pytest.mark.slow
 def test_a_score_with_one_error_has_the_doubt_of_that_feature(record):
     found = fit_features(STATED, Coulomb, record, vary=["friction.*", "mechanism.mass"])
     none = dict.fromkeys(found.held_out_errors, 0.0)
@@ -257,6 +263,7 @@ def test_a_law_is_told_apart_if_it_errs_by_more_than_the_features_change(record)
     assert not as_good(worse, found)
 
 
+@pytest.mark.slow
 def test_a_whole_record_leaves_nothing_to_judge_by(record):
     found = fit_features(STATED, Coulomb, record, share=1.0, vary=["friction.*", "mechanism.mass"])
     assert found.score == found.rms

@@ -56,6 +56,7 @@ def test_a_law_that_rests_on_one_reading_is_not_named_alone():
         assert verdict.to_dict()["closest"]["otherwise"] == {"coulomb-viscous": said}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 4, 5])
 def test_a_peak_that_one_reading_makes_is_said_to_be_its_alone(seed):
     # all laws without the peak predict the others alike, but for rounding

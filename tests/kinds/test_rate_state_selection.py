@@ -153,6 +153,7 @@ OTHERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rival"),
     [
@@ -168,6 +169,7 @@ def test_three_steps_name_forms_that_are_tried_by_name(name, rival):
     assert verdict.ranked
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truth", "richer"),
     [

@@ -55,6 +55,7 @@ COULOMB = Coulomb(kinetic_coefficient=0.25)
 VISCOUS = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_coulomb_friction_read_to_a_millimetre_is_named_with_defaults(seed):
     random = np.random.default_rng(seed)
@@ -66,12 +67,14 @@ def test_coulomb_friction_read_to_a_millimetre_is_named_with_defaults(seed):
     assert not verdict.best.invented
 
 
+@pytest.mark.slow
 def test_a_viscous_part_that_is_there_is_found():
     verdict = select(RIG, SET_VALUED, readings(VISCOUS, THREE))
     assert verdict.best.name == "coulomb-viscous"
     assert verdict.best.fit.law.viscous_coefficient == pytest.approx(0.6, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
     verdict = select(RIG, ["coulomb", "coulomb-viscous", "stribeck"], readings(VISCOUS, THREE))
     stribeck = next(c for c in verdict.candidates if c.name == "stribeck")
@@ -83,6 +86,7 @@ def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
     assert verdict.to_dict()["candidates"][-1]["invented"]
 
 
+@pytest.mark.slow
 def test_laws_that_are_not_told_apart_are_listed_in_the_first_sentence():
     verdict = select(RIG, SET_VALUED, readings(COULOMB, THREE))
     assert verdict.best.name == "coulomb"
@@ -108,6 +112,7 @@ def test_a_law_never_leaves_more_than_one_that_it_contains():
     assert viscous.fit.chi_square <= coulomb.fit.chi_square * (1.0 + 1e-6)
 
 
+@pytest.mark.slow
 def test_a_stribeck_step_that_matters_is_fitted_where_the_settings_pay_for_it():
     truth = Stribeck(kinetic_coefficient=0.15, static_coefficient=0.3, stribeck_velocity=0.4)
     settings = (0.05, 0.065, 0.08, 0.10, 0.12, 0.15)
@@ -144,6 +149,7 @@ def test_three_travels_of_a_fastened_block_are_given_all_levels_that_explain_the
     assert "Other values of mu_k explain the travels as well" in found.told_apart[0]
 
 
+@pytest.mark.slow
 def test_a_level_that_is_one_of_several_is_not_stated():
     verdict = select(FASTENED, PLAIN, near_each_other())
     assert verdict.best.name == "coulomb"
@@ -152,6 +158,7 @@ def test_a_level_that_is_one_of_several_is_not_stated():
     assert any("these readings do not tell which" in line for line in verdict.words.cannot_tell)
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_best_law_holds_what_laws_that_are_not_ruled_out_say():
     verdict = select(RIG, SET_VALUED, readings(COULOMB, THREE))
     alone = fit(RIG, Coulomb, readings(COULOMB, THREE)).estimates[0]
@@ -225,6 +232,7 @@ def contradicted(verdict):
     return " ".join((verdict.words.lede, *verdict.words.measure_next)).replace("$", "")
 
 
+@pytest.mark.slow
 def test_swapped_readings_are_explained_by_no_law():
     records = list(readings(VISCOUS).records())
     one, other = records[1], records[3]
@@ -236,6 +244,7 @@ def test_swapped_readings_are_explained_by_no_law():
     assert "x_0 = 0.13 m" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     errors = np.zeros(5)
@@ -249,6 +258,7 @@ def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     assert "x_0 = 0.1 m" in said
 
 
+@pytest.mark.slow
 def test_repeats_that_contradict_each_other_are_explained_by_no_law():
     records = readings(COULOMB).records()
     again = dataclasses.replace(records[1], travel=records[1].travel + 0.08)
@@ -264,6 +274,7 @@ def test_repeats_of_one_setting_alone_are_contradicted_too():
     contradicted(select(RIG, PLAIN, Measurement(trials=both)))
 
 
+@pytest.mark.slow
 def test_an_uncertainty_stated_too_small_widens_intervals_and_is_said():
     errors = np.array([1.0, -1.0, 1.0, -1.0, 1.0]) * 0.002
     verdict = select(RIG, PLAIN, readings(COULOMB, errors=errors, uncertainty=0.0005))
@@ -271,6 +282,7 @@ def test_an_uncertainty_stated_too_small_widens_intervals_and_is_said():
     assert "4.4 times the stated uncertainty" in verdict.sentence
 
 
+@pytest.mark.slow
 def test_text_heading_and_marks_of_what_to_measure_next_are_one_proposal():
     verdict = select(RIG, SET_VALUED, readings(COULOMB, (0.06, 0.1, 0.15)))
     proposal = verdict.proposal
@@ -286,6 +298,7 @@ def test_text_heading_and_marks_of_what_to_measure_next_are_one_proposal():
     assert verdict.to_dict()["proposal"]["separates"] == list(proposal.apart)
 
 
+@pytest.mark.slow
 def test_a_proposed_setting_moves_the_body_and_is_of_what_the_trials_set():
     rig = SpringBlock(mass=1.0, drive=Pulse(level=8.0, duration=0.2))
     trials = tuple(
@@ -304,6 +317,7 @@ def test_a_proposed_setting_moves_the_body_and_is_of_what_the_trials_set():
     assert all(row.predicted[verdict.best.name] > 1e-3 for row in verdict.proposal.tried)
 
 
+@pytest.mark.slow
 def test_values_are_called_given_only_where_somebody_gave_them():
     measured = readings(COULOMB, (0.06, 0.1, 0.15))
     assert not any("given" in line for line in select(RIG, ["coulomb"], measured).words.settles)
@@ -327,6 +341,7 @@ def test_a_rig_without_friction_values_tries_the_usual_laws_and_calls_nothing_gi
     assert not any("given" in line for line in verdict.words.settles)
 
 
+@pytest.mark.slow
 def test_no_law_is_passed_over_where_none_is_named():
     verdict = select(RIG, PLAIN, readings(COULOMB, scale={2: 10.0}))
     content = verdict.to_dict()
@@ -335,6 +350,7 @@ def test_no_law_is_passed_over_where_none_is_named():
     assert not any(one["passed_over"] for one in content["candidates"])
 
 
+@pytest.mark.slow
 def test_assumed_values_are_fitted_where_no_law_explains_the_travels_without():
     rig = dataclasses.replace(RIG, mass=0.82, stiffness=145.0)
     truth = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.45, stribeck_velocity=0.3)
@@ -354,6 +370,7 @@ def test_assumed_values_are_fitted_where_no_law_explains_the_travels_without():
     assert found.best.fit.estimate("stribeck_velocity").value == pytest.approx(0.3, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("marked", "settings", "hint", "instead"),
     [
@@ -468,6 +485,7 @@ def test_friction_that_differs_by_direction_is_no_certainty_where_nobody_asked_f
 
 
 # in no order, in which friction could drift instead
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [(0.08, 0.04, 0.12, 0.06, 0.1), (0.08, 0.12, 0.05)])
 def test_a_level_holds_for_powers_of_the_speed_that_nobody_asked_for(settings):
     truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.3, exponent=0.5)
@@ -494,6 +512,7 @@ def test_laws_tried_beside_the_candidates_are_never_named():
     assert exponent.low <= 2.0 <= exponent.high
 
 
+@pytest.mark.slow
 def test_no_setting_is_advised_whose_prediction_is_as_uncertain_as_the_laws_are_apart():
     verdict = select(FASTENED, PLAIN, near_each_other())
     assert verdict.proposal.widest > 0.01  # levels of 0.08, 0.13 and 0.4 predict other travels
@@ -512,6 +531,7 @@ def test_a_law_stays_where_its_best_level_swings_on_and_another_explains_as_well
     assert verdict.best.name == "coulomb"
 
 
+@pytest.mark.slow
 def test_advice_has_the_uncertainty_of_what_it_predicts_and_truth_meets_it():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=1.5)
     errors = np.random.default_rng(8).normal(0.0, 2e-4, 5)

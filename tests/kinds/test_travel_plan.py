@@ -124,6 +124,7 @@ def test_the_scatter_of_repeats_is_the_uncertainty(readings, stated, expected, f
     assert ("the scatter of the repeats" in said) is bool(freedom)
 
 
+@pytest.mark.slow
 def test_settings_go_from_two_fifths_of_the_present_one_to_it(three):
     assert [row.value for row in three.settings] == pytest.approx(SETTINGS)
     found = [row.predicted["coulomb"] for row in three.settings]
@@ -273,6 +274,7 @@ def test_readings_made_before_give_level_and_uncertainty():
     )
 
 
+@pytest.mark.slow
 def test_a_push_is_planned_by_its_level():
     block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
     sheet = plan(block, ["coulomb", "viscous"], between=(6.0, 12.0), uncertainty=0.001)
@@ -424,6 +426,7 @@ def test_bristles_that_ring_are_at_rest():
     assert "dahl" in plan(BLOCK, ["coulomb", "dahl"], settings=2).laws
 
 
+@pytest.mark.slow
 def test_a_viscous_law_needs_no_guess_of_its_coefficient():
     """At 2.3 m/s and 1.06 m of travel c is 540 N s/m, 10,000 times the ordinary value."""
     heavy = SpringBlock(mass=250.0, stiffness=9e4, compression=0.12)

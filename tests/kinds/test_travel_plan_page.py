@@ -33,6 +33,7 @@ def page(sheet):
     return render(made).replace("\N{NO-BREAK SPACE}", " ")
 
 
+@pytest.mark.slow
 def test_there_is_a_line_to_write_on_for_each_run(sheet, page):
     runs = len(sheet.runs())
     assert page.count('aria-label="travel, to fill in"') == runs

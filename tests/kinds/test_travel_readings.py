@@ -330,6 +330,7 @@ def test_a_stiffness_of_bristles_is_found_from_a_guess_decades_off():
     assert found.law.kinetic_coefficient == pytest.approx(0.25, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
     ways = {}
     for x in (0.06, 0.08, 0.1):
@@ -465,6 +466,7 @@ def test_laws_are_compared_by_travels_with_the_mechanism_as_given():
         select(pushed(85.0, 0.5, 3.0), None, speeds(6), vary=TOLD, t_end=2.0)
 
 
+@pytest.mark.slow
 def test_a_search_begins_above_the_static_level_that_a_law_starts_with():
     """Stribeck friction starts with a static level of .35, and this capsule has one of .5."""
     travels = {}

@@ -80,6 +80,7 @@ def test_the_verdict_is_a_json_document(paper_verdict):
     assert "$" not in json.loads(text)["verdict"]
 
 
+@pytest.mark.slow
 def test_three_compressions_rank_the_laws_and_find_the_one_that_made_them():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=1.5)
     laws = [law for law in FAST if law.name != "stribeck"]
@@ -260,6 +261,7 @@ def drifting_readings(drift, compressions=DRIFTED):
     return Measurement(trials=tuple(trials))
 
 
+@pytest.mark.slow
 def test_a_drift_in_the_order_of_the_settings_is_said_to_be_possible():
     # a friction level that rises by a tenth looks like a viscous part
     laws = [Coulomb, "coulomb-viscous"]

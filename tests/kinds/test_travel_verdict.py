@@ -182,6 +182,7 @@ SWINGS = LuGre(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assumed", [["bristle_stiffness", "bristle_damping"], []])
 def test_a_law_that_is_out_for_assumed_values_is_named_in_the_verdict(assumed):
     """Without damping it swings on its bristles, which says nothing of LuGre friction."""

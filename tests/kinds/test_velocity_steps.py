@@ -33,6 +33,7 @@ LOGARITHMIC = ("--law", "logarithmic")
 BOTH = ("--laws", "constant-coefficient,logarithmic")
 
 
+@pytest.mark.slow
 def test_fit_takes_velocity_steps_by_itself(machine, steps):
     found = fit(machine, "logarithmic", steps, settings=RecordSettings(starts=1))
     assert isinstance(found, RateStateFit)
@@ -67,6 +68,7 @@ def test_what_is_fixed_is_held_by_the_verb(machine, steps):
     assert "friction.reference_coefficient" not in {e.path for e in found.estimates}
 
 
+@pytest.mark.slow
 def test_select_takes_velocity_steps_by_itself(machine, steps, verdict):
     assert isinstance(verdict, RateStateVerdict)
     assert verdict.best.name == "logarithmic"
@@ -90,6 +92,7 @@ def test_other_routes_say_what_they_need(machine, steps):
         fit(machine, "coulomb", steps, route="features")
 
 
+@pytest.mark.slow
 def test_the_page_of_a_verdict_is_whole(verdict):
     page = verdict_page(verdict, Origin(title="Gouge", data="two steps"), remark="From a mine.")
     assert page.title == "Friction model selection: Gouge"

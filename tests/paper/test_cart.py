@@ -243,6 +243,7 @@ def test_the_study_is_a_json_document_with_all_runs(study):
     assert [one["cause"] for one in told["backward_motion"]] == [s.key for s in study.shares]
 
 
+@pytest.mark.slow
 def test_the_page_says_what_is_ours_and_shows_both_figures(page):
     assert "Fig. 2." in page
     assert "Fig. 11." in page
@@ -294,6 +295,7 @@ def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
     assert "by select" not in page
 
 
+@pytest.mark.slow
 def test_a_cart_that_slips_back_is_said_to(page):
     weak = study_cart(None, Coulomb(kinetic_coefficient=0.15))
     assert [one.key for one in weak.choices] == ["paper"]

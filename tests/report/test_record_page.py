@@ -223,6 +223,7 @@ def test_the_same_verdict_gives_the_same_page(verdict, html):
     assert page_of(verdict) == html
 
 
+@pytest.mark.slow
 def test_a_table_of_friction_has_a_map_but_nothing_in_time(table_verdict):
     html = page_of(table_verdict)
     assert "map" in sections(html)
@@ -567,6 +568,7 @@ def test_a_value_that_nobody_gave_says_where_it_comes_from(loops):
     assert said(plain_law) == "$n$ = 1, as usual"
 
 
+@pytest.mark.slow
 def test_the_lines_of_python_make_the_selection_again(table_verdict):
     lines = python_lines(table_verdict)
     assert "RecordSettings(seed=0)" in lines
@@ -630,6 +632,7 @@ def test_a_long_equation_may_go_on_in_a_new_line_but_not_within_its_groups():
     assert grouped == (r"\text{a \quad b},", "c")
 
 
+@pytest.mark.slow
 def test_how_large_a_hidden_step_may_be_is_said():
     v = np.linspace(-0.2, 0.2, 200)
     noise = 0.05 * np.random.default_rng(5).normal(size=len(v))

@@ -107,6 +107,7 @@ def about(mechanism, law, t_end, **more):
     return RunReport(rig=Rig(title="Rig", mechanism=mechanism), law=law, run=run, **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", quick(RUNS, *QUICK))
 def test_every_section_can_be_made_of(case):
     html = run_page(about(*RUNS[case]))

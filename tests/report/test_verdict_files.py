@@ -69,6 +69,7 @@ def test_without_a_title_page_and_document_are_named_after_the_mechanism(verdict
     assert stickslip.Rig(mechanism=block, title="Slide").heading == "Slide"
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict, tmp_path):
     lines = [f"{v!r},{f!r}" for v, f in zip(SPEED.tolist(), FRICTION.tolist(), strict=True)]
     data = tmp_path / "table.csv"
@@ -126,6 +127,7 @@ def test_only_verdicts_are_reported(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
+@pytest.mark.slow
 def test_travels_per_cycle_have_a_page(tmp_path):
     push = Torque(drive=Square(high=6.0, low=-1.0, period=0.4, duty=0.3))
     capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, stiffness=80.0, damping=0.8, drive=push)

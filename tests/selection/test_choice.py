@@ -124,6 +124,7 @@ def test_a_power_of_the_speed_is_named_although_its_level_is_at_the_bound(count)
         assert verdict.best.score < 0.3 * straight.score
 
 
+@pytest.mark.slow
 def test_a_smooth_curve_that_comes_closer_than_every_law_to_a_table_is_told():
     random = np.random.default_rng(7)
     v = np.geomspace(0.01, 1.0, 12)

@@ -124,6 +124,7 @@ def test_noise_that_was_stated_leaves_no_room_for_more():
     assert "leaves no more than noise" in found.why_untried
 
 
+@pytest.mark.slow
 def test_laws_that_were_named_are_all_fitted():
     found = select(AXIS, ["coulomb", "stribeck", "level + stribeck + power"], plain())
     assert names(found) == {"coulomb", "stribeck", "level + stribeck + power"}

@@ -117,6 +117,7 @@ def test_what_the_channel_does_is_taken_off(response):
     assert found.rms < (2.0 if response.lag else 1.5) * 0.02 * LEVEL
 
 
+@pytest.mark.slow
 def test_a_drifting_force_sensor_is_named():
     found = fit(AXIS, CoulombViscous, record(drift=0.5 * LEVEL), settings=QUICK)
     (error,) = found.model_errors

@@ -124,6 +124,7 @@ def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says
     assert "times the held-out" not in selected(table(1), table(2)).words.lede
 
 
+@pytest.mark.slow
 def test_a_record_that_no_law_explains_is_said_to_be_one(unexplained):
     assert unexplained.sentence.startswith(
         "No candidate explains this record: the held-out error of"
@@ -282,6 +283,7 @@ def test_a_law_that_reduces_to_the_chosen_one_contradicts_nothing():
     assert "Quadratic drag" not in found.words.lede
 
 
+@pytest.mark.slow
 def test_what_is_not_distinguished_is_listed():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert found.best.name == "coulomb-viscous"
@@ -290,6 +292,7 @@ def test_what_is_not_distinguished_is_listed():
     assert "his record does not distinguish it from" in found.sentence + found.words.lede
 
 
+@pytest.mark.slow
 def test_a_law_that_was_not_scored_is_listed_if_the_criterion_prefers_it():
     found = selected(table(3), laws=["coulomb-viscous", "direction-dependent"])
     rich = next(c for c in found.candidates if c.name == "direction-dependent")
@@ -368,6 +371,7 @@ def test_what_an_error_of_the_model_moves_is_not_settled(confirmed):
     assert not any("interval" in fact.what or "in reverse" in fact.what for fact in opening.facts)
 
 
+@pytest.mark.slow
 def test_an_error_of_the_model_hides_neither_doubts_nor_laws_not_distinguished():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert "does not distinguish it from" in found.sentence

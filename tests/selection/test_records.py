@@ -119,6 +119,7 @@ def test_the_usual_choice_and_no_friction_stand_beside_the_others(verdict):
     assert verdict.control.score > verdict.reference.score > 5.0 * verdict.best.score
 
 
+@pytest.mark.slow
 def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone():
     record = recorded(TRUTH, length=10.0)
     exact = RecordSettings(starts=1, resolution=200)  # every sample of the force is a piece
@@ -245,6 +246,7 @@ def test_gaps_and_horizon_fit_the_record(record):
     assert isinstance(plan, Plan)
 
 
+@pytest.mark.slow
 def test_the_blocks_that_are_told_are_those_that_are_scored():
     # two segments of 1 s: without a block that both reach, or nearly, nothing is left to fit to
     short = recorded(CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0), length=2.0)

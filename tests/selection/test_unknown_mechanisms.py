@@ -56,6 +56,7 @@ def test_intervals_of_free_decays_hold_the_level_in_most_records():
     assert sum(one.low <= 0.45 <= one.high for one in found) >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "values"),
     [
@@ -105,6 +106,7 @@ def test_a_record_with_an_unknown_stiffness_is_selected_on_by_the_force_balance(
     assert not [one for one in found.model_errors if one.share > 0.0]
 
 
+@pytest.mark.slow
 def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(driven):
     unknown = ("mechanism.damping",)
     asked = asked_of(AXIS, driven, "zero", unknown, PROMPT)

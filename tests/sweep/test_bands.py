@@ -20,6 +20,7 @@ def band(count=1000, known=None, seed=0, **uncertain):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_shares_are_those_of_the_closed_form(seed):
     # k x0^2 / (2 mu m g): relative deviations of 1, 2 and 4 %, squared, over their sum
@@ -87,6 +88,7 @@ def test_few_runs_have_no_shares():
         band(count=50, mass=0.02, compression=0.002).shares()
 
 
+@pytest.mark.slow
 def test_the_page_says_which_parameter_to_measure_better():
     pytest.importorskip("SALib")
     table, caption = explained(band(mass=0.02, compression=0.002))

@@ -391,6 +391,7 @@ def test_sobol_indices_are_the_shares_of_the_variance(tmp_path):
     assert found.sentence == "Sobol indices of x from 1024 base points."
 
 
+@pytest.mark.slow
 def test_sobol_indices_of_a_published_function():
     """Ishigami and Homma 1990, with a = 7 and b = 0.1."""
     factors = {name: Uniform(low=-np.pi, high=np.pi) for name in "abc"}
