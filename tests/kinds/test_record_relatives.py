@@ -177,3 +177,26 @@ def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():
         assert isinstance(begun, kind)
         for name in ("kinetic_coefficient", "static_coefficient", "bristle_stiffness"):
             assert getattr(begun, name) == getattr(BRISTLE, name)
+
+
+@pytest.mark.parametrize(("left", "names"), [(0.5, ["lugre", "gms"]), (3.0, ["lugre"])])
+def test_of_simulated_laws_those_along_the_measured_motion_say_which_is_tried(
+    monkeypatch, left, names
+):
+    # an axis with GMS friction: simulated, nothing but LuGre's was tried, off by a sixth
+    monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
+    simulated = fitted(BRISTLE, 2.6e-4)
+    simulated.problem.simulates = True
+    first = replace(selection.unfitted(specification("lugre"), ""), fit=simulated)
+    errors = {"lugre": (BRISTLE, 4.0), "gms": (MAXWELL_SLIP, left), "elasto-plastic": (BRISTLE, 4)}
+
+    def along(spec, *_):
+        return replace(first, name=spec.name, fit=fitted(*errors[spec.name]))
+
+    def simulation(spec, starts, *_):
+        assert starts[0].cost == left**2  # it begins at what was fitted along the motion
+        return replace(first, name=spec.name)
+
+    found = Climbed(specs=(specification("lugre"),), tried=(first,))
+    found = selection._with_simulated(simulation, along, found, asking_for(BRISTLE), None)
+    assert [one.name for one in found.tried] == names
