@@ -9,7 +9,7 @@ import pytest
 from benchmarks.closed_loop_axes import ControlledAxis, record
 
 from stickslip import GMS, Axis, ElastoPlastic, LuGre, Measurement, RecordSettings, Stribeck, select
-from stickslip.errors import ConvergenceError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import specification
 from stickslip.identification import RouteChoice
 from stickslip.kinds.records import explained, selection
@@ -198,5 +198,11 @@ def test_of_simulated_laws_those_along_the_measured_motion_say_which_is_tried(
         return replace(first, name=spec.name)
 
     found = Climbed(specs=(specification("lugre"),), tried=(first,))
-    found = selection._with_simulated(simulation, along, found, asking_for(BRISTLE), None)
-    assert [one.name for one in found.tried] == names
+    asked = asking_for(BRISTLE)
+    tried = selection._with_simulated(simulation, along, found, asked, None).tried
+    assert [one.name for one in tried] == names
+
+    def refused(*_):
+        raise InputError("inverse dynamics needs evenly spaced times.")
+
+    assert selection._with_simulated(simulation, refused, found, asked, None) is found

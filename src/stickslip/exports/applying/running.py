@@ -196,7 +196,7 @@ def _held(subject: Subject, load: float) -> float:
     # a level that grows evenly, or ever more, is met from below, by secants
     while not math.isclose(held := level(force), force):
         slope = (held - level(last)) / (force - last)
-        if slope >= 1.0:
+        if not slope < 1.0:  # it locks, or grows beyond all numbers
             return break_away(subject.law)
         last, force = force, force + (held - force) / (1.0 - slope)
     return force

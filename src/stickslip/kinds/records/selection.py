@@ -343,17 +343,21 @@ def _with_simulated(
 ) -> Climbed:
     """Return simulated candidates with the law that no structure is, if it leaves clearly less.
 
-    Their simulations take minutes: fits along the measured motion, which take seconds, say which.
+    A simulated fit of one takes half a minute: fits along the measured motion, which take seconds,
+    say which.
     """
     bristled = [one for one in found.tried if one.fit and one.fit.law.states]
     closest = min(bristled, key=lambda one: one.residual, default=None)
     if closest is None or closest.fit is None or not closest.fit.problem.simulates:
         return found
     spec = found.specs[found.tried.index(closest)]
-    first = along(spec, [closest.fit.fitted_law], 0.0, watch)
+    try:
+        first = along(spec, [closest.fit.fitted_law], 0.0, watch)
+        shown = _with_relatives(along, Climbed(specs=(spec,), tried=(first,)), asked, watch)
+    except InputError:  # what inverse dynamics does not serve was fitted by simulation
+        return found
     if first.fit is None:
         return found
-    shown = _with_relatives(along, Climbed(specs=(spec,), tried=(first,)), asked, watch)
     fits = [(s, one.fit) for s, one in zip(shown.specs, shown.tried, strict=True) if one.fit]
     new, least = min(fits, key=lambda pair: pair[1].rms)
     if CLEARLY * least.rms > first.fit.rms:
