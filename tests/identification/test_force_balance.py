@@ -1,6 +1,7 @@
 """Friction by inverse dynamics along the motion: exact motions, held forces, loads, rests."""
 
 import math
+from functools import partial
 from dataclasses import replace
 
 import numpy as np
@@ -411,9 +412,19 @@ def test_bristles_are_resolved_as_finely_as_the_noise_of_positions_allows():
 def test_velocities_of_fast_vibrations_keep_their_size():
     w, dt = 0.2 * math.pi, 1e-3  # ten samples in a period: central differences lose six per cent
     n = np.arange(2000.0)
-    motion = filtered_motion(np.sin(w * n), dt, 0.5, tracked=True, vibrates=True)
+    motion = filtered_motion(np.sin(w * n), dt, 0.5, tracked=True, resolved=True)
     inside = slice(100, -100)
     assert np.allclose(motion.velocity[inside], w / dt * np.cos(w * n[inside]), atol=0.02 * w / dt)
+
+
+def test_a_body_that_swings_on_its_bristles_after_a_stop_does_not_rest():
+    n, dt, step = np.arange(4000.0), 1e-3, 2e-7
+    after = np.maximum(n - 2000.0, 0.0) * dt
+    x = np.minimum(n, 2000.0) / 2000.0 + 4e-6 * np.exp(-after) * np.sin(50.0 * np.pi * after)
+    x = step * np.round(x / step)
+    swings, filtered = slice(2100, 2700), partial(filtered_motion, x, dt, 0.14, tracked=True)
+    assert np.mean(filtered(resolved=True).resting[swings]) < 0.4  # its turns are slow
+    assert filtered().resting[swings].all()
 
 
 def one_sided(back):

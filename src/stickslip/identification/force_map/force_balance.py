@@ -29,6 +29,7 @@ from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.data import (
+    BEYOND,
     FINEST,
     QUIET,
     SEGMENTS,
@@ -257,7 +258,7 @@ def _stretch(
     dt = check_even(time)
     raw = positions_of(record)
     tracked = "position" in record.quantities()
-    motion = filtered_motion(raw, dt, passed, tracked=tracked, vibrates=resolved)
+    motion = filtered_motion(raw, dt, passed, tracked=tracked, resolved=resolved)
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
@@ -466,20 +467,23 @@ class FilteredMotion:
 
 
 def filtered_motion(
-    raw: Array, dt: float, passed: float, *, tracked: bool, vibrates: bool = False
+    raw: Array, dt: float, passed: float, *, tracked: bool, resolved: bool = False
 ) -> FilteredMotion:
     """Return the motion that positions (n,) show.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
-    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. Velocities
-    of what `vibrates` are those of the fourth order, which overshoot where others break away.
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What
+    bristles ask to be `resolved` is all that noise does not explain, as they follow it: a heavy body
+    that swings on them by 10 um after a stop does not rest. Its velocities are those of the fourth
+    order, which overshoot where others break away.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
-    v = derivative(x, dt) if vibrates else np.gradient(x, dt)
+    v = derivative(x, dt) if resolved else np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = reach_of(raw, positive_noise(raw))
+        noise = positive_noise(raw)
+        reach = BEYOND * noise if resolved else reach_of(raw, noise)
         steps = np.diff(play(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
@@ -488,8 +492,9 @@ def filtered_motion(
         # between two displacements of one direction slow slip has that direction, too
         known = resting & (ways[number] == ways[number + 1])
         v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
-        resting &= edges[number + 1] - edges[number] > SHORT / passed
-        resting = _lasting(resting, max(SHORT / passed, 1.0))
+        least = max(SHORT / passed, 1.0)
+        resting &= edges[number + 1] - edges[number] > least
+        resting = _lasting(resting, least)
     return FilteredMotion(
         position=x,
         velocity=np.where(resting, 0.0, v),
