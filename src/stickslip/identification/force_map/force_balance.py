@@ -472,15 +472,19 @@ def filtered_motion(
     """Return the motion that positions (n,) show.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
-    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What
-    bristles ask to be `resolved` is all that noise does not explain, as they follow it: a heavy body
-    that swings on them by 10 um after a stop does not rest. Its velocities are those of the fourth
-    order, which overshoot where others break away.
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
+    be `resolved`, as bristles ask for, rests only where noise explains all motion, as bristles
+    follow it: a heavy body that swings on them by 10 um after a stop does not. Its velocities are
+    those of the fourth order, which overshoot where others break away.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = derivative(x, dt) if resolved else np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
+    if resolved and not tracked:
+        # positions add up means of two velocities, whose differences see an eighth of the variance
+        noise = math.sqrt(8.0 * passed) * noise_of(np.diff(raw) / dt)
+        resting &= np.abs(v) <= BEYOND * noise
     if tracked:
         noise = positive_noise(raw)
         reach = BEYOND * noise if resolved else reach_of(raw, noise)
