@@ -30,7 +30,7 @@ from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
 from stickslip.kinds.records.admissibility import objection
-from stickslip.kinds.records.selection import _agreed, _as_simulated, with_errors
+from stickslip.kinds.records.selection import _agreed, _as_simulated, _rejected, with_errors
 from stickslip.kinds.records.wording import (
     distinct,
     error_text,
@@ -292,7 +292,7 @@ def test_of_laws_that_predict_alike_the_one_that_stays_near_over_whole_records_i
 def test_a_law_that_predicts_worse_is_not_asked_for(asked_for, kinds):
     @dataclasses.dataclass(frozen=True)
     class Fit:
-        law: None = None
+        law = SimpleNamespace(states=())
         rms: float = 1.0
         known_errors: tuple = ()
         problem = SimpleNamespace(simulates=True)
@@ -340,10 +340,32 @@ def test_a_law_that_the_balance_allows_is_not_named_where_it_is_far_off(worst, n
     # one bad block: errors of 1.46 and 3.3 that no test of blocks tells from 1
     plain, rich = law("plain", 2, [1.0] * 8), law("rich", 9, [worst, *[1.0] * 7])
     asked = SimpleNamespace(
-        rejects=lambda name, _law: name == "plain", decides=False, errors=(), asked=None
+        rejects=lambda name, _law, **_: name == "plain",
+        decides=False,
+        errors=(),
+        asked=SimpleNamespace(best=SimpleNamespace(name="another")),
     )
     assert not errs_more(rich, plain)
     assert _agreed(plain, [plain, rich], asked, uncertainty=0.0).name == named
+
+
+@pytest.mark.parametrize(
+    ("states", "residual", "rejected"),
+    [(("z",), 1.0005, False), (("z",), 1.01, True), ((), 1.0005, True)],
+)
+def test_a_part_more_that_fits_with_a_bristle_do_not_need_is_not_asked_for(
+    states, residual, rejected
+):
+    def law(name, parameters, residual):
+        fit = SimpleNamespace(law=SimpleNamespace(states=states))
+        own = {"parameters": parameters, "residual": residual, "effective": 500.0}
+        return SimpleNamespace(name=name, law=None, fit=fit, **own)
+
+    plain, rich = law("plain", 8, residual), law("rich", 9, 1.0)
+    asked = SimpleNamespace(
+        rejects=lambda *_, **__: True, asked=SimpleNamespace(best=SimpleNamespace(name="rich"))
+    )
+    assert _rejected(plain, [plain, rich], asked) is rejected
 
 
 def failing_without_a_block(*kinds):

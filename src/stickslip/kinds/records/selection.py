@@ -760,13 +760,34 @@ def _near(
 
     What a part explains at a few places, such as presliding, scatters from block to block.
     """
-    sound = [c for c in among if asked is None or not asked.rejects(c.name, c.law)]
+    sound = [c for c in among if not _rejected(c, among, asked)]
     best = min(sound or among, key=lambda c: c.score)
     return [
         c
         for c in among
         if c.score <= NEARER * max(best.score, uncertainty) or c.residual <= NEARER * best.residual
     ]
+
+
+def _rejected(
+    c: RecordCandidate,
+    among: Sequence[RecordCandidate],
+    asked: Explained | None,
+    *,
+    simplified: bool = False,
+) -> bool:
+    """Whether the force balance tells a law from its own, and fits of both do not say otherwise.
+
+    Fits of laws with a bristle see every row, rests too, with values that the balance has on a grid
+    only: a part more that takes less off than Akaike's criterion asks for is not needed.
+    """
+    if asked is None or not asked.rejects(c.name, c.law, simplified=simplified):
+        return False
+    own = next((one for one in among if one.name == asked.asked.best.name), None)
+    if own is None or not (c.fit and own.fit and c.fit.law.states and own.fit.law.states):
+        return True
+    aic = effective_aic([c, own])
+    return c.parameters >= own.parameters or aic[c.name] >= aic[own.name]
 
 
 def _told(
@@ -788,7 +809,7 @@ def _told(
         if c.score <= AS_WELL * max(closest.score, uncertainty)
         if as_good(c, closest, uncertainty=uncertainty)
         if not c.whole > NEARER * closest.whole
-        if asked is None or not asked.rejects(c.name, c.law, simplified=True)
+        if not _rejected(c, among, asked, simplified=True)
         if order(c)[0] < order(closest)[0]
     ]
     return min(less, key=order, default=closest)
@@ -867,7 +888,7 @@ def with_errors(
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
     errors = asked.errors_of(c.name, c.fit.law, left)
-    far = asked.rejects(c.name, c.law, simplified=bool(c.simplifies))
+    far = _rejected(c, judged, asked, simplified=bool(c.simplifies))
     if not far or any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
         errors = tuple(one for one in errors if one.kind != "law")
     return replace(
@@ -896,7 +917,7 @@ def _agreed(
     balance rejects is named only if those that it allows predict worse, clearly or by far, and
     nothing is wrong beside the law. The finding that another law is asked for is then said of it.
     """
-    allowed = [c for c in among if not asked.rejects(c.name, c.law)]
+    allowed = [c for c in among if not _rejected(c, among, asked)]
     if not allowed:
         return closest
     if asked.decides and (own := [c for c in allowed if c.name == asked.asked.best.name]):
@@ -924,7 +945,7 @@ def _as_simulated(
         for c in among
         if c.whole * NEARER < closest.whole and not c.dropped
         if as_good(c, closest, uncertainty=uncertainty)
-        if asked is None or not asked.rejects(c.name, c.law)
+        if not _rejected(c, among, asked)
     ]
     return min(nearer, key=lambda c: c.whole, default=closest)
 
