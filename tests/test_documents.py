@@ -19,8 +19,8 @@ CHILD = """
 import ctypes, os, pathlib, signal, sys
 from stickslip import documents
 
-folder, where, last, can_exchange = sys.argv[1:]
-last, calls = int(last), 0
+folder, where, can_exchange = sys.argv[1:]
+last = calls = 0
 
 def deadly(real):
     def call(*arguments, **settings):
@@ -42,9 +42,19 @@ def refused(*_):
     raise OSError("no such call")
 documents._exchange = deadly(documents._exchange) if can_exchange == "True" else refused
 new = {"index.html": "new", "verdict.json": "new"}
-documents.write_folder(pathlib.Path(folder), new, stale=["law.toml", "index.html"])
-print(calls)
+end = 1
+while end:  # each time one step farther, in a copy of this process
+    last += 1
+    if not (copy := os.fork()):
+        documents.write_folder(
+            pathlib.Path(folder.format(last)), new, stale=["law.toml", "index.html"]
+        )
+        os._exit(0)
+    end = os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1])
+    print(end)
 """
+MOST_STEPS = 60
+"""More than any folder of these takes."""
 linux = pytest.mark.skipif(sys.platform != "linux", reason="exchanges folders in one step")
 OTHER_STARTS = (
     ("absent", "after"), ("old", "before"), ("old", "after"), ("old with a user's files", "before"),
@@ -61,9 +71,13 @@ def seen(folder):
     }
 
 
-def killed(folder, where, last, can_exchange):
-    command = [sys.executable, "-c", CHILD, str(folder), where, str(last), str(can_exchange)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+def killed(folders, where, can_exchange):
+    """Write a folder for each step after which the process is killed; return how each one ended."""
+    command = [sys.executable, "-c", CHILD, str(folders), where, str(can_exchange)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    ends = [int(end) for end in done.stdout.split()]
+    assert ends == [-signal.SIGKILL] * (len(ends) - 1) + [0], done.stderr
+    return range(1, len(ends))
 
 
 @posix
@@ -77,12 +91,10 @@ def killed(folder, where, last, can_exchange):
 )
 @linux
 def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_path, start, where):
-    last, states = 0, []
-    while True:
-        last += 1
+    before, user, states = {}, {}, []
+    for last in range(1, MOST_STEPS):
         folder = tmp_path / str(last) / "report"
         folder.parent.mkdir()
-        before, user = {}, {}
         if start != "absent":
             write_folder(folder, OLD)
             before = dict(OLD)
@@ -91,16 +103,14 @@ def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_p
             (folder / "notes.txt").write_text("mine")
             (folder / "mine" / "deep" / "law.toml").write_text("mine")
             user = {"notes.txt": "mine", "mine/deep/law.toml": "mine"}
-        done = killed(folder, where, last, can_exchange=True)
-        if done.returncode == 0:
-            break
-        assert done.returncode == -signal.SIGKILL, done.stderr
+    for last in killed(tmp_path / "{}" / "report", where, can_exchange=True):
+        folder = tmp_path / str(last) / "report"
         now = seen(folder) if folder.exists() else {}
         assert now in ({**before, **user}, {**NEW, **user})
         states.append(now == {**NEW, **user})
         write_folder(folder, NEW, stale=["law.toml"])  # and the next one goes through
         assert seen(folder) == {**NEW, **user}
-    assert len(states) > 3
+    assert 3 < len(states) < MOST_STEPS - 1
     assert states == sorted(states)  # once new, it stays new
     assert not states[0]
 
@@ -108,23 +118,20 @@ def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_p
 @posix
 @pytest.mark.parametrize("where", ["before", pytest.param("after", marks=pytest.mark.slow)])
 def test_without_an_exchange_old_files_never_stand_beside_new_ones(tmp_path, where):
-    last = 0
-    while True:
-        last += 1
+    for last in range(1, MOST_STEPS):
         folder = tmp_path / str(last)
         write_folder(folder, OLD)
         (folder / "notes.txt").write_text("mine")
-        done = killed(folder, where, last, can_exchange=False)
-        if done.returncode == 0:
-            break
-        assert done.returncode == -signal.SIGKILL, done.stderr
+    steps = killed(tmp_path / "{}", where, can_exchange=False)
+    for last in steps:
+        folder = tmp_path / str(last)
         now = seen(folder)
         assert now.pop("notes.txt") == "mine"
         assert now.items() <= OLD.items() or now.items() <= NEW.items()
         assert "index.html" in now
         write_folder(folder, NEW, stale=["law.toml"])  # what is left is known as ours
         assert seen(folder) == {**NEW, "notes.txt": "mine"}
-    assert last > 5
+    assert 5 < len(steps) + 1 < MOST_STEPS
 
 
 def test_nothing_is_left_beside_a_folder(tmp_path):

@@ -18,12 +18,12 @@ AGREE = {}
 
 def sentences(source: str) -> Iterator[tuple[str, int]]:
     """Yield strings that users may read, with their lines; braces stand for what is inserted."""
-    tree = ast.parse(source)
-    passed = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}  # docstrings
-    for node in ast.walk(tree):
+    nodes = [*ast.walk(ast.parse(source))]
+    passed = {id(n.value) for n in nodes if isinstance(n, ast.Expr)}  # docstrings
+    for node in nodes:
         if isinstance(node, ast.JoinedStr):
             passed |= {id(part) for part in node.values}
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.JoinedStr):
             said = "".join(
                 str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values

@@ -20,7 +20,7 @@ each_example = pytest.mark.parametrize("rig", SHOWN.values(), ids=SHOWN)
 ALONE = {name: rig for name, rig in SHOWN.items() if len(rig.contacts()) == 1}
 """Those whose equations are derived for each mode of their only contact."""
 each_alone = pytest.mark.parametrize("rig", ALONE.values(), ids=ALONE)
-each_pair = pytest.mark.parametrize(("rig", "kind"), list(pairs(LAWS, ALONE, 4)))
+each_pair = pytest.mark.parametrize(("rig", "kind"), list(pairs(LAWS, ALONE, 8)))
 
 
 # squares of speeds below 1e-100 m/s are subnormal, and have no 14 digits

@@ -4,6 +4,7 @@ import itertools
 from collections import OrderedDict
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import broken_lines, drives, examples, nearly, pulses
@@ -95,3 +96,10 @@ def test_schedules_are_kept_as_long_as_their_numbers_are_few(monkeypatch):
     assert table(axes[1]).base is not second.base
     long = Axis(inertia=1.0, drive=Sampled(times=np.arange(300) * 0.01, values=np.zeros(300)))
     assert table(long).base is not table(long).base
+
+
+def test_what_is_kept_is_not_counted_anew_for_each_short_schedule(monkeypatch):
+    monkeypatch.setattr(drive_schedule, "_numbers", lambda: pytest.fail("counted"))
+    for level in (1.0, 2.0):
+        axis = Axis(inertia=1.0, drive=Pulse(level=level, duration=0.1))
+        drive_schedule.gather(axis, FREE, formulate(axis, FREE), 1.0)

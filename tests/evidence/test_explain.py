@@ -8,6 +8,7 @@ from benchmarks import closed_loop_axes, force_maps
 from benchmarks.axis_records import ALL, record
 from benchmarks.faults import faulty
 from benchmarks.structures import friction_error, kinds_of
+from tests.support import quick
 
 from stickslip.evidence import (
     Balance,
@@ -44,7 +45,10 @@ def explained(directions):
     return explain([directions])
 
 
-@pytest.mark.parametrize("name", ["cv1", "c2", "pv2", "da1", "ri2", "lo1", "coarse"])
+@pytest.mark.parametrize(
+    "name",
+    quick(["cv1", "c2", "pv2", "da1", "ri2", "lo1", "coarse"], "pv2", "ri2", "coarse"),
+)
 def test_the_structure_of_an_axis_is_found_and_nothing_is_accused(name):
     truth = truth_of(name)
     found = explain([record(truth, 5, seconds=SECONDS).series])
@@ -56,9 +60,9 @@ def test_the_structure_of_an_axis_is_found_and_nothing_is_accused(name):
 @pytest.mark.parametrize(
     ("name", "kind", "value"),
     [
-        ("f_spr2", "spring", 0.5),
+        pytest.param("f_spr2", "spring", 0.5, marks=pytest.mark.slow),
         ("f_dri1", "drift", 0.3),
-        ("f_sat2", "saturation", 1.8),
+        pytest.param("f_sat2", "saturation", 1.8, marks=pytest.mark.slow),
         ("f_delay2", "delay", 0.012),
     ],
 )
@@ -140,12 +144,14 @@ def test_the_frequency_of_a_ripple_is_found_and_its_error_is_no_drift_of_clocks(
     assert high - low < 0.01
 
 
+@pytest.mark.slow
 def test_neighbours_among_faults_are_named_as_a_group():
     found = explain([record(truth_of("f_gap2"), 11).series])
     (fault,) = found.faults
     assert {"delay", "loose"} <= set(fault.kinds)
 
 
+@pytest.mark.slow
 def test_a_mirrored_record_has_the_same_structure_and_the_opposite_offset(directions, explained):
     mirrored = replace(directions, q=-directions.q, force=-directions.force)
     found = explain([mirrored])
@@ -430,6 +436,7 @@ def test_the_damping_of_a_bristle_is_found_beside_its_shape():
     assert not plain.has("damping")
 
 
+@pytest.mark.slow
 def test_a_bristle_that_its_damping_hides_is_no_backlash():
     # each reversal shows a force of the damping's own, several times the level: without it
     # every bristle explains less than inertia and level that are missing in a gap

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 import symengine as se
-from tests.support import UNAIDED, Generated, example_of
+from tests.support import UNAIDED, Generated, each_of, example_of
 
 from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, ensemble, simulate
 from stickslip.drives import Drive, Sine
@@ -88,7 +88,7 @@ ROUNDING = 1e-12
 """A few hundred roundings: the terms of the equations stand in another order."""
 
 
-@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", each_of(UNAIDED.values()))
 @pytest.mark.parametrize(
     "matrix_cart", [MatrixCart, pytest.param(CountedCart, marks=pytest.mark.slow)]
 )

@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar, final
 
 import pytest
 import symengine as se
-from tests.support import EXAMPLES, UNAIDED, Generated, example_of
+from tests.support import EXAMPLES, UNAIDED, Generated, example_of, pairs
 from typing_extensions import override
 
 from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
@@ -61,8 +61,7 @@ def test_the_text_is_the_same_in_every_process(seed):
     assert printed_with(seed) == hashlib.sha256("".join(texts).encode()).hexdigest()
 
 
-@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
-@pytest.mark.parametrize("rig", EXAMPLES.values(), ids=lambda rig: rig.name)
+@pytest.mark.parametrize(("rig", "kind"), list(pairs(UNAIDED, EXAMPLES)))
 def test_generated_functions_know_only_their_arguments_and_math(rig, kind):
     tree = ast.parse(formulate(rig, example_of(kind)).text)
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]

@@ -76,7 +76,10 @@ def by_motion(emps):
     return fit_of
 
 
-@pytest.mark.parametrize(("law", "bar"), [(CoulombViscous, 0.47e-3), (DirectionDependent, 0.14e-3)])
+@pytest.mark.parametrize(
+    ("law", "bar"),
+    [(CoulombViscous, 0.47e-3), pytest.param(DirectionDependent, 0.14e-3, marks=pytest.mark.slow)],
+)
 def test_segments_of_a_second_are_predicted_to_a_part_of_a_millimetre(by_motion, law, bar):
     found = by_motion(law)
     assert found.rms < bar

@@ -75,7 +75,10 @@ def test_a_law_that_lacks_a_part_is_told_which_one_the_balance_asks_for(fault, l
     assert errors[0].share > 0.1
 
 
-@pytest.mark.parametrize(("fault", "late"), [("sensor-delay", 12e-3), ("actuator-delay", 6e-3)])
+@pytest.mark.parametrize(
+    ("fault", "late"),
+    [("sensor-delay", 12e-3), pytest.param("actuator-delay", 6e-3, marks=pytest.mark.slow)],
+)
 def test_a_delay_is_found_with_its_size(fault, late):
     (error, *_) = of_fault(fault)
     # to first order in the delay: a tenth of it and the interval are the error

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.arm_cases import ARM, JOINTS, QUICK, TRUTH, motion, parts, record
+from tests.support import quick
 
 from stickslip import CoulombViscous, Measurement, check, fit, plots, select, write_report
 from stickslip.formulation import JointTorques
@@ -43,7 +44,7 @@ def resting(joint, rest, seed=0):
     )
 
 
-@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("joint", quick(JOINTS, JOINTS[-1]))
 @pytest.mark.parametrize("rest", RESTS)
 def test_a_joint_that_rests_spoils_nothing_of_its_neighbour(joint, rest):
     other = next(name for name in JOINTS if name != joint)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support import quick
 
 from stickslip import (
     Axis,
@@ -118,7 +119,8 @@ def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
 
 
 @pytest.mark.parametrize(
-    "name", ["stribeck", "power-viscous", "quadratic-drag", "direction-dependent"]
+    "name",
+    quick(["stribeck", "power-viscous", "quadratic-drag", "direction-dependent"], "power-viscous"),
 )
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):

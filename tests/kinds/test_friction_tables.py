@@ -167,6 +167,7 @@ def test_a_table_is_a_kind_of_its_own_that_records_serve_where_a_route_is_asked_
     assert "shooting" in kind_of(table, "shooting").routes
 
 
+@pytest.mark.slow
 def test_a_selection_is_three_frames_from_its_algorithm_and_runs_few_modules():
     seen = watched(TABLE)
     assert seen["frames"] == 3
@@ -247,7 +248,10 @@ def test_a_shape_that_no_candidate_has_is_no_drift_in_an_order_of_its_own():
     assert "a smooth curve" in verdict.sentence
 
 
-@pytest.mark.parametrize(("constant", "stated"), [(5.0, {"friction": 5.0}), (3.0, {})])
+@pytest.mark.parametrize(
+    ("constant", "stated"),
+    [(5.0, {"friction": 5.0}), pytest.param(3.0, {}, marks=pytest.mark.slow)],
+)
 def test_what_is_no_friction_does_not_drift_with_it(constant, stated):
     # with 5 N of a sensor's zero no drift was found, and a level that left the true one out
     order = np.random.default_rng(3).permutation(len(BOTH))
@@ -262,7 +266,7 @@ def test_what_is_no_friction_does_not_drift_with_it(constant, stated):
     assert offset.low < (0.0 if stated else constant) < offset.high
 
 
-@pytest.mark.parametrize("of_zero", [True, False])
+@pytest.mark.parametrize("of_zero", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_readings_of_one_direction_do_not_tell_friction_from_the_zero_of_its_sensor(of_zero):
     # the interval of the slope, .443 to .475, left the true one out where the zero drifts
     random = np.random.default_rng(5)

@@ -277,11 +277,11 @@ OTHERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [pytest.param("rate-and-state-prz", marks=pytest.mark.slow), "rate-and-state-nagata",
-     pytest.param("rate-and-two-states", marks=pytest.mark.slow)],
-)  # fmt: skip
+    ["rate-and-state-prz", "rate-and-state-nagata", "rate-and-two-states"],
+)
 def test_other_forms_are_recovered_from_their_own_data(name):
     truth = law(**OTHERS[name])
     found = fitted(record(truth, noise=3e-4), name, drift="none", starts=1, profile=False)

@@ -459,6 +459,7 @@ def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert f"{plain(left)} for Dahl" in text
 
 
+@pytest.mark.slow
 def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
     assert loops.closest.name == "dahl"
     text = text_of(loops_html)

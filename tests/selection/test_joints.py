@@ -22,6 +22,7 @@ from stickslip import (
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import Scale
 from stickslip.formulation import JointTorques
+from stickslip.friction import BamM3
 from stickslip.kinds.joints.page import posture_section
 from stickslip.kinds.joints.selection import joint_specifications
 from stickslip.plots import plot_joints
@@ -307,11 +308,23 @@ def test_a_gear_that_loses_a_share_of_its_torque_is_found_where_masses_are_fitte
         assert one.high - one.low < 0.2 * true
 
 
-def test_the_law_of_a_gear_that_was_found_runs_and_is_written_as_a_rig_file(gear, tmp_path):
+@pytest.mark.slow
+def test_the_law_of_a_gear_that_was_found_is_written_as_a_rig_file(gear, tmp_path):
     fit = gear.best.fit
     path = tmp_path / "law.toml"
     path.write_text(rig_toml(fit.mechanism, fit.law))
+    assert load_rig(path).law_by_contact()["elbow"] == fit.law["elbow"]
+
+
+def test_the_law_of_a_gear_is_written_as_a_rig_file_and_runs(tmp_path):
+    laws = LAWS | {
+        "elbow": BamM3(
+            kinetic_coefficient=0.05, viscous_coefficient=0.01, transmitted_coefficient=0.15
+        )
+    }
+    path = tmp_path / "law.toml"
+    path.write_text(rig_toml(GUESSED, laws))
     rig = load_rig(path)
-    assert rig.law_by_contact()["elbow"] == fit.law["elbow"]
+    assert rig.law_by_contact() == laws
     run = simulate(rig.mechanism, rig.law_by_contact(), t_end=0.5, y0={"elbow": 1.0})
     assert run.certificate.certified

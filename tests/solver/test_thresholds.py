@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 from tests.contact_cases import Plain, coulomb
+from tests.support import quick
 
 from stickslip import Dahl, EventDriven, Stribeck, simulate
 from stickslip.drives import Drive, Pulse, Sine, Square
@@ -93,7 +94,7 @@ SIGNALS = {
 }
 
 
-@pytest.mark.parametrize("signal", SIGNALS)
+@pytest.mark.parametrize("signal", quick(SIGNALS, "a drive", "the time"))
 @pytest.mark.parametrize(("kind", "name", "law"), CASES, ids=lambda one: getattr(one, "name", None))
 def test_a_force_that_switches_as_the_run_begins_is_that_of_what_follows(kind, name, law, signal):
     """A force that is given as a drive has no threshold: its first value holds from time 0 on."""

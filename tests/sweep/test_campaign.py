@@ -160,7 +160,7 @@ def cases():
 
 
 KILLED = """
-import os, signal, sys
+import os, pathlib, signal, sys
 sys.path.insert(0, sys.argv[1])
 from test_campaign import asked
 seen = []
@@ -168,18 +168,22 @@ def progress(done, total):
     seen.append(done)
     if len(seen) > 2:
         os.kill(os.getpid(), signal.SIGKILL)
-asked().run(sys.argv[2], progress=progress)
+for _ in range(3):
+    if not (copy := os.fork()):
+        asked().run(sys.argv[2], progress=progress)
+        os._exit(0)
+    _, status = os.waitpid(copy, 0)
+    parts = len([*pathlib.Path(sys.argv[2]).rglob("*.parquet")])
+    print(os.waitstatus_to_exitcode(status), parts, flush=True)
 """
 
 
 def test_a_campaign_that_is_killed_three_times_ends_with_the_same_files(tmp_path):
     asked().run(tmp_path / "whole")
-    there = []
-    for _ in range(3):
-        command = [sys.executable, "-c", KILLED, str(Path(__file__).parent), str(tmp_path / "own")]
-        done = subprocess.run(command, check=False, capture_output=True, timeout=120)
-        assert done.returncode == -signal.SIGKILL, done.stderr
-        there.append(len([*(tmp_path / "own").rglob("*.parquet")]))
+    command = [sys.executable, "-c", KILLED, str(Path(__file__).parent), str(tmp_path / "own")]
+    done = subprocess.run(command, check=True, capture_output=True, timeout=120)
+    ends, there = zip(*(map(int, line.split()) for line in done.stdout.splitlines()), strict=True)
+    assert ends == (-signal.SIGKILL,) * 3, done.stderr
     assert 0 < there[0] < there[1] < there[2]
     found = asked().run(tmp_path / "own")
     assert found.made < 50

@@ -61,8 +61,9 @@ class Block:
         Levels by which lines are indented.
     """
 
-    def __init__(self, syntax: Syntax, depth: int) -> None:
+    def __init__(self, syntax: Syntax, depth: int, plain: set[se.Expr] | None = None) -> None:
         self.syntax = syntax
+        self.plain = set() if plain is None else plain
         self.lines: list[str] = []
         self.temporaries: list[str] = []
         self.depth = depth
@@ -143,11 +144,9 @@ class Block:
     def _product(self, e: se.Expr, names: Mapping[str, str]) -> str:
         above, below, sign = [], [], ""
         for factor in e.args:
-            if factor == -1:
+            if factor.is_Number and factor < 0:
                 sign = "-"
-            elif factor.is_Number and factor < 0:
-                sign = "-"
-                above.append(_constant(-factor))
+                above += [] if factor == -1 else [_constant(-factor)]
             elif factor.is_Pow and factor.args[0] != se.E and _negative(factor.args[1]):
                 below.append(self._factor(factor.args[0] ** -factor.args[1], names))
             else:
@@ -198,7 +197,7 @@ def _lift(e: se.Expr, lifted: dict[str, tuple[str, se.Piecewise]], block: Block)
             lifted[key] = (block.fresh(), switch)
         return se.Symbol(lifted[key][0])
 
-    return rebuilt(e, named)
+    return rebuilt(e, named, block.plain)
 
 
 PYTHON: Final = Syntax(
@@ -231,7 +230,8 @@ def program(
             for name, cases in functions.items()
         }
         functions[CONSTANTS] = {None: calls}
-    texts = [function(name, cases) for name, cases in functions.items()]
+    plain: set[se.Expr] = set()
+    texts = [function(name, cases, plain) for name, cases in functions.items()]
     return "\n\n".join(texts), len(calls)
 
 
@@ -264,20 +264,21 @@ def _is_call(e: se.Expr) -> bool:
     return not (e.is_Add or e.is_Mul)
 
 
-def function(name: str, cases: Cases) -> str:
+def function(name: str, cases: Cases, plain: set[se.Expr] | None = None) -> str:
     """Return the text of a function that reads the vector ``w`` and writes expressions to it.
 
     Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after
     it; the results go to the place ``to`` and after it.
     """
+    plain = set() if plain is None else plain
     lines = [f"def {name}(mode, flags, t, w, at, to):"]
     for mode, case in cases.items():
         depth = 1
         if mode is not None:
             lines.append(f"{INDENT}if mode == {mode}:")
             depth = 2
-        block = Block(PYTHON, depth)
-        expressions = [collapsed(e) for e in case]
+        block = Block(PYTHON, depth, plain)
+        expressions = [collapsed(e, plain) for e in case]
         _unpack(block, expressions)
         _write(block, block.scope(expressions))
         block.line("return")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
@@ -278,39 +279,47 @@ def is_zero(e: se.Expr) -> bool:
     return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
 
 
-def collapsed(e: se.Expr) -> se.Expr:
+def collapsed(e: se.Expr, plain: set[se.Expr] | None = None) -> se.Expr:
     """Merge branches that became equal, as they do after a derivative."""
-    return rebuilt(e, _merged)
+    known = set() if plain is None else plain
+
+    def merged(switch: se.Piecewise) -> se.Expr:
+        yes, condition, no, _ = switch.args
+        yes, no = collapsed(yes, known), collapsed(no, known)
+        return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
+
+    return rebuilt(e, merged, known)
 
 
-def _merged(e: se.Piecewise) -> se.Expr:
-    yes, condition, no, _ = e.args
-    yes, no = collapsed(yes), collapsed(no)
-    return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
-
-
-def rebuilt(e: se.Expr, change: Callable[[se.Piecewise], se.Expr]) -> se.Expr:
+def rebuilt(
+    e: se.Expr, change: Callable[[se.Piecewise], se.Expr], plain: set[se.Expr] | None = None
+) -> se.Expr:
     """Return an expression with its outermost switches changed.
 
-    Parts that several others share, of which recursions make many, are looked at once.
+    Parts that several others share, of which recursions make many, are looked at once. Those
+    without a switch are added to `plain`, so that expressions of the same parts pass them over.
     """
-    seen: dict[se.Expr, se.Expr | None] = {}
+    seen: dict[se.Expr, se.Expr] = {}
+    known = set() if plain is None else plain
 
-    def changed(part: se.Expr) -> se.Expr | None:
-        """Return the new part; None of one without a switch."""
-        if part.args and part not in seen:
-            if isinstance(part, se.Piecewise):
-                seen[part] = change(part)
-            else:
-                new = [(one, changed(one)) for one in part.args]
-                plain = all(other is None for _, other in new)
-                seen[part] = (
-                    None if plain else part.func(*[b if b is not None else a for a, b in new])
-                )
-        return seen.get(part)
+    def changed(part: se.Expr) -> se.Expr:
+        if part.is_Atom or part in known:
+            return part
+        if part in seen:
+            return seen[part]
+        if isinstance(part, se.Piecewise):
+            new = change(part)
+        else:
+            old = part.args
+            parts = [changed(one) for one in old]
+            if all(map(operator.is_, parts, old)):
+                known.add(part)
+                return part
+            new = part.func(*parts)
+        seen[part] = new
+        return new
 
-    found = changed(e)
-    return e if found is None else found
+    return changed(e)
 
 
 @dataclass(frozen=True)

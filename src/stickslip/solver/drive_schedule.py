@@ -30,7 +30,8 @@ SHORTEST = 8
 
 MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
 """Schedules of single runs that are kept, as those of a long record's segments, and the numbers in
-all of their tables together."""
+all of their tables together. Tables of less than an even share, as searches make for each run, are
+not counted; all of them have at most as many again."""
 _KEPT: OrderedDict[tuple[float, ...], tuple[tuple[Drive, ...], "Schedule"]] = OrderedDict()
 
 Array = NDArray[np.float64]
@@ -98,7 +99,11 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
         plan = _scheduled(drives, 1, t_end)
         plan.table.setflags(write=False)
         kept = drives, plan  # as long as they are kept, no other objects have their identities
-        while _KEPT and (len(_KEPT) >= MOST_KEPT or _numbers() + plan.table.size > MOST_NUMBERS):
+        size = plan.table.size
+        while _KEPT and (
+            len(_KEPT) >= MOST_KEPT
+            or (size > MOST_NUMBERS // MOST_KEPT and _numbers() + size > MOST_NUMBERS)
+        ):
             _KEPT.popitem(last=False)
     if kept[1].table.size <= MOST_NUMBERS:
         _KEPT[key] = kept

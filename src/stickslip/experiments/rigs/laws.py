@@ -33,10 +33,10 @@ def laws_of(
     lacking = keys - found.keys() - {field for kind in found.values() for field in _fields(kind)}
     if not lacking:
         return found
-    owners = {key: [name for name in known if key in _fields(known[name])] for key in lacking}
-    if not all(owners.values()):
+    having = {name: lacking & _fields(known[name]) for name in known}
+    if lacking.difference(*having.values()):
         return {**known, **more}
-    wanted = {*found, *(name for names in owners.values() for name in names)}
+    wanted = {*found, *(name for name, keys in having.items() if keys)}
     return {name: known[name] for name in known if name in wanted} | {**more}
 
 
