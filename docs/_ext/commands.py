@@ -62,7 +62,7 @@ def commands(folder: Path) -> Iterator[None]:
         listener.bind(str(place))
         listener.listen(64)
         given = listener.fileno()
-        process = subprocess.Popen([sys.executable, "-P", __file__, str(given)], pass_fds=[given])
+        process = subprocess.Popen([sys.executable, __file__, str(given)], pass_fds=[given])
     try:
         yield
     finally:
@@ -162,4 +162,5 @@ def _end_with(caller: socket.socket) -> None:
 
 
 if __name__ == "__main__":
+    sys.path.pop(0)  # an example does not see what is beside this file
     serve(socket.socket(fileno=int(sys.argv[1])))

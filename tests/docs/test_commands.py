@@ -79,18 +79,19 @@ def test_a_kernel_runs_in_the_folder_of_its_page_and_ends_with_whoever_started_i
     from jupyter_client import KernelManager
 
     manager = KernelManager(kernel_name="python3")
+    (tmp_path / "beside.py").write_text("name = __name__")
     manager.start_kernel(cwd=str(tmp_path))
     client = manager.blocking_client()
     client.start_channels()
     try:
         client.wait_for_ready(timeout=60)
-        script = "import os; open('seen', 'w').write(f'{os.getpid()} {__name__}')"
+        script = "import os, beside; open('seen', 'w').write(f'{os.getpid()} {beside.name}')"
         client.execute_interactive(script, timeout=60)
     finally:
         client.stop_channels()
         manager.shutdown_kernel(now=True)  # kills the caller, which is all that Jupyter knows
     number, name = (tmp_path / "seen").read_text().split()
-    assert name == "__main__"
+    assert name == "beside"
     until = time.monotonic() + 10.0
     while Path(f"/proc/{number}").exists() and time.monotonic() < until:
         time.sleep(0.02)
