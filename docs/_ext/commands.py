@@ -1,6 +1,6 @@
-"""`stickslip` in examples: each command runs in a copy of one process that has the package loaded.
+"""`stickslip` and kernels of examples: each runs in a copy of one process that has all loaded.
 
-Most of what a short command takes is its start: modules to import, machine code to load.
+Most of what a short page takes is its start: modules to import, machine code to load.
 """
 
 import contextlib
@@ -10,11 +10,29 @@ import select
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 WARMED = ("simulate", "demo", "--json")
 """Command that loads what most others need."""
+LOADED = (
+    "ipykernel.kernelapp",
+    "matplotlib.pyplot",
+    "pandas",
+    "scipy.stats",
+    "stickslip",
+    "stickslip.plots.dispatch",
+    *(f"stickslip.cli.{name}" for name in ("select", "fit", "check", "pages")),
+)
+"""Modules that it leaves out, with all that they load when asked."""
+KERNEL = {
+    "argv": ["kernel", "-f", "{connection_file}"],
+    "display_name": "Python 3",
+    "interrupt_mode": "message",  # a signal would reach the caller only
+    "language": "python",
+}
+"""How a kernel is started."""
 WAITS = 2.0
 """Time after which it is looked whether whoever started the process is still there [s]."""
 CALLER = """\
@@ -22,7 +40,7 @@ CALLER = """\
 import json, os, socket, sys
 with socket.socket(socket.AF_UNIX) as one:
     one.connect({place!r})
-    asked = json.dumps([sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
+    asked = json.dumps([sys.argv, os.getcwd(), dict(os.environ)]).encode()
     socket.send_fds(one, [len(asked).to_bytes(8, "big")], [0, 1, 2])
     one.sendall(asked)
     code = one.recv(8)
@@ -32,11 +50,14 @@ sys.exit(int(code) if code else 1)
 
 @contextlib.contextmanager
 def commands(folder: Path) -> Iterator[None]:
-    """Put a command `stickslip` into a folder, which the process behind it serves."""
+    """Put command and kernel into a folder, which the process behind them serves."""
     place = folder / "socket"
-    caller = folder / "stickslip"
-    caller.write_text(CALLER.format(python=sys.executable, place=str(place)), encoding="utf-8")
-    caller.chmod(0o755)
+    for caller in (folder / "stickslip", folder / "kernel"):
+        caller.write_text(CALLER.format(python=sys.executable, place=str(place)), encoding="utf-8")
+        caller.chmod(0o755)
+    kernel = folder / "kernels" / "python3"
+    kernel.mkdir(parents=True)
+    (kernel / "kernel.json").write_text(json.dumps(KERNEL), encoding="utf-8")
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(place))
         listener.listen(64)
@@ -78,17 +99,26 @@ def _load() -> None:
         contextlib.redirect_stdout(nothing),
         contextlib.redirect_stderr(nothing),
     ):
-        _run(WARMED)
-    for name in ("select", "fit", "check", "pages"):
-        __import__(f"stickslip.cli.{name}")
+        _run("stickslip", WARMED)
+    for name in LOADED:
+        __import__(name, fromlist=["*"])
+    sys.modules["pandas"].set_option(
+        "display.max_columns", 20
+    )  # what it sets if loaded in a kernel
     del os.environ["STICKSLIP_BACKGROUND"]
     if background is not None:
         os.environ["STICKSLIP_BACKGROUND"] = background
 
 
-def _run(arguments: Sequence[str]) -> int:
+def _run(name: str, arguments: Sequence[str]) -> int:
+    """Run a command or a kernel, which ends with the process that it is a copy of."""
+    from ipykernel.kernelapp import launch_new_instance
+
     from stickslip.cli import main
 
+    if name == "kernel":
+        launch_new_instance([*arguments, f"--IPKernelApp.parent_handle={os.getppid()}"])
+        return 0
     try:
         return main(arguments)
     except SystemExit as leaving:
@@ -101,20 +131,22 @@ def _answer(connection: socket.socket) -> None:
     asked = b""
     while len(asked) < int.from_bytes(size, "big"):
         asked += connection.recv(1 << 16)
-    arguments, folder, environment = json.loads(asked)
+    (called, *arguments), folder, environment = json.loads(asked)
+    threading.Thread(target=_end_with, args=[connection], daemon=True).start()
     for target, file in enumerate(files):
         os.dup2(file, target)
         os.close(file)
     sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115  # to the end
     sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", encoding="utf-8", closefd=False, buffering=1)  # noqa: SIM115
-    sys.argv = ["stickslip", *arguments]
+    name = Path(called).name
+    sys.argv = [name, *arguments]
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
     code = 1
     try:
-        code = _run(arguments)
+        code = _run(name, arguments)
         sys.stdout.flush()
     finally:
         with contextlib.suppress(OSError, ValueError):
@@ -123,5 +155,12 @@ def _answer(connection: socket.socket) -> None:
         os._exit(code)
 
 
+def _end_with(caller: socket.socket) -> None:
+    """End as what was started there does, if whoever asked for it is killed."""
+    caller.recv(1)
+    os._exit(1)
+
+
 if __name__ == "__main__":
+    sys.path.pop(0)  # an example does not see what is beside this file
     serve(socket.socket(fileno=int(sys.argv[1])))

@@ -1,9 +1,10 @@
-"""Commands of examples, which run in copies of one process, do what they do when started alone."""
+"""Commands and kernels of examples, copies of one process, do what they do when started alone."""
 
 import importlib.util
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -25,6 +26,7 @@ Shell = Callable[[str], tuple[int, str, str]]
 @pytest.fixture(scope="module")
 def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
     """Run a script of the shell in a folder with a rig."""
+    pytest.importorskip("ipykernel", reason="documentation is built with the extra dev")
     spec = importlib.util.spec_from_file_location("commands", EXTENSION)
     assert spec is not None
     assert spec.loader is not None
@@ -40,7 +42,10 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
         )
         return done.returncode, done.stdout.decode(), done.stderr.decode()
 
-    with module.commands(folder):
+    with module.commands(folder), pytest.MonkeyPatch.context() as own_environment:
+        own_environment.setenv("PATH", environment["PATH"])
+        own_environment.setenv("JUPYTER_PATH", str(folder))
+        own_environment.setenv("IPYTHONDIR", str(own / "ipython"))
         yield run
 
 
@@ -65,3 +70,29 @@ def test_the_environment_is_that_of_the_example_and_not_of_the_last_one(shell: S
 @pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error(shell: Shell) -> None:
     assert shell("stickslip schema | head -1") == (0, "{\n", "")
+
+
+@pytest.mark.usefixtures("shell")
+def test_a_kernel_runs_in_the_folder_of_its_page_and_ends_with_whoever_started_it(
+    tmp_path: Path,
+) -> None:
+    from jupyter_client import KernelManager
+
+    manager = KernelManager(kernel_name="python3")
+    (tmp_path / "beside.py").write_text("name = __name__")
+    manager.start_kernel(cwd=str(tmp_path))
+    client = manager.blocking_client()
+    client.start_channels()
+    try:
+        client.wait_for_ready(timeout=60)
+        script = "import os, beside; open('seen', 'w').write(f'{os.getpid()} {beside.name}')"
+        client.execute_interactive(script, timeout=60)
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)  # kills the caller, which is all that Jupyter knows
+    number, name = (tmp_path / "seen").read_text().split()
+    assert name == "beside"
+    until = time.monotonic() + 10.0
+    while Path(f"/proc/{number}").exists() and time.monotonic() < until:
+        time.sleep(0.02)
+    assert not Path(f"/proc/{number}").exists()

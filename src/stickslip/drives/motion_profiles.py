@@ -437,10 +437,11 @@ class SplineSwing(Stepped):
     @property
     @override
     def start_rate(self) -> float:
-        return self._scaled()[0] / self.duration
+        return self._scaled[0] / self.duration
 
+    @functools.cached_property
     def _scaled(self) -> tuple[float, list[float]]:
-        """Return first rate and the accelerations at the knots, for a cycle of 1 s."""
+        """First rate and the accelerations at the knots, for a cycle of 1 s."""
         import numpy as np
 
         y = np.array(self.positions)
@@ -454,7 +455,7 @@ class SplineSwing(Stepped):
 
     @override
     def cycle(self) -> tuple[Piece, ...]:
-        _, knots = self._scaled()
+        _, knots = self._scaled
         n, length = len(self.positions), self.duration
         square = length * length
         return tuple(
