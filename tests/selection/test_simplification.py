@@ -74,6 +74,17 @@ def test_levels_of_both_directions_begin_at_their_mean():
     assert {*one.free} == {"kinetic_coefficient", "viscous_coefficient", "exponent"}
 
 
+@pytest.mark.parametrize(("force", "step", "told"), [(0, 0, False), (1, 0, False), (0, 1, True)])
+def test_levels_that_differ_by_direction_by_a_constant_force_are_one(force, step, told):
+    v = np.concatenate([np.linspace(-1.0, -0.02, 50), np.linspace(0.02, 1.0, 50)])
+    level = 2.0 + np.where(v > 0.0, 0.5 + 0.5 * step, 0.5) * np.exp(-((v / 0.1) ** 2))
+    readings = Measurement(velocity=v, friction=level * np.sign(v) + 3.0 * v + force + noise())
+    kind = law("both_ways[levels](level + stribeck) + viscous")
+    both = fit(AXIS, kind, readings, settings=SETTINGS)
+    assert bool(untold(both) & {"forward_static_coefficient"}) is not told
+    assert ("stribeck" in [one.name for one, _ in one_part_less(both)]) is not told
+
+
 def test_a_value_below_0_that_is_sure_is_no_objection():
     t = 0.01 * np.arange(2000)
     x, v = np.sin(t), np.cos(t)
@@ -106,7 +117,8 @@ def test_a_law_with_less_is_named_where_it_predicts_as_well(spare, errors, named
     less = candidate("less", errors, simple, simplifies="rich")
     assert records._told(whole, [whole, less], None, uncertainty=0.0).name == named
     # what the balance rejects by far is not named, nor what is no less known
-    far = SimpleNamespace(rejects=lambda *_, simplified: simplified)
+    asked = SimpleNamespace(best=SimpleNamespace(name="another"))
+    far = SimpleNamespace(rejects=lambda *_, simplified: simplified, asked=asked)
     assert records._told(whole, [whole, less], far, uncertainty=0.0).name == "rich"
     alike = replace(less, fit=spare)
     assert records._told(whole, [whole, alike], None, uncertainty=0.0).name == "rich"

@@ -1,7 +1,7 @@
 """Laws without a part of which a record does not tell a parameter."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields, replace
 
 import numpy as np
@@ -52,16 +52,56 @@ def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
 def untold(fit: RecordFit) -> frozenset[str]:
     """Return the fields of a fitted law that the record does not tell, or not from a simpler law.
 
-    An exponent whose interval has 1 in it is that of no power.
+    An exponent whose interval has 1 in it is that of no power. Levels of both directions that may
+    differ by a constant force alone are one.
     """
     known = {one.path.removeprefix("friction."): one for one in fit.estimates}
     found = set(unidentified(fit))
-    for term, _ in one_step_simpler(type(fit.law)):
+    for term, gone in one_step_simpler(type(fit.law)):
         how = containment_of(type(fit.law), law(term))
         for name, value in () if how is None else how.values.items():
             if name in known and not isinstance(value, str):
                 found |= {name} if known[name].low <= value <= known[name].high else set()
+        same = () if how is None else _sources(how.values, known).values()
+        pairs = [sorted(names) for names in same if len(names) == 2 and names <= gone]
+        if pairs and _are_one(fit, pairs):
+            found |= set().union(*pairs)
     return frozenset(found)
+
+
+def _sources(values: Mapping[str, float | str], known: Collection[str]) -> dict[str, set[str]]:
+    """Return by parameter of a simpler law which of those of a richer one become it."""
+    found: dict[str, set[str]] = {}
+    for name, source in values.items():
+        if isinstance(source, str) and name in known:
+            found.setdefault(source, set()).add(name)
+    return found
+
+
+def _are_one(fit: RecordFit, pairs: Sequence[Sequence[str]]) -> bool:
+    """Whether pairs of parameters may be equal, levels but for one constant force."""
+    known, apart = fields_of(type(fit.law)), [{one: 1.0, other: -1.0} for one, other in pairs]
+    if all(_may_be_0(fit, weights) for weights in apart):
+        return True
+    levels = [weights for weights in apart if known[min(weights)].scale in ("level+", "level-")]
+    others = [weights for weights in apart if weights not in levels]
+    shifts = [{**one, **{name: -x for name, x in levels[0].items()}} for one in levels[1:]]
+    return len(apart) > 1 and all(_may_be_0(fit, weights) for weights in [*shifts, *others])
+
+
+def _may_be_0(fit: RecordFit, weights: Mapping[str, float]) -> bool:
+    """Whether the interval of a sum of weighted parameters of the law includes 0."""
+    paths = fit.free_parameters.paths
+    known = [fit.estimate(f"friction.{name}") for name in weights]
+    half = np.array(
+        [0.5 * w * (e.high - e.low) for w, e in zip(weights.values(), known, strict=True)]
+    )
+    if not np.isfinite(half).all():
+        return True
+    rows = [paths.index(one.path) for one in known]
+    spread = half @ fit.inference.correlation[np.ix_(rows, rows)] @ half
+    value = sum(w * e.value for w, e in zip(weights.values(), known, strict=True))
+    return bool(value**2 <= spread)
 
 
 def _nearest(
@@ -75,10 +115,8 @@ def _nearest(
     how = containment_of(type(rich), kind)
     if how is None:
         return None
-    sources: dict[str, set[str]] = {}
-    for name, source in how.values.items():
-        if isinstance(source, str) and getattr(rich, name) is not None:
-            sources.setdefault(source, set()).add(name)
+    given = [name for name in how.values if getattr(rich, name) is not None]
+    sources = _sources(how.values, given)
     allowed = fields_of(kind)
     values = {
         name: min(max(_mean(rich, names), allowed[name].low), allowed[name].high)
