@@ -27,12 +27,11 @@ LOADED = (
 )
 """Modules that it leaves out, with all that they load when asked."""
 KERNEL = {
-    "argv": ["kernel", "-f", "{connection_file}"],
     "display_name": "Python 3",
     "interrupt_mode": "message",  # a signal would reach the caller only
     "language": "python",
 }
-"""How a kernel is started."""
+"""What is said of a kernel beside how it is started."""
 WAITS = 2.0
 """Time after which it is looked whether whoever started the process is still there [s]."""
 CALLER = """\
@@ -57,7 +56,8 @@ def commands(folder: Path) -> Iterator[None]:
         caller.chmod(0o755)
     kernel = folder / "kernels" / "python3"
     kernel.mkdir(parents=True)
-    (kernel / "kernel.json").write_text(json.dumps(KERNEL), encoding="utf-8")
+    started = [sys.executable, "-IS", str(folder / "kernel"), "-f", "{connection_file}"]
+    (kernel / "kernel.json").write_text(json.dumps(KERNEL | {"argv": started}), encoding="utf-8")
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(place))
         listener.listen(64)
@@ -102,9 +102,8 @@ def _load() -> None:
         _run("stickslip", WARMED)
     for name in LOADED:
         __import__(name, fromlist=["*"])
-    sys.modules["pandas"].set_option(
-        "display.max_columns", 20
-    )  # what it sets if loaded in a kernel
+    # what pandas sets if it is loaded in a kernel
+    sys.modules["pandas"].set_option("display.max_columns", 20)
     del os.environ["STICKSLIP_BACKGROUND"]
     if background is not None:
         os.environ["STICKSLIP_BACKGROUND"] = background
@@ -112,11 +111,11 @@ def _load() -> None:
 
 def _run(name: str, arguments: Sequence[str]) -> int:
     """Run a command or a kernel, which ends with the process that it is a copy of."""
-    from ipykernel.kernelapp import launch_new_instance
-
     from stickslip.cli import main
 
     if name == "kernel":
+        from ipykernel.kernelapp import launch_new_instance
+
         launch_new_instance([*arguments, f"--IPKernelApp.parent_handle={os.getppid()}"])
         return 0
     try:
@@ -162,5 +161,6 @@ def _end_with(caller: socket.socket) -> None:
 
 
 if __name__ == "__main__":
-    sys.path.pop(0)  # an example does not see what is beside this file
+    # an example does not see what is beside this file
+    sys.path[:] = [one for one in sys.path if one != str(Path(__file__).parent)]
     serve(socket.socket(fileno=int(sys.argv[1])))

@@ -43,7 +43,6 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
         return done.returncode, done.stdout.decode(), done.stderr.decode()
 
     with module.commands(folder), pytest.MonkeyPatch.context() as own_environment:
-        own_environment.setenv("PATH", environment["PATH"])
         own_environment.setenv("JUPYTER_PATH", str(folder))
         own_environment.setenv("IPYTHONDIR", str(own / "ipython"))
         yield run
@@ -72,6 +71,15 @@ def test_a_reader_that_has_seen_enough_is_no_error(shell: Shell) -> None:
     assert shell("stickslip schema | head -1") == (0, "{\n", "")
 
 
+def runs(number: int) -> bool:
+    """Whether there is a process of a number."""
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 @pytest.mark.usefixtures("shell")
 def test_a_kernel_runs_in_the_folder_of_its_page_and_ends_with_whoever_started_it(
     tmp_path: Path,
@@ -93,6 +101,6 @@ def test_a_kernel_runs_in_the_folder_of_its_page_and_ends_with_whoever_started_i
     number, name = (tmp_path / "seen").read_text().split()
     assert name == "beside"
     until = time.monotonic() + 10.0
-    while Path(f"/proc/{number}").exists() and time.monotonic() < until:
+    while (there := runs(int(number))) and time.monotonic() < until:
         time.sleep(0.02)
-    assert not Path(f"/proc/{number}").exists()
+    assert not there

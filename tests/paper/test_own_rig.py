@@ -38,7 +38,7 @@ def found(tmp_path_factory):
     # the travel of mu_k = 0.3 by (11), at the compression of the trial
     travel = 0.5 * K * 0.08**2 / (0.3 * M * G)
     with pytest.MonkeyPatch.context() as patch:
-        # what printed forms do is not asked here, where steps are fine enough to be finite
+        # coarse steps: nothing here looks at what printed forms do, only that they stay finite
         patch.setattr("stickslip.paper.misprints.STEP", 5e-3)
         patch.setattr("stickslip.paper.misprints.BRISTLE_STEP", 5e-4)
         return audit(rig_of(tmp_path_factory.mktemp("rig"), round(travel, 6)))

@@ -1,7 +1,6 @@
 """Laws without parts of which a record does not tell the parameters."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -115,13 +114,11 @@ def test_a_law_with_less_is_named_where_it_predicts_as_well(spare, errors, named
     simple = fit(AXIS, CoulombViscous, table(0.0), settings=SETTINGS)
     whole = candidate("rich", (1.0, 1.0, 1.0, 1.0), spare)
     less = candidate("less", errors, simple, simplifies="rich")
-    assert records._told(whole, [whole, less], None, uncertainty=0.0).name == named
+    assert records._told(whole, [whole, less], (), uncertainty=0.0).name == named
     # what the balance rejects by far is not named, nor what is no less known
-    asked = SimpleNamespace(best=SimpleNamespace(name="another"))
-    far = SimpleNamespace(rejects=lambda *_, simplified: simplified, asked=asked)
-    assert records._told(whole, [whole, less], far, uncertainty=0.0).name == "rich"
+    assert records._told(whole, [whole, less], {"less"}, uncertainty=0.0).name == "rich"
     alike = replace(less, fit=spare)
-    assert records._told(whole, [whole, alike], None, uncertainty=0.0).name == "rich"
+    assert records._told(whole, [whole, alike], (), uncertainty=0.0).name == "rich"
 
 
 def test_an_exponent_that_may_be_1_is_not_told_from_viscous_friction():

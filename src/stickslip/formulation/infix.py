@@ -146,7 +146,8 @@ class Block:
         for factor in e.args:
             if factor.is_Number and factor < 0:
                 sign = "-"
-                above += [] if factor == -1 else [_constant(-factor)]
+                if factor != -1:
+                    above.append(_constant(-factor))
             elif factor.is_Pow and factor.args[0] != se.E and _negative(factor.args[1]):
                 below.append(self._factor(factor.args[0] ** -factor.args[1], names))
             else:

@@ -30,8 +30,8 @@ SHORTEST = 8
 
 MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
 """Schedules of single runs that are kept, as those of a long record's segments, and the numbers in
-all of their tables together. Tables of less than an even share, as searches make for each run, are
-not counted; all of them have at most as many again."""
+all of their tables together. Only tables of more than an even share make room for themselves, as
+others, which searches make for each run, have at most as many again."""
 _KEPT: OrderedDict[tuple[float, ...], tuple[tuple[Drive, ...], "Schedule"]] = OrderedDict()
 
 Array = NDArray[np.float64]

@@ -481,10 +481,6 @@ def filtered_motion(
     v = derivative(x, dt) if resolved else np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
-    if resolved and not tracked:
-        # positions add up means of two velocities, whose differences see an eighth of the variance
-        noise = math.sqrt(8.0 * passed) * noise_of(np.diff(raw) / dt)
-        resting &= np.abs(v) <= BEYOND * noise
     if tracked:
         noise = positive_noise(raw)
         reach = BEYOND * noise if resolved else reach_of(raw, noise)

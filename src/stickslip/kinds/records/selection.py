@@ -1,7 +1,7 @@
 """Selection on records: every law fitted, judged on blocks it has not seen, one named."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -745,22 +745,24 @@ def _named(
     sound = [c for c in searched if not c.refuted]
     found = sound or searched or scored
     among = [c for c in found if not c.simplifies] or found
-    among = _near(among, asked, uncertainty=uncertainty)
+    rejected = _rejected(scored, asked)
+    among = _near(among, rejected, uncertainty=uncertainty)
     closest = choose(among, uncertainty=uncertainty)
     if asked is not None:
-        closest = _agreed(closest, among, asked, uncertainty=uncertainty)
-    closest = _as_simulated(closest, among, asked, uncertainty=uncertainty)
-    return _doubted(_told(closest, found, asked, uncertainty=uncertainty))
+        closest = _agreed(closest, among, asked, rejected, uncertainty=uncertainty)
+    closest = _as_simulated(closest, among, rejected, uncertainty=uncertainty)
+    rejected = _rejected(scored, asked, simplified=True)
+    return _doubted(_told(closest, found, rejected, uncertainty=uncertainty))
 
 
 def _near(
-    among: Sequence[RecordCandidate], asked: Explained | None, *, uncertainty: float
+    among: Sequence[RecordCandidate], rejected: Collection[str], *, uncertainty: float
 ) -> list[RecordCandidate]:
     """Return the laws that are not far from the best one, both on held-out blocks and on all rows.
 
     What a part explains at a few places, such as presliding, scatters from block to block.
     """
-    sound = [c for c in among if not _rejected(c, among, asked)]
+    sound = [c for c in among if c.name not in rejected]
     best = min(sound or among, key=lambda c: c.score)
     return [
         c
@@ -770,30 +772,34 @@ def _near(
 
 
 def _rejected(
-    c: RecordCandidate,
-    among: Sequence[RecordCandidate],
-    asked: Explained | None,
-    *,
-    simplified: bool = False,
-) -> bool:
-    """Whether the force balance tells a law from its own, and fits of both do not say otherwise.
+    judged: Sequence[RecordCandidate], asked: Explained | None, *, simplified: bool = False
+) -> frozenset[str]:
+    """Return the laws that the force balance tells from its own, if fits do not say otherwise.
 
     Fits of laws with a bristle see every row, rests too, with values that the balance has on a grid
     only: a part more that takes less off than Akaike's criterion asks for is not needed.
     """
-    if asked is None or not asked.rejects(c.name, c.law, simplified=simplified):
-        return False
-    own = next((one for one in among if one.name == asked.asked.best.name), None)
-    if own is None or not (c.fit and own.fit and c.fit.law.states and own.fit.law.states):
-        return True
-    aic = effective_aic([c, own])
-    return c.parameters >= own.parameters or aic[c.name] >= aic[own.name]
+    if asked is None:
+        return frozenset()
+    own = next((c for c in judged if c.name == asked.asked.best.name), None)
+
+    def suffices(c: RecordCandidate) -> bool:
+        if own is None or not (c.fit and own.fit and c.fit.law.states and own.fit.law.states):
+            return False
+        aic = effective_aic([c, own])
+        return c.parameters < own.parameters and aic[c.name] < aic[own.name]
+
+    return frozenset(
+        c.name
+        for c in judged
+        if asked.rejects(c.name, c.law, simplified=simplified) and not suffices(c)
+    )
 
 
 def _told(
     closest: RecordCandidate,
     among: Sequence[RecordCandidate],
-    asked: Explained | None,
+    rejected: Collection[str],
     *,
     uncertainty: float,
 ) -> RecordCandidate:
@@ -809,7 +815,7 @@ def _told(
         if c.score <= AS_WELL * max(closest.score, uncertainty)
         if as_good(c, closest, uncertainty=uncertainty)
         if not c.whole > NEARER * closest.whole
-        if not _rejected(c, among, asked, simplified=True)
+        if c.name not in rejected
         if order(c)[0] < order(closest)[0]
     ]
     return min(less, key=order, default=closest)
@@ -888,7 +894,7 @@ def with_errors(
     own = asked.asked.laws.get(c.name) if usual else None
     left = math.nan if c.fit.problem.simulates else c.fit.rms
     errors = asked.errors_of(c.name, c.fit.law, left)
-    far = _rejected(c, judged, asked, simplified=bool(c.simplifies))
+    far = c.name in _rejected(judged, asked, simplified=bool(c.simplifies))
     if not far or any(one.name == asked.asked.best.name and errs_more(one, c) for one in judged):
         errors = tuple(one for one in errors if one.kind != "law")
     return replace(
@@ -908,6 +914,7 @@ def _agreed(
     closest: RecordCandidate,
     among: Sequence[RecordCandidate],
     asked: Explained,
+    rejected: Collection[str],
     *,
     uncertainty: float,
 ) -> RecordCandidate:
@@ -917,7 +924,7 @@ def _agreed(
     balance rejects is named only if those that it allows predict worse, clearly or by far, and
     nothing is wrong beside the law. The finding that another law is asked for is then said of it.
     """
-    allowed = [c for c in among if not _rejected(c, among, asked)]
+    allowed = [c for c in among if c.name not in rejected]
     if not allowed:
         return closest
     if asked.decides and (own := [c for c in allowed if c.name == asked.asked.best.name]):
@@ -932,7 +939,7 @@ def _agreed(
 def _as_simulated(
     closest: RecordCandidate,
     among: Sequence[RecordCandidate],
-    asked: Explained | None,
+    rejected: Collection[str],
     *,
     uncertainty: float,
 ) -> RecordCandidate:
@@ -945,7 +952,7 @@ def _as_simulated(
         for c in among
         if c.whole * NEARER < closest.whole and not c.dropped
         if as_good(c, closest, uncertainty=uncertainty)
-        if not _rejected(c, among, asked)
+        if c.name not in rejected
     ]
     return min(nearer, key=lambda c: c.whole, default=closest)
 
