@@ -138,6 +138,10 @@ def test_that_one_relative_leaves_little_does_not_keep_another_from_being_fitted
     # what a law without a bristle leaves of other rows, those without rests, is no measure
     spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0), fitted(STRIBECK, 0.5)], {"lugre"})
     assert spec.name == "gms"
+    # a law whose search left the stiffness of the balance ended in another valley
+    strayed = replace(BRISTLE, bristle_stiffness=20.0 * BRISTLE.bristle_stiffness)
+    spec, start = Explained.relative(asked, [fitted(strayed, 4.0)], {"lugre", "gms"})
+    assert (spec.name, start) == ("elasto-plastic", None)
     # one that could not be fitted does not stand in the way of the other
     spec, _ = Explained.relative(asked, [fitted(BRISTLE, 4.0)], {"lugre", "gms"})
     assert spec.name == "elasto-plastic"

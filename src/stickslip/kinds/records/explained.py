@@ -45,6 +45,8 @@ ELASTIC = "elasto-plastic"
 RELATIVES = ("gms", ELASTIC)
 """Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
 leaves more than noise."""
+STRAYED = 10.0
+"""Factor between a stiffness and that of the balance from which it is that of another valley."""
 CLEARLY = 1.5
 """Force that laws without a bristle leave, over what one with it leaves, from which it is less."""
 WHITE = 1.5
@@ -121,8 +123,11 @@ class Explained:
 
     def relative(
         self, fits: Sequence[RecordFit], tried: Collection[str]
-    ) -> tuple[CandidateSpec, FittedLaw] | None:
+    ) -> tuple[CandidateSpec, FittedLaw | None] | None:
         """Return the next law that no structure is, begun from the closest law with a bristle.
+
+        Where the search of that one left the stiffness that the balance sees, it ended in another
+        valley, and the next law finds a start of its own.
 
         None where the closest law leaves no more than noise of the force, or where motion is
         simulated: along the measured one a fit of theirs takes seconds, and there minutes. That one
@@ -152,6 +157,12 @@ class Explained:
             return None
         spec = specification(name)
         assert isinstance(spec.law, type)
+        seen, ended = (
+            getattr(one, "bristle_stiffness", 0.0)
+            for one in (self.asked.best.specification.law, closest.law)
+        )
+        if seen and not seen / STRAYED < ended < seen * STRAYED:
+            return spec, None
         own = begun_from(spec.law, closest.law)
         if own is None:
             return None

@@ -325,7 +325,7 @@ def _with_relatives(
             return found
         spec, start = new
         rival = min(fits, key=lambda one: one.rms).fitted_law
-        one = fitted(spec, [start], rival.cost / rival.rows, watch)
+        one = fitted(spec, [start] if start else [], rival.cost / rival.rows, watch)
         bristle = one.fit if spec.name == TEXTBOOK else None
         rigid = bristle is not None and STIFFNESS in unidentified(bristle)
         one = replace(one, dropped=RIGID) if rigid else one
