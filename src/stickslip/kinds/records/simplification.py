@@ -28,10 +28,10 @@ def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
     >>> [one.name for one, _ in one_part_less(found)]
     ['coulomb-viscous']
     """
-    unsure = untold(fit)
+    alone, unsure = _untold_alone(fit), untold(fit)
     free = {one.path.removeprefix("friction.") for one in fit.estimates}
     found = [(term, gone & free) for term, gone in one_step_simpler(type(fit.law)) if gone & unsure]
-    found.sort(key=lambda one: (-len(one[1] & unsure), len(one[1] - unsure)))
+    found.sort(key=lambda one: (-len(one[1] & alone), len(one[1] - unsure), len(one[1])))
     for term, _ in found:
         start = _nearest(fit.law, law(term))
         if start is None:
@@ -55,17 +55,26 @@ def untold(fit: RecordFit) -> frozenset[str]:
     An exponent whose interval has 1 in it is that of no power. Levels of both directions that may
     differ by a constant force alone are one.
     """
-    known = {one.path.removeprefix("friction."): one for one in fit.estimates}
-    found = set(unidentified(fit))
+    known = {one.path.removeprefix("friction.") for one in fit.estimates}
+    found = set(_untold_alone(fit))
     for term, gone in one_step_simpler(type(fit.law)):
         how = containment_of(type(fit.law), law(term))
-        for name, value in () if how is None else how.values.items():
-            if name in known and not isinstance(value, str):
-                found |= {name} if known[name].low <= value <= known[name].high else set()
         same = () if how is None else _sources(how.values, known).values()
         pairs = [sorted(names) for names in same if len(names) == 2 and names <= gone]
         if pairs and _are_one(fit, pairs):
             found |= set().union(*pairs)
+    return frozenset(found)
+
+
+def _untold_alone(fit: RecordFit) -> frozenset[str]:
+    """Return those that are not told each by itself, whatever a constant force may explain."""
+    known = {one.path.removeprefix("friction."): one for one in fit.estimates}
+    found = set(unidentified(fit))
+    for term, _ in one_step_simpler(type(fit.law)):
+        how = containment_of(type(fit.law), law(term))
+        for name, value in () if how is None else how.values.items():
+            if name in known and not isinstance(value, str):
+                found |= {name} if known[name].low <= value <= known[name].high else set()
     return frozenset(found)
 
 
@@ -81,27 +90,30 @@ def _sources(values: Mapping[str, float | str], known: Collection[str]) -> dict[
 def _are_one(fit: RecordFit, pairs: Sequence[Sequence[str]]) -> bool:
     """Whether pairs of parameters may be equal, levels but for one constant force."""
     known, apart = fields_of(type(fit.law)), [{one: 1.0, other: -1.0} for one, other in pairs]
-    if all(_may_be_0(fit, weights) for weights in apart):
+    if _may_be_0(fit, apart):
         return True
     levels = [weights for weights in apart if known[min(weights)].scale in ("level+", "level-")]
     others = [weights for weights in apart if weights not in levels]
     shifts = [{**one, **{name: -x for name, x in levels[0].items()}} for one in levels[1:]]
-    return len(apart) > 1 and all(_may_be_0(fit, weights) for weights in [*shifts, *others])
+    return len(apart) > 1 and _may_be_0(fit, [*shifts, *others])
 
 
-def _may_be_0(fit: RecordFit, weights: Mapping[str, float]) -> bool:
-    """Whether the interval of a sum of weighted parameters of the law includes 0."""
-    paths = fit.free_parameters.paths
-    known = [fit.estimate(f"friction.{name}") for name in weights]
-    half = np.array(
-        [0.5 * w * (e.high - e.low) for w, e in zip(weights.values(), known, strict=True)]
-    )
+def _may_be_0(fit: RecordFit, sums: Sequence[Mapping[str, float]]) -> bool:
+    """Whether sums of weighted parameters of the law may all be 0 at once.
+
+    By the ellipsoid in which the interval of each has its length, as long in all directions.
+    """
+    known = {one.path.removeprefix("friction."): one for one in fit.estimates}
+    names = sorted(set().union(*sums))
+    weights = np.array([[one.get(name, 0.0) for name in names] for one in sums])
+    half = np.array([0.5 * (known[name].high - known[name].low) for name in names])
     if not np.isfinite(half).all():
-        return True
-    rows = [paths.index(one.path) for one in known]
-    spread = half @ fit.inference.correlation[np.ix_(rows, rows)] @ half
-    value = sum(w * e.value for w, e in zip(weights.values(), known, strict=True))
-    return bool(value**2 <= spread)
+        return False
+    rows = [fit.free_parameters.paths.index(known[name].path) for name in names]
+    shared = half * fit.inference.correlation[np.ix_(rows, rows)] * half[:, None]
+    value = weights @ [known[name].value for name in names]
+    away = value @ np.linalg.pinv(weights @ shared @ weights.T, hermitian=True) @ value
+    return bool(away <= len(sums))
 
 
 def _nearest(
