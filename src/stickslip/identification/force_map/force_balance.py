@@ -473,9 +473,9 @@ def filtered_motion(
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
-    be `resolved`, as bristles ask for, rests only where noise explains all motion, as bristles
-    follow it: a heavy body that swings on them by 10 um after a stop does not. Its velocities are
-    those of the fourth order, which overshoot where others break away.
+    be `resolved`, as bristles ask for, rests only where the noise of measured positions explains
+    all motion: a heavy body that swings on bristles by 10 um after a stop does not. Its velocities
+    are those of the fourth order, which overshoot where others break away.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = derivative(x, dt) if resolved else np.gradient(x, dt)

@@ -67,7 +67,7 @@ def untold(fit: RecordFit) -> frozenset[str]:
 
 
 def _untold_alone(fit: RecordFit) -> frozenset[str]:
-    """Return those that are not told each by itself, whatever a constant force may explain."""
+    """Return those that are not told each by itself: directions are not compared."""
     known = {one.path.removeprefix("friction."): one for one in fit.estimates}
     found = set(unidentified(fit))
     for term, _ in one_step_simpler(type(fit.law)):
@@ -92,7 +92,9 @@ def _are_one(fit: RecordFit, pairs: Sequence[Sequence[str]]) -> bool:
     known, apart = fields_of(type(fit.law)), [{one: 1.0, other: -1.0} for one, other in pairs]
     if _may_be_0(fit, apart):
         return True
-    levels = [weights for weights in apart if known[min(weights)].scale in ("level+", "level-")]
+    levels = [
+        weights for weights in apart if known[next(iter(weights))].scale in ("level+", "level-")
+    ]
     others = [weights for weights in apart if weights not in levels]
     shifts = [{**one, **{name: -x for name, x in levels[0].items()}} for one in levels[1:]]
     return len(apart) > 1 and _may_be_0(fit, [*shifts, *others])
@@ -101,7 +103,8 @@ def _are_one(fit: RecordFit, pairs: Sequence[Sequence[str]]) -> bool:
 def _may_be_0(fit: RecordFit, sums: Sequence[Mapping[str, float]]) -> bool:
     """Whether sums of weighted parameters of the law may all be 0 at once.
 
-    By the ellipsoid in which the interval of each has its length, as long in all directions.
+    Of one sum by its interval; of several by an ellipsoid that is wider than one of 95 %, as what
+    it allows becomes a candidate, and predictions decide.
     """
     known = {one.path.removeprefix("friction."): one for one in fit.estimates}
     names = sorted(set().union(*sums))
