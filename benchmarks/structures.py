@@ -337,7 +337,7 @@ def true_parameters(truth: Truth) -> dict[str, float]:
     }
     if p.length:
         found["friction.bristle_stiffness"] = p.forward / p.length
-        found["friction.yield_exponent"] = p.bristle_exponent
+        found["friction.exponent"] = found["friction.yield_exponent"] = p.bristle_exponent
     return found if p.forward != p.backward else found | {"mechanism.offset": p.offset}
 
 

@@ -183,14 +183,22 @@ def test_a_search_begins_at_the_values_of_the_closest_law_with_a_bristle():
             assert getattr(begun, name) == getattr(BRISTLE, name)
 
 
-@pytest.mark.parametrize(("left", "names"), [(0.5, ["lugre", "gms"]), (3.0, ["lugre"])])
+@pytest.mark.parametrize(
+    ("left", "at_noise", "names"),
+    [
+        # what is left along the measured motion is mostly the noise of its derivatives
+        (3.7, False, ["lugre", "gms"]),
+        (3.95, False, ["lugre"]),
+        (0.5, True, ["lugre"]),
+    ],
+)
 def test_of_simulated_laws_those_along_the_measured_motion_say_which_is_tried(
-    monkeypatch, left, names
+    monkeypatch, left, at_noise, names
 ):
     # an axis with GMS friction: simulated, nothing but LuGre's was tried, off by a sixth
     monkeypatch.setattr(explained, "force_noise", lambda _: 1.0)
     simulated = fitted(BRISTLE, 2.6e-4)
-    simulated.problem.simulates = True
+    simulated.problem.simulates, simulated.at_noise = True, at_noise
     first = replace(selection.unfitted(specification("lugre"), ""), fit=simulated)
     errors = {"lugre": (BRISTLE, 4.0), "gms": (MAXWELL_SLIP, left), "elasto-plastic": (BRISTLE, 4)}
 

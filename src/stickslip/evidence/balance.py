@@ -146,6 +146,7 @@ class Balance:
             start=0.0,
             noise=0.0,
             open=still > 0.0,
+            still=still > 0.0,
             clear=still == 0.0,
             rows=slice(0, len(v)),
             states={SIGN: np.sign(v)},

@@ -36,6 +36,8 @@ APART = 2.0
 """Least ratio of the lengths of two bristles of a channel."""
 STROKES = 10.0
 """Least range of the position over the length of a bristle, where such terms stand beside one."""
+CONES = 20
+"""Fits at most until the same rows lie outside the cone."""
 CHANCE = 3.0
 """Distance to the cone that is noise, over the residuals of slipping rows. Rows that noise moves
 out of the cone would raise the level: those that it moves in do not count."""
@@ -228,37 +230,70 @@ def fit(balance: Balance, structure: Structure) -> Fit:
 
 
 @final
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Estimated:
     """Coefficients, and the rows and columns that they come from."""
 
+    made: Design
+    """What was fitted."""
     values: Array
     """Coefficients (p,)."""
-    columns: Array
-    """Columns (n, p), those of open rows at the border of the cone."""
-    rows: Flags
-    """Rows (n,) that count."""
+    border: NDArray[np.intp]
+    """Open rows (b,) that are on the border of the cone."""
+    edge: Array
+    """Columns (b, p) there."""
+    error: float
+    """Sum of the squared errors of the rows that count [N^2]."""
+
+    @cached_property
+    def rows(self) -> Flags:
+        """Return the rows (n,) that count."""
+        found = self.made.slipping
+        found[self.border] = True
+        return found
+
+    @cached_property
+    def columns(self) -> Array:
+        """Return the columns (n, p), those of open rows at the border of the cone."""
+        if not self.border.size:
+            return self.made.columns
+        found = self.made.columns.copy()
+        found[self.border] = self.edge
+        return found
 
 
 def estimated(made: Design) -> Estimated:
     """Return the coefficients of a design by least squares.
 
-    Rows that are open count where the needed force lies outside the cone of a first fit: it is on
-    the border then.
+    Rows that are open count where the needed force lies outside the cone: it is on the border then.
+    Which do is found anew after each fit, as a wider cone holds some that a first one does not.
     """
-    columns, rows = made.columns, made.slipping
-    values = _least_squares(*_at(rows, columns, made.force))
-    if made.open.any() and made.odd.any():
-        left = made.residual(values)
-        within = CHANCE * float(np.sqrt(np.mean(left[rows] ** 2))) if rows.any() else 0.0
-        border = np.flatnonzero(made.balance.use & made.open & (np.abs(left) > within))
-        if border.size:
-            columns, rows = columns.copy(), rows.copy()
-            pushed = np.sign(left[border])[:, None] * made.multipliers[np.ix_(border, made.odd)]
-            columns[np.ix_(border, made.odd)] = pushed
-            rows[border] = True
-            values = _least_squares(*_at(rows, columns, made.force))
-    return Estimated(values=values, columns=columns, rows=rows)
+    columns, force = _at(made.slipping, made.columns, made.force)
+    square, product = columns.T @ columns, columns.T @ force
+    values = solved(square, product)
+    left = force - columns @ values
+    free = np.flatnonzero(made.balance.use & made.open) if made.odd.any() else np.zeros(0, np.intp)
+    within = CHANCE * math.sqrt(left @ left / len(left)) if len(left) else 0.0
+    outside = made.residual(values, free) if free.size else np.zeros(0)
+    border, was = np.abs(outside) > within, np.zeros(free.size, bool)
+    edge = np.zeros((0, len(values)))
+    for _ in range(CONES):
+        if np.array_equal(border, was):
+            break
+        at = free[border]
+        edge = made.columns[at]
+        edge[:, made.odd] = np.sign(outside[border])[:, None] * made.multipliers[at][:, made.odd]
+        values = solved(square + edge.T @ edge, product + edge.T @ made.force[at])
+        outside = made.residual(values, free)
+        was, border = border, np.abs(outside) > np.where(border, 0.0, within)
+    left = force - columns @ values
+    return Estimated(
+        made=made,
+        values=values,
+        border=free[was],
+        edge=edge,
+        error=float(left @ left + outside[was] @ outside[was]),
+    )
 
 
 def possible(made: Design, values: Array) -> bool:
@@ -386,17 +421,14 @@ def _motion_is_explained(made: Design) -> bool:
 
 
 def training_error(balance: Balance, structure: Structure) -> float:
-    """Return the mean squared error of slipping rows [N^2], infinite if it is not admissible.
+    """Return the mean squared error of the rows that count [N^2], infinite if it is not admissible.
 
     It ranks values on a grid before any of them is judged.
     """
     made = design(balance, structure)
-    columns, force = _at(made.slipping, made.columns, made.force)
-    square, product = columns.T @ columns, columns.T @ force
-    values = solved(square, product)
-    if not len(force) or not admissible(values, made.owners):
-        return math.inf
-    return float(force @ force - 2.0 * values @ product + values @ square @ values) / len(force)
+    known = estimated(made)
+    rows = int(made.slipping.sum())
+    return known.error / rows if rows and admissible(known.values, made.owners) else math.inf
 
 
 def spread(made: Design, rows: Flags, blocks: int = BLOCKS) -> tuple[Array, Array]:

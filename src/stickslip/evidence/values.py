@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
-from stickslip.evidence.fits import design, matched, solved, training_error
+from stickslip.evidence.fits import design, estimated, matched, solved, training_error
 from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Term
 
@@ -197,11 +197,12 @@ def polished(balance: Balance, structure: Structure, steps: int = STEPS) -> Stru
         if not which:
             break
         made = design(balance, structure)
-        rows = made.slipping
-        columns, force = made.columns[rows], made.force[rows]
-        values = solved(columns.T @ columns, columns.T @ force)
-        moving = slopes(balance, structure, which, values, NUDGE)[rows]
-        joint = np.column_stack([columns, moving])
+        known = estimated(made)
+        rows, values = known.rows, known.values
+        columns, force = known.columns[rows], made.force[rows]
+        # what is on the border of the cone does not move with them
+        moving = slopes(balance, structure, which, values, NUDGE) * made.slipping[:, None]
+        joint = np.column_stack([columns, moving[rows]])
         step = solved(joint.T @ joint, joint.T @ (force - columns @ values))[len(values) :]
         better = _shortened(balance, structure, which, np.clip(step, -1e3, 1e3))
         if better is None:

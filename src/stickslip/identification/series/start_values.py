@@ -67,8 +67,8 @@ def inertia_of(
     path = full_path(names[0], list(known))
     found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
     value = found["inertia"]
-    if -REVERSED < found.inertial_share <= 0.0:
-        value = mass_of(mechanism)  # the motion was slow: it says little of the mass
+    if value <= 0.0 and _says_little(found):
+        value = mass_of(mechanism)
     if value <= 0.0:
         raise InputError(
             f"inverse dynamics gives {quantity(value, 'kg')} for {path}: check the sign of the"
@@ -155,11 +155,8 @@ def _level(regressed: float, size: float) -> float:
 
 
 def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
-    """Refuse a force that acts against the motion it should cause.
-
-    A negative inertia that takes a small share of the force says nothing: the motion was slow.
-    """
-    if found.inertial_share > -REVERSED and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+    """Refuse a force that acts against the motion it should cause."""
+    if _says_little(found) and not (found["level"] < 0.0 and found["viscous"] < 0.0):
         return
     said = ", ".join(f"{n} {number(v)}" for n, v in zip(found.names, found.values, strict=True))
     if not driven:
@@ -178,6 +175,19 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
         f"the force acts against the motion that it should cause: linear regression gives {said}."
         " Check its sign (gain -1) and the meaning of each column."
     )
+
+
+def _says_little(found: InverseDynamics) -> bool:
+    """Whether an inertia that came out negative says nothing of the sign of the force.
+
+    The motion was slow, and it takes a small share of the force; or friction takes power as it
+    should, and most is explained: a force that bends bristles goes with the acceleration too.
+    """
+    if found.inertial_share > -REVERSED:
+        return True
+    force, v = found.friction, found.velocity
+    brakes = float(force @ v) > CREDIBLE * float(np.linalg.norm(force) * np.linalg.norm(v))
+    return brakes and found.relative_error <= UNEXPLAINED
 
 
 def load_of(mechanism: Mechanism) -> float:

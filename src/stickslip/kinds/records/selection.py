@@ -47,7 +47,7 @@ from stickslip.kinds.records.admissibility import (
     unidentified,
     variation_of,
 )
-from stickslip.kinds.records.explained import CLEARLY, TEXTBOOK, Explained, explained
+from stickslip.kinds.records.explained import CLOSER, TEXTBOOK, Explained, explained
 from stickslip.kinds.records.ladder import Climbed, climbed, with_gears
 from stickslip.kinds.records.next_measurements import experiments_after
 from stickslip.kinds.records.simplification import one_part_less, untold
@@ -341,14 +341,16 @@ def _with_simulated(
     asked: Explained,
     watch: Watch | None,
 ) -> Climbed:
-    """Return simulated candidates with the law that no structure is, if it leaves clearly less.
+    """Return simulated candidates with one that no structure is, if they leave more than noise.
 
     A simulated fit of one takes half a minute: fits along the measured motion, which take seconds,
-    say which.
+    say which. What they leave is mostly the noise of derivatives.
     """
     bristled = [one for one in found.tried if one.fit and one.fit.law.states]
     closest = min(bristled, key=lambda one: one.residual, default=None)
     if closest is None or closest.fit is None or not closest.fit.problem.simulates:
+        return found
+    if closest.fit.at_noise:
         return found
     spec = found.specs[found.tried.index(closest)]
     try:
@@ -360,7 +362,7 @@ def _with_simulated(
         return found
     fits = [(s, one.fit) for s, one in zip(shown.specs, shown.tried, strict=True) if one.fit]
     new, least = min(fits, key=lambda pair: pair[1].rms)
-    if CLEARLY * least.rms > first.fit.rms:
+    if least.rms > CLOSER * first.fit.rms:
         return found
     rival = closest.fit.fitted_law
     one = fitted(new, [least.fitted_law], rival.cost / rival.rows, watch)
