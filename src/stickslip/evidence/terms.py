@@ -90,7 +90,7 @@ class Kind:
 
 
 def column_of(part: Part, term: Term, shape: Shape) -> tuple[Array, Array | None]:
-    """Return the columns (n, d) of a term in the band, and what multiplies the state in the cone."""
+    """Return the columns (n, d) of a term in the band, and multipliers of the state in the cone."""
     kind = TERMS[term.kind]
     loaded = "load" in part.covariates and kind.contact != "none" and term.kind not in LEVELS
 
