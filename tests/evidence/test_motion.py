@@ -13,10 +13,8 @@ from stickslip.evidence.motion import (
     derivative,
     directions,
     low_pass,
-    mixed,
-    near_rest,
+    open_rows,
     resolution,
-    reversing,
 )
 
 H = 1e-3
@@ -91,14 +89,15 @@ def test_a_direction_holds_at_rest():
 def test_rests_and_reversals_are_open_and_motion_is_not():
     x = np.where(T < 5.0, 0.1 * T, np.where(T < 8.0, 0.5, 0.5 - 0.1 * (T - 8.0)))
     direction = np.where(T < 8.0, 1.0, -1.0)
-    found = near_rest(x, 1e-3, 20.0, H, mixed(20.0, H)) | reversing(direction, 20.0, H)
+    found = open_rows(x, direction, 1e-3, 20.0, H)
     assert found[5100:7900].all()
     assert not found[:4800].any()
     assert not found[8200:].any()
 
 
 def test_a_turn_without_a_rest_is_open_as_far_as_the_filter_mixes_it():
-    found = reversing(np.sign(np.cos(T)), 20.0, H)
+    x = np.sin(T)
+    found = open_rows(x, np.sign(np.cos(T)), 1e-9, 20.0, H)
     turns = np.flatnonzero(np.diff(np.sign(np.cos(T))))
     assert found[turns].all()
     assert np.sum(found) == pytest.approx(len(turns) * 51, abs=5)  # 0.5 / 20 Hz on either side

@@ -151,7 +151,7 @@ def test_bristles_that_bend_do_not_reverse_the_sign_of_a_force():
     """Their force goes with the position, as that of a negative mass would: it was refused."""
     time = np.arange(800) / 100
     position = 2e-3 * np.sin(0.5 * np.pi * time) * (1.0 + 0.5 * np.sin(0.3 * time))
-    force = 20.0 * bristle_states(position, [(4e-4, 1.0)], 0.0)[:, 0]
+    force = 20.0 * bristle_states(position, [(1e-4, 1.0)], 0.0)[:, 0]
     axis, unknown = Axis(inertia=1.0), ["friction.*", "mechanism.inertia"]
     record = Measurement(time=time, position=position, force=force)
     found = inverse_dynamics(axis, record, robust=True)
@@ -162,6 +162,32 @@ def test_bristles_that_bend_do_not_reverse_the_sign_of_a_force():
     reversed_force = dataclasses.replace(record, force=-force)
     with pytest.raises(InputError, match=r"against the motion|cannot be fitted"):
         fit(axis, Dahl, reversed_force, vary=unknown, settings=QUICK)
+
+
+@pytest.mark.parametrize(
+    ("weight", "late", "inertia"), [(40.0, 0.0, 5.0), (0.0, 1e-3, 20.0), (5.0, 0.0, 5.0)]
+)
+def test_a_reversed_force_is_refused_beside_a_weight_and_late_positions(weight, late, inertia):
+    """Neither takes the power of friction: a weight that sinks, nor inertia that is shown late."""
+    time = np.arange(8000) / 1000
+
+    def position(t):
+        turn = 0.02 * np.sin(2.0 * t) + 0.005 * np.sin(7.0 * t)
+        return turn - (0.05 * t if weight > 5.0 else 0.01 * t if weight else 0.0)
+
+    v, a = (np.gradient(x, time) for x in (position(time), np.gradient(position(time), time)))
+    force = inertia * a + (3.0 if weight else 0.3) * np.sign(v) + 2.0 * v + weight
+    record = Measurement(time=time, position=position(time - late), force=-force)
+    unknown = ["friction.*", "mechanism.inertia"]
+    with pytest.raises(InputError, match=r"sign of the force|against the motion|cannot be"):
+        fit(
+            Axis(inertia=inertia),
+            CoulombViscous,
+            record,
+            vary=unknown,
+            route="inverse-dynamics",
+            settings=QUICK,
+        )
 
 
 # --- settings without effect

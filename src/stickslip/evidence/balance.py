@@ -146,7 +146,6 @@ class Balance:
             start=0.0,
             noise=0.0,
             open=still > 0.0,
-            still=still > 0.0,
             clear=still == 0.0,
             rows=slice(0, len(v)),
             states={SIGN: np.sign(v)},
@@ -165,6 +164,7 @@ class Balance:
         self.clear = np.concatenate([one.clear for one in parts])
         self.channel = np.concatenate([np.full(one.count, one.channel) for one in parts])
         self.scale = max(float(np.sqrt(np.mean(self.force**2))), 1e-300)
+        self.own = {name: self.channel == name for name in self.channels}
         self.fold = np.empty(self.count, dtype=int)
         self.half = np.empty(self.count, dtype=int)
         self.use = np.ones(self.count, dtype=bool)
@@ -236,7 +236,7 @@ class Balance:
         found = self.at_rest.copy()
         for channel, shape in structure.memories:
             if self.resolves(shape[0], channel):
-                found[self.channel == channel] = False
+                found[self.own[channel]] = False
         return found
 
     def resolves(self, length: float, channel: str = "") -> bool:

@@ -1,7 +1,7 @@
 """Fits of structures: linear least squares, with errors of blocks that were held out."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar, final
@@ -37,7 +37,9 @@ APART = 2.0
 STROKES = 10.0
 """Least range of the position over the length of a bristle, where such terms stand beside one."""
 CONES = 20
-"""Fits at most until the same rows lie outside the cone."""
+"""Fits at most until the rows outside the cone lower the error no further."""
+SAME = 1e-6
+"""Share by which a fit has to lower it."""
 CHANCE = 3.0
 """Distance to the cone that is noise, over the residuals of slipping rows. Rows that noise moves
 out of the cone would raise the level: those that it moves in do not count."""
@@ -101,7 +103,35 @@ class Design:
         left = _picked(self.force, rows) - columns @ values
         if not free.any() or not self.odd.any():
             return left
-        multipliers, channel = _picked(self.multipliers, rows), _picked(self.balance.channel, rows)
+        multipliers = _picked(self.multipliers, rows)
+        own = {name: _picked(self.balance.own[name], rows) for name, _ in self.structure.memories}
+        return np.where(free, self._distance(values, left, columns, multipliers, own), left)
+
+    def outside(self, values: Array) -> Array:
+        """Return the distances (f,) of the free rows to what the force may be."""
+        columns, force, multipliers, own = self.at_free
+        return self._distance(values, force - columns @ values, columns, multipliers, own)
+
+    @cached_property
+    def free(self) -> NDArray[np.intp]:
+        """Return the rows (f,) in use at which a cone of friction leaves the force open."""
+        return np.flatnonzero(self.balance.use & self.open & self.odd.any())
+
+    @cached_property
+    def at_free(self) -> tuple[Array, Array, Array, dict[str, Flags]]:
+        """Return columns, forces, multipliers and channels of memories there."""
+        rows = self.free
+        own = {name: self.balance.own[name][rows] for name, _ in self.structure.memories}
+        return self.columns[rows], self.force[rows], self.multipliers[rows], own
+
+    def _distance(
+        self,
+        values: Array,
+        left: Array,
+        columns: Array,
+        multipliers: Array,
+        own: Mapping[str, Flags],
+    ) -> Array:
         through = self.odd | self.even
         contact = columns[:, through] @ values[through]
         half = np.abs(multipliers[:, self.odd] @ values[self.odd])
@@ -109,13 +139,14 @@ class Design:
         needed = left + contact
         low, high = middle - half, middle + half
         for name, shape in self.structure.memories:
-            own = channel == name
-            unseen = half[own] * min(2.0 * self.balance.resolved[name] / shape[0], 1.0)
-            low[own] = np.maximum(low[own], contact[own] - unseen)
-            high[own] = np.minimum(high[own], contact[own] + unseen)
+            at = own[name]
+            unseen = half[at] * min(2.0 * self.balance.resolved[name] / shape[0], 1.0)
+            low[at] = np.maximum(low[at], contact[at] - unseen)
+            high[at] = np.minimum(high[at], contact[at] + unseen)
         low, high = np.minimum(low, high), np.maximum(low, high)
-        distance = needed - np.clip(needed, np.minimum(low, contact), np.maximum(high, contact))
-        return np.where(free, distance, left)
+        return np.asarray(
+            needed - np.clip(needed, np.minimum(low, contact), np.maximum(high, contact))
+        )
 
 
 @final
@@ -230,7 +261,7 @@ def fit(balance: Balance, structure: Structure) -> Fit:
 
 
 @final
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class Estimated:
     """Coefficients, and the rows and columns that they come from."""
 
@@ -243,7 +274,7 @@ class Estimated:
     edge: Array
     """Columns (b, p) there."""
     error: float
-    """Sum of the squared errors of the rows that count [N^2]."""
+    """Sum of the squared errors of slipping rows, and distances of open ones to the cone [N^2]."""
 
     @cached_property
     def rows(self) -> Flags:
@@ -266,34 +297,36 @@ def estimated(made: Design) -> Estimated:
     """Return the coefficients of a design by least squares.
 
     Rows that are open count where the needed force lies outside the cone: it is on the border then.
-    Which do is found anew after each fit, as a wider cone holds some that a first one does not.
+    Which do is found anew after each fit, as a wider cone holds some that a first one does not, as
+    long as that lowers the error.
     """
     columns, force = _at(made.slipping, made.columns, made.force)
     square, product = columns.T @ columns, columns.T @ force
     values = solved(square, product)
     left = force - columns @ values
-    free = np.flatnonzero(made.balance.use & made.open) if made.odd.any() else np.zeros(0, np.intp)
-    within = CHANCE * math.sqrt(left @ left / len(left)) if len(left) else 0.0
-    outside = made.residual(values, free) if free.size else np.zeros(0)
-    border, was = np.abs(outside) > within, np.zeros(free.size, bool)
-    edge = np.zeros((0, len(values)))
+    found = Estimated(made, values, np.zeros(0, np.intp), np.zeros((0, len(values))), _sum(left))
+    if not made.free.size:
+        return found
+    all_columns, all_force, multipliers, _ = made.at_free
+    outside = made.outside(values)
+    found = replace(found, error=found.error + _sum(outside))
+    within = CHANCE * math.sqrt(_sum(left) / len(left)) if len(left) else 0.0
+    border = np.abs(outside) > within
     for _ in range(CONES):
-        if np.array_equal(border, was):
+        edge = all_columns[border]
+        edge[:, made.odd] = np.sign(outside[border])[:, None] * multipliers[border][:, made.odd]
+        values = solved(square + edge.T @ edge, product + edge.T @ all_force[border])
+        outside = made.outside(values)
+        error = _sum(force - columns @ values) + _sum(outside)
+        if not (border.any() and error < (1.0 - SAME) * found.error):
             break
-        at = free[border]
-        edge = made.columns[at]
-        edge[:, made.odd] = np.sign(outside[border])[:, None] * made.multipliers[at][:, made.odd]
-        values = solved(square + edge.T @ edge, product + edge.T @ made.force[at])
-        outside = made.residual(values, free)
-        was, border = border, np.abs(outside) > np.where(border, 0.0, within)
-    left = force - columns @ values
-    return Estimated(
-        made=made,
-        values=values,
-        border=free[was],
-        edge=edge,
-        error=float(left @ left + outside[was] @ outside[was]),
-    )
+        found = Estimated(made, values, made.free[border], edge, error)
+        border = np.abs(outside) > np.where(border, 0.0, within)
+    return found
+
+
+def _sum(errors: Array) -> float:
+    return float(errors @ errors)
 
 
 def possible(made: Design, values: Array) -> bool:
@@ -421,7 +454,7 @@ def _motion_is_explained(made: Design) -> bool:
 
 
 def training_error(balance: Balance, structure: Structure) -> float:
-    """Return the mean squared error of the rows that count [N^2], infinite if it is not admissible.
+    """Return squared errors of all rows over the slipping ones [N^2], infinite if not admissible.
 
     It ranks values on a grid before any of them is judged.
     """

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label, maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from stickslip.evidence.series import Series
@@ -188,14 +188,15 @@ def directions(series: Series, v: Array, sigma: float, fc: float) -> Array:
     return found[last]
 
 
-def mixed(fc: float, h: float) -> int:
-    """Return how many rows beside a rest or a reversal the filter mixes with it."""
-    return max(int(MIXED / fc / h), 1)
+def open_rows(q: Array, direction: Array, reach: float, fc: float, h: float) -> Flags:
+    """Return rows (n,) at rest or in a reversal, where a law without memory leaves a force open.
 
-
-def reversing(direction: Array, fc: float, h: float) -> Flags:
-    """Return rows (n,) at which the direction changes, or which the filter mixes with such."""
-    return spread_out(np.concatenate([[False], np.diff(direction) != 0.0]), mixed(fc, h))
+    There the position stays within reach for 1/fc, or the direction changes, or the filter mixes
+    the row with such.
+    """
+    turns = np.concatenate([[False], np.diff(direction) != 0.0])
+    mixed = max(int(MIXED / fc / h), 1)
+    return near_rest(q, reach, fc, h, mixed) | spread_out(turns, mixed)
 
 
 def near_rest(q: Array, reach: float, fc: float, h: float, rows: int) -> Flags:
@@ -203,18 +204,6 @@ def near_rest(q: Array, reach: float, fc: float, h: float, rows: int) -> Flags:
     half = max(int(0.5 / fc / h), 2)
     still = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1) <= reach
     return spread_out(still, half + rows)
-
-
-def stretches_of(flags: Flags, some: Flags) -> Flags:
-    """Return those stretches of flags (n,) in which there are some.
-
-    Examples
-    --------
-    >>> stretches_of(np.array([1, 1, 0, 1, 1]) > 0, np.array([0, 1, 0, 0, 0]) > 0).tolist()
-    [True, True, False, False, False]
-    """
-    stretch, _ = label(flags)
-    return np.asarray(flags & np.isin(stretch, stretch[some]))
 
 
 def spread_out(flags: Flags, rows: int) -> Flags:

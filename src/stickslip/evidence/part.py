@@ -15,11 +15,9 @@ from stickslip.evidence.motion import (
     derivative,
     directions,
     low_pass,
-    mixed,
     near_rest,
+    open_rows,
     resolution,
-    reversing,
-    stretches_of,
 )
 from stickslip.evidence.series import Series, even
 
@@ -83,8 +81,6 @@ class Part:
     """Standard deviation of what the positions do not resolve."""
     open: Flags
     """Rows (m,) at which a law without memory leaves a force open."""
-    still: Flags
-    """Samples (n,) of those stretches of such rows in which the body rests."""
     clear: Flags
     """Rows (m,) in which the filter mixes nothing of a rest."""
     rows: slice
@@ -149,8 +145,7 @@ def part_of(
     speed = derivative(slow, h) if s.velocity is None else own.passed(s.velocity)
     sigma = max(resolution(piece.q), 1e-6 * float(np.ptp(q)))
     direction = directions(s, v, sigma, fc)
-    still = near_rest(q, RESOLVED * sigma, fc, h, mixed(fc, h))
-    loose = still | reversing(direction, fc, h)
+    rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force
     a = derivative(speed, h)
     taken = (s.mass or 0.0) * a
@@ -180,10 +175,9 @@ def part_of(
         references=references,
         start=_first_state(s, max(int(0.5 / fc / h), 2)),
         noise=sigma,
-        open=loose[::every],
-        still=stretches_of(loose, still),
+        open=rest,
         clear=~beside,
-        rows=slice(first_row, first_row + len(beside)),
+        rows=slice(first_row, first_row + len(rest)),
         states={SIGN: direction},
     )
 

@@ -84,32 +84,23 @@ class Kind:
     """Names of the nonlinear parameters."""
     fixed: tuple[int, ...] = ()
     """Which of the nonlinear parameters stay on their grid."""
-    cone: Callable[[Part, Term], Array] | None = None
-    """What multiplies the state where a law without memory leaves a force open, if it is not the
-    column: at rest, the band shows the speed of the slip beside."""
 
 
 def column_of(part: Part, term: Term, shape: Shape) -> tuple[Array, Array | None]:
-    """Return the columns (n, d) of a term in the band, and multipliers of the state in the cone."""
+    """Return the columns (n, d) of a term in the band, and what multiplies the state in them."""
     kind = TERMS[term.kind]
-    loaded = "load" in part.covariates and kind.contact != "none" and term.kind not in LEVELS
-
-    def along(column: Callable[[Part, Term], Array]) -> Array:
-        made = column(part, term)
-        made = made if made.ndim == 2 else made[:, None]
-        if loaded:
-            made = made * (part.covariates["load"] / part.references["load"])[:, None]
-        return made
-
-    made = column = along(kind.column)
-    multiplier = None
+    made = kind.column(part, term)
+    made = made if made.ndim == 2 else made[:, None]
+    column, multiplier = made, None
+    if "load" in part.covariates and kind.contact != "none" and term.kind not in LEVELS:
+        made = made * (part.covariates["load"] / part.references["load"])[:, None]
     if kind.contact != "none":
         state = part.state(term.par if kind.contact == "own" else shape)
         if kind.contact == "rate":
             column, multiplier = derivative(state, part.h)[:, None] * made, None
         else:
             state = np.abs(state) if kind.contact == "even" else state
-            column, multiplier = state[:, None] * made, along(kind.cone or kind.column)
+            column, multiplier = state[:, None] * made, made
     if not kind.filtered and part.filter is not None:
         column = part.filter.passed(column)
     return column, multiplier
@@ -155,10 +146,6 @@ def _drag(part: Part, term: Term) -> Array:
 def _decay(part: Part, term: Term) -> Array:
     v_s, delta = term.par
     return np.exp(-((np.abs(part.v) / v_s) ** delta))
-
-
-def _step(part: Part, term: Term) -> Array:
-    return np.where(part.still, 1.0, _decay(part, term))
 
 
 def _load(part: Part, term: Term) -> Array:
@@ -261,7 +248,6 @@ TERMS: dict[str, Kind] = {
     "stribeck": Kind(
         name="Stribeck step",
         column=_decay,
-        cone=_step,
         contact="odd",
         rank=2,
         positive=True,
@@ -271,7 +257,6 @@ TERMS: dict[str, Kind] = {
     "stribeck_dir": Kind(
         name="Stribeck step, per direction",
         column=_decay,
-        cone=_step,
         contact="even",
         rank=3,
         even=True,

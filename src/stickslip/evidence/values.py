@@ -191,7 +191,10 @@ def slopes(
 
 
 def polished(balance: Balance, structure: Structure, steps: int = STEPS) -> Structure:
-    """Return a structure after Gauss-Newton steps of its nonlinear parameters on slipping rows."""
+    """Return a structure after Gauss-Newton steps of its nonlinear parameters.
+
+    The slopes are those of slipping rows; rows on the border of the cone hold the coefficients.
+    """
     for _ in range(steps):
         which = free_values(structure)
         if not which:
@@ -200,7 +203,6 @@ def polished(balance: Balance, structure: Structure, steps: int = STEPS) -> Stru
         known = estimated(made)
         rows, values = known.rows, known.values
         columns, force = known.columns[rows], made.force[rows]
-        # what is on the border of the cone does not move with them
         moving = slopes(balance, structure, which, values, NUDGE) * made.slipping[:, None]
         joint = np.column_stack([columns, moving[rows]])
         step = solved(joint.T @ joint, joint.T @ (force - columns @ values))[len(values) :]

@@ -32,6 +32,9 @@ from stickslip.quantities import Quantity, fields_of, full_path, parameters, unc
 
 REVERSED = 0.01
 """Inertial share of a negative mass from which the force acts against the motion."""
+BENDING, BRAKES = 0.5, 0.5
+"""Inertial share of a negative mass up to which bristles may stand for it, and the level over the
+standard deviation of the friction from which one brakes."""
 WIDE = 30.0
 """How far bounds lie from what regression found."""
 NUISANCE = {"offset"}
@@ -180,14 +183,17 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
 def _says_little(found: InverseDynamics) -> bool:
     """Whether an inertia that came out negative says nothing of the sign of the force.
 
-    The motion was slow, and it takes a small share of the force; or friction takes power as it
-    should, and most is explained: a force that bends bristles goes with the acceleration too.
+    The motion was slow, and it takes a small share of the force; or slip in both directions has a
+    level that brakes, beside which it takes less: a force that bends bristles goes with the
+    acceleration too. In one direction a level is not told from a weight.
     """
     if found.inertial_share > -REVERSED:
         return True
-    force, v = found.friction, found.velocity
-    brakes = float(force @ v) > CREDIBLE * float(np.linalg.norm(force) * np.linalg.norm(v))
-    return brakes and found.relative_error <= UNEXPLAINED
+    ahead = float(np.mean(found.velocity > 0.0))
+    if not ONE_WAY < ahead < 1.0 - ONE_WAY or found.relative_error > UNEXPLAINED:
+        return False
+    level = min(found[name] for name in found.names if name.startswith("level"))
+    return found.inertial_share > -BENDING and level > BRAKES * float(np.std(found.friction))
 
 
 def load_of(mechanism: Mechanism) -> float:
