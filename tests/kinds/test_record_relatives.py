@@ -106,6 +106,17 @@ def test_where_laws_without_a_bristle_leave_more_than_noise_one_with_it_is_tried
     assert spec.name == "gms"
 
 
+def test_a_force_without_friction_is_compared_all_the_same():
+    """A power of the speed stands for none: with a viscous part beside, it ended in an error."""
+    t = np.arange(6000) / 500
+    x = 0.1 * np.sin(2.0 * t) + 0.03 * np.sin(5.0 * t)
+    noise = 0.01 * np.random.default_rng(1).normal(size=len(t))
+    record = Measurement(time=t, position=x, friction=20.0 * x + noise)
+    found = explained.explained(Axis(inertia=1.0), record, RecordSettings(), (), None)
+    assert str(found.asked.explanation.best.structure) == "spring"
+    assert {"power", "coulomb-viscous"} <= {one.name for one in found.specs}
+
+
 @pytest.mark.parametrize("told", [True, False])
 def test_bristles_whose_stiffness_no_record_tells_are_not_scored(monkeypatch, told):
     # exact stick smeared by a filter reads as a bristle, of any stiffness

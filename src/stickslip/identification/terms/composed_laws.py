@@ -112,7 +112,8 @@ class Asked:
     @property
     def flows(self) -> bool:
         """Whether the law of the best structure has a part that grows with the speed."""
-        return bool(_flow(_of(self.explanation.best.structure, "")))
+        flow = _flow(_of(self.explanation.best.structure, ""))
+        return bool(flow) or "viscous_coefficient" in self.best.specification.law.fit_order
 
     def starts_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> tuple[FittedLaw, ...]:
         """Return fits from which the search of a law begins, one of the best law's values first."""

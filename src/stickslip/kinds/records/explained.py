@@ -280,8 +280,7 @@ def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:
         rivals = [*dict.fromkeys([ONE_MEMORY, *rivals])][:MOST]
     names = dict.fromkeys([asked.best.name, *rivals, REFERENCE])
     own = {}
-    flows = asked.flows or "viscous_coefficient" in asked.best.specification.law.fit_order
-    if not (best.structure.memories or flows):
+    if not (best.structure.memories or asked.flows):
         kind = law(f"{asked.best.text} + viscous")
         own = {kind.name: CandidateSpec(name=kind.name, title=kind.title, law=kind)}
         names |= dict.fromkeys(own)
