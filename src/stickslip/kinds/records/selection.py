@@ -350,7 +350,7 @@ def _with_simulated(
     closest = min(bristled, key=lambda one: one.residual, default=None)
     if closest is None or closest.fit is None or not closest.fit.problem.simulates:
         return found
-    if closest.fit.at_noise:
+    if closest.fit.at_noise:  # no law leaves less
         return found
     spec = found.specs[found.tried.index(closest)]
     try:
