@@ -140,6 +140,18 @@ def test_a_held_force_acts_half_a_sample_later(coulomb):
     np.testing.assert_allclose(late.parts[0].force[inside], moved[inside], atol=0.01)
 
 
+@pytest.mark.parametrize("shift", [("delay", 0.01), ("skew", 4e-4)], ids=["delay", "clock drift"])
+def test_a_bristle_that_no_path_resolves_is_not_seen_beside_a_shift(balance, shift):
+    """Stribeck friction shown 10 ms late was called Maxwell slip with a clock that drifts."""
+    kind, value = shift
+    late = begin(balance).having(Term(kind, (value,), "*"))
+    short, long = (late.shaped("", (length, 1.0)) for length in (1e-7, 1e-2))
+    assert not balance.resolves(1e-7)
+    assert not fit(balance, short).ok
+    assert fit(balance, long).ok
+    assert fit(balance, late).ok
+
+
 def breaking_away(sides=(1.0, -1.0)):
     """Slips after rests whose force rises to a static level of 20 N; slow rows are few."""
     h, count, rests = 1e-3, 2000, 1200

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.motion import acceleration_of_noise
-from stickslip.evidence.structure import LATE_OR_ELASTIC, Structure
+from stickslip.evidence.structure import LATE_OR_ELASTIC, SHOWN_LATE, Structure
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -350,7 +350,8 @@ def _memories_resolved(made: Design) -> bool:
     """
     resolves = made.balance.resolves
     unseen = any(not resolves(shape[0], channel) for channel, shape in made.structure.memories)
-    if unseen and any(term.kind in LATE_OR_ELASTIC for term in made.structure.terms):
+    shifts = {*LATE_OR_ELASTIC, *SHOWN_LATE}
+    if unseen and any(term.kind in shifts for term in made.structure.terms):
         return False
     for term in made.structure.terms:
         if term.kind == "second":
