@@ -179,7 +179,7 @@ def test_a_reversed_force_is_refused_beside_a_weight_and_late_positions(weight, 
     force = inertia * a + (3.0 if weight else 0.3) * np.sign(v) + 2.0 * v + weight
     record = Measurement(time=time, position=position(time - late), force=-force)
     unknown = ["friction.*", "mechanism.inertia"]
-    with pytest.raises(InputError, match=r"sign of the force|against the motion|cannot be"):
+    with pytest.raises(InputError, match=r"sign of the force|against the motion"):
         fit(
             Axis(inertia=inertia),
             CoulombViscous,

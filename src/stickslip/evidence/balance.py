@@ -162,9 +162,11 @@ class Balance:
         self.force = np.concatenate([one.force[:: one.every] for one in parts])
         self.at_rest = np.concatenate([one.open for one in parts])
         self.clear = np.concatenate([one.clear for one in parts])
-        self.channel = np.concatenate([np.full(one.count, one.channel) for one in parts])
         self.scale = max(float(np.sqrt(np.mean(self.force**2))), 1e-300)
-        self.own = {name: self.channel == name for name in self.channels}
+        self.own = {
+            name: np.concatenate([np.full(one.count, one.channel == name) for one in parts])
+            for name in self.channels
+        }
         self.fold = np.empty(self.count, dtype=int)
         self.half = np.empty(self.count, dtype=int)
         self.use = np.ones(self.count, dtype=bool)

@@ -108,7 +108,7 @@ class Design:
         return np.where(free, self._distance(values, left, columns, multipliers, own), left)
 
     def outside(self, values: Array) -> Array:
-        """Return the distances (f,) of the free rows to what the force may be."""
+        """Return the residuals (f,) of the free rows, which are picked once for many values."""
         columns, force, multipliers, own = self.at_free
         return self._distance(values, force - columns @ values, columns, multipliers, own)
 
@@ -304,20 +304,22 @@ def estimated(made: Design) -> Estimated:
     square, product = columns.T @ columns, columns.T @ force
     values = solved(square, product)
     left = force - columns @ values
-    found = Estimated(made, values, np.zeros(0, np.intp), np.zeros((0, len(values))), _sum(left))
+    found = Estimated(
+        made, values, np.zeros(0, np.intp), np.zeros((0, len(values))), _squares(left)
+    )
     if not made.free.size:
         return found
     all_columns, all_force, multipliers, _ = made.at_free
     outside = made.outside(values)
-    found = replace(found, error=found.error + _sum(outside))
-    within = CHANCE * math.sqrt(_sum(left) / len(left)) if len(left) else 0.0
+    found = replace(found, error=found.error + _squares(outside))
+    within = CHANCE * math.sqrt(_squares(left) / len(left)) if len(left) else 0.0
     border = np.abs(outside) > within
     for _ in range(CONES):
         edge = all_columns[border]
         edge[:, made.odd] = np.sign(outside[border])[:, None] * multipliers[border][:, made.odd]
         values = solved(square + edge.T @ edge, product + edge.T @ all_force[border])
         outside = made.outside(values)
-        error = _sum(force - columns @ values) + _sum(outside)
+        error = _squares(force - columns @ values) + _squares(outside)
         if not (border.any() and error < (1.0 - SAME) * found.error):
             break
         found = Estimated(made, values, made.free[border], edge, error)
@@ -325,7 +327,8 @@ def estimated(made: Design) -> Estimated:
     return found
 
 
-def _sum(errors: Array) -> float:
+def _squares(errors: Array) -> float:
+    """Return the sum of squares."""
     return float(errors @ errors)
 
 

@@ -175,8 +175,8 @@ def ripples(balance: Balance, found: Fit, top: int = 2) -> list[Term]:
     terms = []
     for channel in balance.channels:
         own = balance.of(channel)
-        rows = balance.use & ~balance.at_rest & (balance.channel == channel)
-        picked = rows[balance.channel == channel]
+        rows = balance.use & ~balance.at_rest & balance.own[channel]
+        picked = rows[balance.own[channel]]
         q = np.concatenate([one.q[:: one.every] for one in own])[picked]
         span = float(np.ptp(q)) if q.size else 0.0
         if span <= 0.0:
