@@ -27,7 +27,6 @@ from stickslip.identification import RecordFit, RecordSettings, fit_record
 from stickslip.kinds import RecordVerdict
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-from stickslip.selection.identifiable import settled_estimates
 
 NEUTRAL = ("law", "unexplained")
 """Kinds of findings that name no cause."""
@@ -103,7 +102,7 @@ def selected(known: Known) -> dict[str, Any]:
     closest = verdict.closest
     assert closest.fit is not None
     own = closest.fit if closest.name == name else None
-    settled = {one.path for one in settled_estimates(closest.fit)} if verdict.words.settles else ()
+    settled = {one.path for one in verdict.settled} if verdict.words.settles else ()
     words = verdict.words
     return {
         "law": name,

@@ -98,8 +98,8 @@ def test_the_force_balance_shows_how_late_friction_is_recorded(response):
     found = fit(AXIS, CoulombViscous, record(response), settings=QUICK)
     error = found.model_errors[0]
     assert error.kind == ("lag" if response.lag else "delay")
-    # of a motion that is 20 ms late the sign is the other one; noise biases the slope of a filter
-    assert error.effect == pytest.approx(-response.late, rel=0.15)
+    # of a motion that is 20 ms late the sign is the other one
+    assert error.effect == pytest.approx(-response.late, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -164,14 +164,30 @@ def test_a_response_is_of_measured_friction_in_time():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [1, 8])
-def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_sign(number):
-    # force channels late by 8 ms and slow by 16 ms; neither record is of a law with memory
-    row, _, measured, _ = force_maps.drawn(number, 971)
-    assert row["fault"] in ("delay", "lag")
+def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_sign():
+    # a force channel that is late by 8 ms, and no law with memory
+    row, _, measured, _ = force_maps.drawn(1, 971)
+    assert row["fault"] == "delay"
     asked = asked_of(force_maps.AXIS, measured, "zero", (), PROMPT)
     found = model_errors(asked.explanation, measured, "zero", PROMPT)
     assert [one.kind for one in found] == ["delay or presliding"]
+
+
+@pytest.mark.parametrize(
+    ("number", "seed", "kind"),
+    [
+        (8, 9443, "lag"),
+        pytest.param(8, 971, "late or elastic", marks=pytest.mark.slow),
+        pytest.param(2, 9450, "delay or presliding", marks=pytest.mark.slow),
+    ],
+)
+def test_a_filter_of_the_force_channel_does_not_pass_for_a_law_with_memory(number, seed, kind):
+    """Both got "Use Dahl friction", with 7 and 9 times the stated error on another motion."""
+    row, _, measured, _ = force_maps.drawn(number, seed)
+    asked = asked_of(force_maps.AXIS, measured, "zero", (), PROMPT)
+    (found,) = model_errors(asked.explanation, measured, "zero", PROMPT)
+    assert found.kind == kind
+    assert -found.effect == pytest.approx(row["size"], rel=0.06)
 
 
 @pytest.mark.slow

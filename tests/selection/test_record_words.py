@@ -472,7 +472,10 @@ def test_a_step_in_doubt_settles_no_static_level_and_no_velocity():
     assert not {"friction.static_coefficient", "friction.stribeck_velocity"} & settled
     clear = 2.0 * np.sign(v) * (1.0 + np.exp(-np.square(v / 0.05))) + 5.0 * v
     found = fit(AXIS, Stribeck, Measurement(velocity=v, friction=clear), settings=QUICK)
-    assert "friction.stribeck_velocity" in {one.path for one in settled_estimates(found)}
+    step = {"friction.static_coefficient", "friction.stribeck_velocity"}
+    assert step <= {one.path for one in settled_estimates(found)}
+    bound = dataclasses.replace(found, at_bounds={"friction.stribeck_velocity": "lower"})
+    assert not step & {one.path for one in settled_estimates(bound)}
 
 
 def test_a_mass_that_is_looked_for_is_no_fault_of_the_record():

@@ -7,10 +7,11 @@ from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from stickslip.errors import InputError
 from stickslip.evidence.bristles import SIGN, Shape
-from stickslip.evidence.motion import HIGHEST, RATE, band, spread_out, top_speed
+from stickslip.evidence.motion import HIGHEST, RATE, band, derivative, spread_out, top_speed
 from stickslip.evidence.part import Part, part_of
 from stickslip.evidence.series import Series, pieces
 from stickslip.evidence.structure import Structure
@@ -286,6 +287,17 @@ class Balance:
             self._late[key] = np.concatenate([_shown(one, delay, lag, skew) for one in self.parts])
         return self._late[key]
 
+    def filtered(self, forces: Array, lag: float) -> Array:
+        """Return forces (n, ...) as a channel shows them through a filter of a lag [s], if any."""
+        if not lag:
+            return forces
+        found = np.empty_like(forces)
+        for one in self.parts:
+            own = forces[one.rows]
+            a = one.h * one.every / (one.h * one.every + 2.0 * lag)
+            found[one.rows] = lfilter([a, a], [1.0, 2.0 * a - 1.0], own, 0, (1.0 - a) * own[:1])[0]
+        return found
+
     def inside(self, *, largest: bool, smallest: bool) -> "Balance":
         """Return the balance without rows in which a force at an end of its piece has a part.
 
@@ -316,7 +328,7 @@ class Balance:
 def _shown(one: Part, delay: float, lag: float, skew: float) -> Array:
     """Return the forces (m,) that a channel shows late, less what the known motion takes."""
     whole = one.force + one.taken
-    shown = whole + lag * np.gradient(whole, one.h) if lag else whole
+    shown = whole + lag * derivative(whole, one.h) if lag else whole
     later = delay + skew * one.since[:: one.every]
     found: Array = np.interp(one.t[:: one.every] + later, one.t, shown)
     return found - one.taken[:: one.every]

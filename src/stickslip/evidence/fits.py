@@ -88,6 +88,11 @@ class Design:
         return np.array([TERMS[one.kind].contact == "even" for one in self.owners], bool)
 
     @property
+    def filters(self) -> bool:
+        """Whether the force channel is a filter."""
+        return self.structure.late[1] != 0.0
+
+    @property
     def slipping(self) -> Flags:
         """Return the rows (n,) at which the structure says which force acts."""
         return self.balance.use & ~self.open
@@ -106,6 +111,17 @@ class Design:
         multipliers = _picked(self.multipliers, rows)
         own = {name: _picked(self.balance.own[name], rows) for name, _ in self.structure.memories}
         return np.where(free, self._distance(values, left, columns, multipliers, own), left)
+
+    def errors(self, values: Array) -> Array:
+        """Return residuals (n,) as the force channel shows them."""
+        return self.shown(self.residual(values))
+
+    def shown(self, forces: Array) -> Array:
+        """Return forces (n, ...) behind the filter of the force channel.
+
+        To take that off a force adds to its noise, for which no structure is to be blamed.
+        """
+        return self.balance.filtered(forces, self.structure.late[1])
 
     def outside(self, values: Array) -> Array:
         """Return the residuals (f,) of the free rows, which are picked once for many values."""
@@ -255,7 +271,7 @@ def fit(balance: Balance, structure: Structure) -> Fit:
         owner=made.owners,
         sse=sse,
         counts=counts,
-        residual=made.residual(known.values),
+        residual=made.errors(known.values),
         ok=possible(made, known.values),
     )
 
@@ -292,6 +308,14 @@ class Estimated:
         found[self.border] = self.edge
         return found
 
+    @cached_property
+    def shown(self) -> tuple[Array, Array]:
+        """Return columns (n, p) and forces (n,) of those rows, as the force channel shows them."""
+        if not self.made.filters:
+            return self.columns, self.made.force
+        columns, force = self.columns * self.rows[:, None], self.made.force * self.rows
+        return self.made.shown(columns), self.made.shown(force)
+
 
 def estimated(made: Design) -> Estimated:
     """Return the coefficients of a design by least squares.
@@ -300,6 +324,15 @@ def estimated(made: Design) -> Estimated:
     Which do is found anew after each fit, as a wider cone holds some that a first one does not, as
     long as that lowers the error.
     """
+    found = _estimated(made)
+    if not made.filters:
+        return found
+    columns, force = (one[found.rows] for one in found.shown)
+    return replace(found, values=_least_squares(columns, force))
+
+
+def _estimated(made: Design) -> Estimated:
+    """Return them with what a filter of the force channel adds to its noise."""
     columns, force = _at(made.slipping, made.columns, made.force)
     square, product = columns.T @ columns, columns.T @ force
     values = solved(square, product)
@@ -372,7 +405,8 @@ def _least_squares(columns: Array, force: Array) -> Array:
 
 def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
     """Return squared errors and rows of each block (folds,), from Gram matrices of the others."""
-    balance, force, columns, rows = made.balance, made.force, known.columns, known.rows
+    balance, rows = made.balance, known.rows
+    columns, force = known.shown
     whole, known_force = _at(rows, columns, force)
     square, product = whole.T @ whole, whole.T @ known_force
     sse, counts = np.zeros(balance.folds), np.ones(balance.folds)
@@ -380,7 +414,7 @@ def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
         own, near = _at(balance.near[k] & rows, columns, force)
         values = solved(square - own.T @ own, product - own.T @ near, square)
         held = np.flatnonzero((balance.fold == k) & balance.use)
-        left = made.residual(values, held)
+        left = made.errors(values)[held] if made.filters else made.residual(values, held)
         sse[k] = left @ left
         counts[k] = max(len(held) - np.sum(made.open[held] & (left == 0.0)), 1)
     return sse, counts
@@ -465,7 +499,11 @@ def training_error(balance: Balance, structure: Structure) -> float:
     made = design(balance, structure)
     known = estimated(made)
     rows = int(made.slipping.sum())
-    return known.error / rows if rows and admissible(known.values, made.owners) else math.inf
+    if not rows or not admissible(known.values, made.owners):
+        return math.inf
+    if made.filters:
+        return _squares(made.errors(known.values)[balance.use]) / rows
+    return known.error / rows
 
 
 def spread(made: Design, rows: Flags, blocks: int = BLOCKS) -> tuple[Array, Array]:

@@ -51,7 +51,7 @@ def refined(balance: Balance, found: Fit) -> Fit:
         with balance.passing():
             made = design(balance, structure)
             values = estimated(made).values
-        left = made.residual(values)[balance.use]
+        left = made.errors(values)[balance.use]
         wild = not sane(balance, structure) or not possible(made, values)
         return float(left @ left) + (forbidden if wild else 0.0)
 
@@ -76,7 +76,7 @@ def intervals_of(balance: Balance, found: Fit) -> dict[str, Interval]:
     made = design(balance, found.structure)
     rows = made.slipping
     moving = slopes(balance, found.structure, which, found.coef, NUDGE)
-    seen = np.column_stack([made.columns, moving])[rows]
+    seen = made.shown(np.column_stack([made.columns, moving]) * rows[:, None])[rows]
     left = found.residual[rows]
     if balance.dynamic:
         blocks = max(min(BLOCKS, len(left) // 2), 2)

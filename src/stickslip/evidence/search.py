@@ -128,6 +128,7 @@ class Search:
         starts = (
             self._textbook(start),
             *peaked,
+            *self._late_peaked(start),
             *self._late_memory(start),
             *self._damped_memory(start),
             *self._capped(start),
@@ -193,12 +194,31 @@ class Search:
         able = [x for x in self._best(options, 1) if training_error(self.balance, x) < math.inf]
         return [polished(self.balance, one) for one in able]
 
+    @property
+    def _measured_late(self) -> bool:
+        """Whether friction itself was measured, by a channel that may be late."""
+        return bool(self.delays) and not any(one.driven for one in self.balance.parts)
+
+    def _late_peaked(self, start: Structure) -> list[Structure]:
+        """Return Stribeck laws that are shown late, as the textbook law is best shown.
+
+        A memory takes up what a late channel does to a level that falls with the speed.
+        """
+        if not self._measured_late:
+            return []
+        shown = {self._textbook(start).having(late): late for late in self.delays}
+        return [
+            self._peaked(start.having(shown[one]), exponent)
+            for one in self._best([*shown], 1)
+            for exponent in STRIBECK_EXPONENTS
+        ]
+
     def _late_memory(self, start: Structure) -> list[Structure]:
         """Return Dahl friction that is shown late, at its best length and delay.
 
         Where friction itself was measured, either alone takes up most of the other.
         """
-        if any(one.driven for one in self.balance.parts) or not self.delays:
+        if not self._measured_late:
             return []
         options = [
             start.having(Term("viscous", (), channel), late).shaped(channel, shape)

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, median_filter
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from stickslip.errors import InputError
 
@@ -23,6 +23,9 @@ APART = 3.0
 """The same over the change from a sample to the next, the usual one and those beside ..."""
 BESIDE = 9
 """Samples about it of which the change counts."""
+OUT = 1.25
+"""Distance of an outlier beyond all those samples, over their change, from which it may be less: a
+peak of friction at a break-away is lower than what leads to it."""
 SHARES = {"position": 0.005, "force": 0.5}
 """... and over the range. A position is smooth; a force that is commanded may have peaks."""
 SELDOM = 0.01
@@ -104,7 +107,7 @@ def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     """Return which single values (n,), or pairs, lie off those beside them by a share of the range.
 
     A step is none, as the median of five follows it, nor is the turn of a swing, beside which
-    samples differ as much.
+    samples differ as much; what is beyond both sides of a step by more than its height is one.
 
     Examples
     --------
@@ -119,8 +122,10 @@ def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
     beside = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), BESIDE)
-    least = max(FAR * float(np.quantile(apart, 0.9)), share * float(high - low))
-    far: NDArray[np.bool_] = apart > np.maximum(least, APART * np.maximum(usual, beside))
+    least = max(FAR * float(np.quantile(apart, 0.9)), share * float(high - low), APART * usual)
+    top, bottom = maximum_filter1d(middle, BESIDE), minimum_filter1d(middle, BESIDE)
+    beyond = np.maximum(x - top, bottom - x)
+    far: NDArray[np.bool_] = (apart > least) & ((apart > APART * beside) | (beyond > OUT * beside))
     return far if far.mean() <= SELDOM else np.zeros(len(x), dtype=bool)
 
 

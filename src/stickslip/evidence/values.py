@@ -201,10 +201,10 @@ def polished(balance: Balance, structure: Structure, steps: int = STEPS) -> Stru
             break
         made = design(balance, structure)
         known = estimated(made)
-        rows, values = known.rows, known.values
-        columns, force = known.columns[rows], made.force[rows]
+        values = known.values
+        columns, force = (one[known.rows] for one in known.shown)
         moving = slopes(balance, structure, which, values, NUDGE) * made.slipping[:, None]
-        joint = np.column_stack([columns, moving[rows]])
+        joint = np.column_stack([columns, made.shown(moving)[known.rows]])
         step = solved(joint.T @ joint, joint.T @ (force - columns @ values))[len(values) :]
         better = _shortened(balance, structure, which, np.clip(step, -1e3, 1e3))
         if better is None:

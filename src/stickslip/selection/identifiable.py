@@ -54,24 +54,26 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
 def of_open_steps(fit: RecordFit) -> frozenset[str]:
     """Return the paths of static levels whose step the record does not tell from 0, if any.
 
-    And of the velocities at which they fade: of a step that is not there these say nothing.
+    And of the velocities at which they fade: of a step that is not there these say nothing, nor
+    does the step that fades at the least or the largest that was searched.
     """
     steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
-    found = {path for path, (_, low, _) in steps.items() if low <= 0.0}
     speeds = {
         one.path
         for one in fit.free_parameters.items
         if one.path.startswith("friction.") and one.quantity.scale == "speed"
     }
+    faded = bool(speeds & {*fit.at_bounds})
+    found = {path for path, (_, low, _) in steps.items() if low <= 0.0 or faded}
     return frozenset(found | speeds if found else ())
 
 
-def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
+def settled_estimates(fit: RecordFit, equals: Sequence[RecordFit] = ()) -> tuple[Estimate, ...]:
     """Return the estimates that stand each for itself, the surest first.
 
     Their intervals are bounded, do not hold 0 and are not as wide as they are large, they are no
-    offset and of no step in doubt, none trades off with another, and no error of the model moves
-    them.
+    offset and of no step in doubt, none trades off with another, no error of the model moves them,
+    and none has another value by fits of laws that are not distinguished from this.
 
     Examples
     --------
@@ -88,8 +90,16 @@ def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
         for e in fit.estimates
         if e.bounded and not e.low <= 0.0 <= e.high and half_of(e) < abs(e.value)
         if "offset" not in e.path and e.path not in apart
+        if not any(_differs(e, other) for fit in equals for other in fit.estimates)
     ]
     return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))
+
+
+def _differs(one: Estimate, other: Estimate) -> bool:
+    """Return whether two estimates are of one quantity, and their intervals lie apart."""
+    if not other.bounded or (one.path, one.quantity) != (other.path, other.quantity):
+        return False
+    return max(one.low, other.low) > min(one.high, other.high)
 
 
 def limit_of(fit: Fit[Any], estimate: Estimate) -> str:

@@ -783,13 +783,16 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
-    """Return how far estimates (p,) move under the other hold, where either may be the true one."""
-    open_ = fit.hold is not None and fit.hold.is_open and not fit.optimum.cancelled
-    build = held_otherwise(fit.build) if open_ else None
-    if build is None:
+    """Return how far estimates (p,) move under the other hold, where either may be the true one.
+
+    And by as much more as the force may be later than either.
+    """
+    hold = fit.hold if fit.hold and fit.hold.is_open and not fit.optimum.cancelled else None
+    build = held_otherwise(fit.build) if hold else None
+    if hold is None or build is None:
         return []
     moved = _moved(fit, build.fitted(fit.measurement, None))
-    return [] if moved is None else [moved]
+    return [] if moved is None else [hold.apart * moved]
 
 
 def _noisier(measurement: Measurement) -> Measurement:

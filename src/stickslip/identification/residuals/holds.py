@@ -77,6 +77,17 @@ class HoldFinding:
         return not self.given and self.shown is None
 
     @property
+    def apart(self) -> float:
+        """Half samples from what fits take to the farthest that runs allow, at least one.
+
+        A force that is late by more than a hold explains moves estimates by as much more.
+        """
+        if not (self.simulated and 2.0 * self.half_width <= VAGUE):
+            return 1.0
+        taken = 0.5 if self.hold == "zero" else 0.0
+        return max(2.0 * (abs(self.lateness - taken) + self.half_width), 1.0)
+
+    @property
     def contradicted(self) -> bool:
         """Whether the record shows another hold than was given."""
         return self.shown not in {None, self.hold}
@@ -120,10 +131,12 @@ class HoldFinding:
         tells = 2.0 * self.half_width <= VAGUE and not _beyond(*ends)
         told = f"; as estimated, {late}" if tells else ""
         if self.simulated:
+            allowed = f"for {fixed(0.5 * self.apart, 1)} samples either way"
+            allowed = "for either" if self.apart == 1.0 else allowed
             return (
                 "Neither the balance of forces nor simulation under both holds tells whether the"
                 " force is held between samples or goes straight to the next value. Assumed: it"
-                f" {what}{told}; intervals allow for either. Give the hold if it is known."
+                f" {what}{told}; intervals allow {allowed}. Give the hold if it is known."
             )
         return (
             "The balance of forces does not tell whether the force is held between samples or goes"
@@ -218,7 +231,7 @@ def of_simulation(
     if finding.hold == "zero":  # counted from straight lines
         value = 1.0 - value
     shown = _side(value, half)
-    if shown is None and not half < 2.0 * finding.half_width:
+    if shown is None and not half < max(2.0 * finding.half_width, VAGUE):
         return finding
     likely: Hold = "first" if value < 0.5 else "zero"
     return replace(

@@ -11,6 +11,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
+    Estimate,
     FittedLaw,
     ModelError,
     RecordFit,
@@ -28,6 +29,7 @@ from stickslip.selection import (
     plain,
     reduces_to,
     score_scale,
+    settled_estimates,
 )
 
 
@@ -230,6 +232,14 @@ class RecordVerdict(BlockwiseVerdict):
     def model_errors(self) -> tuple[ModelError, ...]:
         """What the residuals of the closest law show to be wrong with model, rig or record."""
         return self.closest.fit.model_errors if self.closest.fit else ()
+
+    @property
+    def settled(self) -> tuple[Estimate, ...]:
+        """The estimates of the closest law that stand each for itself, the surest first."""
+        if not self.closest.fit:
+            return ()
+        equals = [c.fit for c in self.candidates if c.fit and c.name in self.equals]
+        return settled_estimates(self.closest.fit, equals)
 
     @property
     def quantity(self) -> str:

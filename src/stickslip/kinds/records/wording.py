@@ -170,7 +170,7 @@ def record_wording(
     return Wording(
         verdict=verdict,
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
-        settles=() if fault or curve else _settles(best),
+        settles=() if fault or curve else _settles(best, equal),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(
             experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)
@@ -374,12 +374,12 @@ def _second_errors(scale: Scale, on_second: SecondRecord) -> tuple[str, str]:
     return own, other
 
 
-def _settles(best: RecordCandidate) -> tuple[str, ...]:
+def _settles(best: RecordCandidate, equal: Sequence[RecordCandidate]) -> tuple[str, ...]:
     assert best.fit is not None
     fit = best.fit
     return tuple(
         f"${e.quantity.symbol}$ = {e.plus_minus}.{limit_of(fit, e)}"
-        for e in settled_estimates(fit)[:MOST]
+        for e in settled_estimates(fit, [c.fit for c in equal if c.fit])[:MOST]
     )
 
 

@@ -23,7 +23,6 @@ from stickslip.selection import (
     limit_of,
     moved_by_errors,
     score_text,
-    settled_estimates,
     traded,
 )
 
@@ -47,12 +46,12 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
         symbols=symbols_of(verdict.candidates),
         law=law_lines(fit, verdict.closest) if fit else (),
         facts=_facts(verdict),
-        settles=_settles(fit) if fit else verdict.words.settles,
+        settles=_settles(fit, verdict) if fit else verdict.words.settles,
     )
 
 
-def _settles(fit: RecordFit) -> tuple[str, ...]:
-    lines = [f"{label_of(e)} is {e.plus_minus}.{limit_of(fit, e)}" for e in settled_estimates(fit)]
+def _settles(fit: RecordFit, verdict: RecordVerdict) -> tuple[str, ...]:
+    lines = [f"{label_of(e)} is {e.plus_minus}.{limit_of(fit, e)}" for e in verdict.settled]
     return tuple([*lines[:2], *levels_at_speed(fit), *lines[2:]][:3])
 
 
