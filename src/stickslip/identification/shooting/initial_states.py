@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, Generic, NamedTuple, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,17 +29,31 @@ LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e4
 """Its bounds: at the upper one, nothing moves any more."""
 
 
+Found = TypeVar("Found")
+
+
 @final
 @dataclass(frozen=True)
-class Known:
-    """Slopes that are known."""
+class Known(Generic[Found]):
+    """What was found, in place of what finds it."""
 
-    slopes: Array
-    """Derivatives of the prediction by the free parameters (n, p)."""
+    found: Found
+    """It."""
 
-    def __call__(self) -> Array:
-        """Return them."""
-        return self.slopes
+    def __call__(self) -> Found:
+        """Return it."""
+        return self.found
+
+
+class Ways(NamedTuple):
+    """What other initial states do: singular values of their slopes, in units of the motion."""
+
+    columns: Array
+    """Orthonormal (n, m): left singular vectors."""
+    singular: Array
+    """Singular values (m,)."""
+    directions: Array
+    """Right singular vectors, in rows (m, m)."""
 
 
 @final
@@ -63,12 +77,9 @@ class LocalState:
     """Finds the slopes by the unknowns (n, p); asked for where they are needed."""
     units: Array
     """What initial coordinates and rates are counted in (m,)."""
-    columns: Array
-    """Orthonormal (n, m): left singular vectors of the slopes by initial states in these units."""
-    singular: Array
-    """Singular values (m,)."""
-    directions: Array
-    """Right singular vectors, in rows (m, m)."""
+    ways: Callable[[], Ways | None]
+    """Finds what other initial states would do; None if that leaves all bounds. Asked for where it
+    is needed, too: of every third state nothing but its misfit is."""
     damping: float = DAMPING
     """Over the largest singular value squared."""
 
@@ -77,10 +88,22 @@ class LocalState:
         """Slopes by the unknowns (n, p)."""
         return self.sense()
 
+    @property
+    def able(self) -> bool:
+        """Whether it is known what other initial states would do."""
+        return self.ways() is not None
+
+    @property
+    def known(self) -> Ways:
+        """What they would do."""
+        ways = self.ways()
+        assert ways is not None
+        return ways
+
     @override
     def __getstate__(self) -> dict[str, Any]:
         """Return what crosses processes: slopes that are found."""
-        return {**self.__dict__, "sense": Known(self.slopes)}
+        return {**self.__dict__, "sense": Known(self.slopes), "ways": Known(self.known)}
 
     @property
     def misfit(self) -> float:
@@ -90,13 +113,15 @@ class LocalState:
     @property
     def basis(self) -> Array:
         """Orthonormal columns of what initial states can do (n, r)."""
-        return self.columns[:, self.singular > NEGLIGIBLE * self.singular[0]]
+        columns, singular, _ = self.known
+        return columns[:, singular > NEGLIGIBLE * singular[0]]
 
     @property
     def settled(self) -> bool:
         """Whether another step promises next to nothing, or less than the solver is exact to."""
-        kept = 1.0 - self._damped * self.singular
-        promised = float(np.sum((self.columns.T @ self.residual) ** 2 * (1.0 - kept**2)))
+        columns, singular, _ = self.known
+        kept = 1.0 - self._damped * singular
+        promised = float(np.sum((columns.T @ self.residual) ** 2 * (1.0 - kept**2)))
         return promised <= max(SETTLING * self.misfit, self.exact)
 
     @property
@@ -107,14 +132,16 @@ class LocalState:
     @property
     def _damped(self) -> Array:
         """Inverse of the singular values (m,), damped."""
-        bottom = self.singular**2 + self.damping * self.singular[0] ** 2
-        found: Array = self.singular / np.maximum(bottom, np.finfo(float).tiny)
+        singular = self.known.singular
+        bottom = singular**2 + self.damping * singular[0] ** 2
+        found: Array = singular / np.maximum(bottom, np.finfo(float).tiny)
         return found
 
     def near(self, change: Array | None = None) -> Array:
         """Return the initial state that fits better where the unknowns have changed by (p,)."""
-        wanted = self.columns.T @ self.expected(change)
-        return self.state + self.units * (self.directions.T @ (self._damped * wanted))
+        columns, _, directions = self.known
+        wanted = columns.T @ self.expected(change)
+        return self.state + self.units * (directions.T @ (self._damped * wanted))
 
     def expected(self, change: Array | None = None) -> Array:
         """Return the residual (n,) from this state, unknowns changed, to first order."""
@@ -140,7 +167,7 @@ def settled(
     `rest` is the guess with rates of 0, but those that are known.
     """
     first = shoot(guess)
-    best = None if first is None else _descended(first, shoot)
+    best = _descended(first, shoot) if first is not None and first.able else None
     return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
 
 
@@ -156,15 +183,16 @@ def followed(
 
     Where that fits worse than the old state was promised to, the old state is tried as well.
     """
-    moved = shoot(before.near(change))
-    best = None if moved is None else replace(moved, damping=before.damping).stepped(well=True)
-    expected = before.expected(change)
-    if best is None or best.misfit > float(expected @ expected):
+    moved, expected = shoot(before.near(change)), before.expected(change)
+    tried = [] if moved is None else [(moved, True)]
+    if moved is None or moved.misfit > float(expected @ expected):
         stayed = shoot(before.state)
-        if stayed is not None and (best is None or stayed.misfit < best.misfit):
-            best = replace(stayed, damping=before.damping).stepped(well=False)
-    if best is not None:
-        best = _descended(best, shoot)
+        tried += [] if stayed is None else [(stayed, False)]
+    best = None
+    for one, well in sorted(tried, key=lambda pair: pair[0].misfit):
+        if one.able:
+            best = _descended(replace(one, damping=before.damping).stepped(well=well), shoot)
+            break
     return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
 
 
@@ -180,7 +208,7 @@ def _or_at_rest(
     if best is not None and np.array_equal(best.state[half:], rest[half:]):
         return best
     first = shoot(rest)
-    if first is None:
+    if first is None or not first.able:
         return best
     rested = _descended(first, shoot)
     clearly = best is not None and best.misfit < (1.0 - CLEARLY) * rested.misfit
@@ -197,7 +225,9 @@ def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) ->
         if best.settled:
             break
         there = shoot(best.near())
-        if there is None or there.misfit >= best.misfit:
+        if there is None or there.misfit >= best.misfit or not there.able:
+            if best.damping >= MOST_DAMPING:
+                break
             best = best.stepped(well=False)
         else:
             best = replace(there, damping=best.damping).stepped(well=True)

@@ -26,6 +26,7 @@ from stickslip.identification.shooting.first_deflections import FirstDeflections
 from stickslip.identification.shooting.initial_states import (
     CLEARLY,
     LocalState,
+    Ways,
     followed,
     settled,
     worse,
@@ -275,29 +276,30 @@ class Shooting(RecordProblem):
         begun: "_Begun",
         state: Array,
     ) -> LocalState | None:
-        """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
+        """Return a segment simulated from a state; None if the run fails."""
         run = _bare(segment, mechanism, law, begun, state)
         if run is None:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
         sense = partial(_sensed, run, segment, mechanism, law, begun, state, column)
         left = segment.measured - run.at(segment.times)[:, column]
-        local = sense([f"initial.{name}" for name in run.states[: len(state)]])
-        if not np.max(np.abs(local)) < STEEPEST:  # NaN included
-            return None
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
         units[segment.known] = 0.0
-        columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
+
+        def ways() -> Ways | None:
+            local = sense([f"initial.{name}" for name in run.states[: len(state)]])
+            if not np.max(np.abs(local)) < STEEPEST:  # NaN included
+                return None
+            return Ways(*np.linalg.svd(local * units, full_matrices=False))
+
         return LocalState(
             state=state,
             residual=left - left.mean() if segment.zero else left,
             size=float(np.ptp(segment.measured)),
             sense=cache(partial(sense, self.free_parameters.paths)),
             units=units,
-            columns=columns,
-            singular=singular,
-            directions=directions,
+            ways=cache(ways),
         )
 
     @override
