@@ -97,6 +97,9 @@ CONTINUED = 4
 """How often at most a search goes on from its best end where a law has a memory ..."""
 LEFT = 1e-3
 """... as long as that takes off this share of the cost."""
+BEATEN = 2.0
+"""Mean square over that of a rival from which a search that ends at a bound stays there: off it
+a fit is as close, and hardly closer."""
 MANY = 5000
 """Samples from which fits of the simpler laws of one with a memory take minutes: values that the
 force balance finds stand for them."""
@@ -365,7 +368,8 @@ def _searched(
     ready, found = widened_search(ready, choice.settings, watch, rival)
     if kind.states and not found.hopeless:
         found = _to_the_end(ready, found, watch, rounds=CONTINUED)
-        found = _off_bounds(ready, found, watch)
+        if not found.best.rms**2 > BEATEN * rival > 0.0:
+            found = _off_bounds(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
