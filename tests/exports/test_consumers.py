@@ -102,7 +102,7 @@ def test_the_compiled_law_moves_the_axis_as_the_engine_does(used):
 
 
 @pytest.mark.parametrize(("kind", "close"), [("CoSimulation", 0.0), ("ModelExchange", 1e-6)])
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_the_unit_turns_as_the_engine_does_at_the_tolerance_that_it_stores(used, kind, close, fmi):
     need_tools()
     from fmpy import read_model_description, simulate_fmu

@@ -121,6 +121,7 @@ def test_no_load_is_told_where_the_weight_is_looked_for():
     assert not one.covariates
 
 
+@pytest.mark.slow
 def test_torques_on_both_sides_of_a_gear_load_measured_friction():
     q, v, a = motion()
     rig = Axis(inertia=0.05, rotary=True)

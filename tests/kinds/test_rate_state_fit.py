@@ -668,6 +668,7 @@ def test_a_jerk_of_the_load_point_is_part_of_its_path_and_no_step(pieces, steps,
     assert np.abs(left).max() < 1e-3 * places[-1]
 
 
+@pytest.mark.slow
 def test_steps_with_jerks_are_held_out_whole_and_explained():
     knots, places = jerked([(1, 40), (30, 0.5), (10, 20), (3, 0.5), (1, 40)])
     t = np.linspace(0.0, knots[-1], 600)

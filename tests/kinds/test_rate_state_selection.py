@@ -91,6 +91,7 @@ def test_three_steps_name_the_law_that_made_them(verdicts, name):
     named(verdicts(name), name)
 
 
+@pytest.mark.slow
 def test_three_steps_name_a_law_that_evolves(verdicts):
     named(verdicts(*EVOLVING), "rate-and-state")
 
@@ -300,6 +301,7 @@ def test_a_stopped_selection_says_what_was_left_out():
     assert set(told) == {"constant-coefficient", "logarithmic", *held_out}
 
 
+@pytest.mark.slow
 def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     t = np.arange(0.0, 120.0, 0.1)
     pull = 1e-6 * np.interp(t, *THREE)

@@ -42,6 +42,7 @@ def reading(found, law, key):
     return next(r for r in row.readings if r.key == key)
 
 
+@pytest.mark.slow
 def test_coulomb_in_the_three_readings(found):
     # checked values of the audit's closed forms, to the printed digits
     assert round(reading(found, "coulomb", "A").criteria.travel, 7) == 0.1538736

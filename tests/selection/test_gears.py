@@ -123,6 +123,7 @@ def driven(law, vary, *, voltages=(1.0,)):
     return fit(axis, law, Measurement(trials=tuple(trials)), vary=vary, **given)
 
 
+@pytest.mark.slow
 def test_constants_of_a_motor_that_stand_for_viscous_friction_are_a_doubt():
     said = "$R$ and $k_t$ hold only if friction has no viscous part"
     # neither another voltage nor a temperature tells back-EMF from viscous friction

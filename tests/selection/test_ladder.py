@@ -155,6 +155,7 @@ def test_a_search_that_is_stopped_climbs_no_further():
     assert "not tried: the search was stopped." in found.why_untried
 
 
+@pytest.mark.slow
 def test_directions_are_not_told_apart_on_motion_of_one_direction():
     record = tilted()
     forwards = np.asarray(record.velocity) > 0.0

@@ -155,7 +155,7 @@ def fit_rate_state(
     >>> noise = np.random.default_rng(0).normal(0.0, 3e-4, len(t))
     >>> record = Measurement(time=t, pull=pull, friction=run.coefficient + noise, load=1.0)
     >>> machine = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
-    >>> fitted = fit_rate_state(machine, "rate-and-state", record)
+    >>> fitted = fit_rate_state(machine, "rate-and-state", record, profile=False)
     >>> fitted.separable, abs(fitted.law.direct_effect - 0.010) < 5e-4
     (True, True)
     """
