@@ -322,7 +322,7 @@ def _range_line(estimate: Estimate, best: TravelCandidate, ties: Sequence[Travel
     given = getattr(best.law, name)
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
-        return f"{symbol} is bounded on one side only: {estimate.reason}."
+        return f"{symbol} {open_ends(estimate)}."
     lies = f"{symbol} {_between(estimate)}"
     alone = [own for own in best.alone if own.path == estimate.path and own.bounded]
     shapes = [fields_of(type(c.law))[one] for c in ties for one in c.invented]
@@ -340,6 +340,12 @@ def _range_line(estimate: Estimate, best: TravelCandidate, ties: Sequence[Travel
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
     place = "inside" if inside else "outside"
     return f"{capital(lies)}; the given {number(given)} is {place} the {doubt}."
+
+
+def open_ends(estimate: Estimate) -> str:
+    """Return that an estimate has no interval or half of one, and why."""
+    sided = math.isfinite(estimate.low) or math.isfinite(estimate.high)
+    return f"{'is bounded on one side only' if sided else 'has no interval'}: {estimate.reason}"
 
 
 def _between(estimate: Estimate) -> str:

@@ -2,7 +2,7 @@
 
 from stickslip.formatting import percent, quantity, signed_percent, with_unit, within
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, estimate_range, misfit
-from stickslip.kinds.travels.wording import DOUBT_NAMES
+from stickslip.kinds.travels.wording import DOUBT_NAMES, open_ends
 from stickslip.report import Fact, Section, opening
 from stickslip.selection import score_text
 
@@ -35,15 +35,15 @@ def _estimate(best: TravelCandidate) -> Fact | None:
         return None
     estimate = best.fit.estimates[0]
     value = within(estimate.value, estimate.low, estimate.high)
-    what = f"${estimate.quantity.symbol}$ for {best.title}; the range is the "
+    what = f"${estimate.quantity.symbol}$ for {best.title}"
     names = {**DOUBT_NAMES, "stated interval": "interval stated with the measurement"}
     doubt = names.get(estimate.interval, f"{estimate.interval} interval")
     return Fact(
         value=with_unit(estimate.range if estimate.pieces else value, estimate.quantity.unit),
         aside=estimate_range(estimate) if estimate.bounded and not estimate.pieces else "",
-        what=what + doubt
+        what=f"{what}; the range is the {doubt}"
         if estimate.bounded
-        else (f"{what}bounded on one side only: {estimate.reason}"),
+        else f"{what} {open_ends(estimate)}",
     )
 
 
