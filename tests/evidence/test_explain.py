@@ -380,6 +380,19 @@ def test_a_value_beyond_both_sides_of_a_reversal_is_an_outlier_and_a_peak_is_non
     assert np.flatnonzero(outliers(Series(t, np.sin(t), far))["force"]).tolist() == [turns[20] - 2]
 
 
+@pytest.mark.parametrize(
+    ("rest", "peak", "count"), [(0.6, 1.6, 9), (0.9, 1.2, 9), (0.0, 2.3, 9), (0.6, 1.6, 1)]
+)
+def test_break_aways_after_rests_that_keep_a_part_of_the_force_are_no_outliers(rest, peak, count):
+    t = 0.01 * np.arange(1600)
+    force = np.ones(1600)
+    for first in 100 + 150 * np.arange(count):
+        force[first : first + 40] = rest
+        force[first + 40 : first + 42] = peak, 1.0 + 0.3 * (peak - 1.0)
+    force += 0.005 * np.random.default_rng(0).normal(size=len(t))
+    assert not outliers(Series(t, np.sin(t), force))["force"].any()
+
+
 def axis_at(h, *, level=lambda v: 1.0, length=0.0, noise=1e-6, load=None, seconds=20.0):
     """A record by inverse dynamics: an inertia of 4 kg, 2 N of friction times a level, 6 N s/m."""
     random = np.random.default_rng(11)
@@ -413,6 +426,23 @@ def test_a_filter_is_not_blamed_for_the_noise_that_to_take_it_off_adds():
     # noise of 0.02 of the level at each sample, and what reversals between samples leave
     noise = 0.02 * law.kinetic_coefficient * np.sqrt(2.0 * balance.fc / row["rate"])
     assert found.rms < 1.2 * noise
+
+
+def test_a_filter_that_is_none_explains_nothing_of_rests():
+    """Rows at rest counted as explained: a filter of 0.1 ms took off half of the error."""
+    t = 0.004 * np.arange(4000)
+    v = np.where((t % 1.6) < 0.5, 0.1 * np.sign(np.sin(np.pi * t / 1.6)), 0.0)
+    q = np.cumsum(v) * 0.004
+    random = np.random.default_rng(2)
+    force = np.where(v == 0.0, 0.3, np.sign(v)) + 0.02 * random.normal(size=len(t))
+    series = Series(t, q + 1e-6 * random.normal(size=len(t)), force, inertia=False)
+    balance = Balance([series])
+    plain, shown = (
+        fit(balance, Structure((Term("level"), *late)))
+        for late in ((), (Term("lag", (1e-4,), "*"),))
+    )
+    assert shown.rms == pytest.approx(plain.rms, rel=0.03)  # it smooths what is left
+    assert shown.counts == pytest.approx(plain.counts, rel=0.03)
 
 
 @pytest.mark.slow

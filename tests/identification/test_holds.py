@@ -1,5 +1,7 @@
 """Whether a recorded force was held between samples is estimated, and said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from benchmarks.axis_records import ALL
@@ -179,7 +181,7 @@ def test_a_late_motion_is_said_once_and_not_as_a_hold_too():
 
 
 @pytest.mark.slow
-def test_intervals_allow_for_a_force_that_is_later_than_any_hold():
+def test_intervals_allow_for_a_force_that_is_recorded_later_than_any_hold():
     """By 4 ms: the inertia was stated as 0.0184 to 0.0189 kg m^2 for 0.02, with no word of it."""
     truth = next(one for one in ALL if one.name == "f_delay1")
     found = fit(
@@ -193,10 +195,7 @@ def test_intervals_allow_for_a_force_that_is_later_than_any_hold():
     assert inertia.low < 0.02 < inertia.high
 
 
-def test_half_samples_that_runs_leave_open_are_one_at_least():
-    plain = HoldFinding(hold="zero")
-    assert plain.apart == 1.0
-    told = HoldFinding(hold="zero", lateness=-1.0, half_width=0.25, simulated=True)
-    assert told.apart == pytest.approx(3.5)  # 1.5 samples and a quarter from a held force
-    vague = HoldFinding(hold="first", lateness=-9.0, half_width=5.0, simulated=True)
-    assert vague.apart == 1.0
+def test_what_runs_leave_open_beyond_either_hold_is_said():
+    open_ = HoldFinding(hold="zero", lateness=0.31, half_width=0.21, simulated=True, apart=3.0)
+    assert "runs leave 1.5 samples earlier or later open" in open_.sentence
+    assert "intervals allow for either" in replace(open_, apart=1.0).sentence

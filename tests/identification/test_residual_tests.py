@@ -132,7 +132,6 @@ def late():
     )  # fmt: skip
 
 
-@pytest.mark.slow
 def test_a_verdict_whose_residuals_show_an_error_does_not_say_use(late):
     assert late.model_errors[0].kind == "delay"
     assert not late.sentence.startswith("Use")

@@ -1,6 +1,7 @@
 """Segments simulated from states of their own: slopes, projections, exact records."""
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,13 @@ from stickslip.identification.series.start_values import (
     scales_of,
 )
 from stickslip.identification.settings import RecordSettings
-from stickslip.identification.shooting.initial_states import CLEARLY
+from stickslip.identification.shooting.initial_states import (
+    CLEARLY,
+    Known,
+    LocalState,
+    Ways,
+    followed,
+)
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
 
@@ -268,3 +275,21 @@ def test_an_initial_velocity_of_next_to_nothing_stays_within_what_the_motion_can
         states = np.array([one.state for one in seen.memory.values()])
         assert np.max(np.abs(states[:, 1])) < 0.1
         assert np.max(np.abs(states[:, 0])) < 0.03
+
+
+def test_where_a_moved_start_cannot_be_stepped_from_the_old_one_is_tried():
+    def segment(state, misfit, *, able=True):
+        ways = Ways(np.ones((1, 1)), np.ones(1), np.array([[1.0, 0.0]]))
+        return LocalState(
+            state=state, residual=np.array([misfit]), size=1.0, sense=Known(np.zeros((1, 1))),
+            units=np.ones(2), ways=Known(ways if able else None),
+        )  # fmt: skip
+
+    before = segment(np.zeros(2), 2.0)
+
+    def shoot(state):
+        return segment(state, 1.0) if not state.any() else segment(state, 0.1, able=False)
+
+    found = followed(before, np.zeros(1), np.zeros(2), shoot, at_rest=False)
+    assert found.misfit == 1.0
+    assert pickle.loads(pickle.dumps(found)).misfit == 1.0

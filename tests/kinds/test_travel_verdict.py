@@ -228,18 +228,6 @@ def test_what_another_law_leaves_open_is_stated_for_the_named_law_only(verdict):
     assert "if Coulomb friction holds; Coulomb + viscous friction" in said
 
 
-def test_what_slopes_leave_of_a_law_with_bristles_is_no_interval_of_all_laws(verdict):
-    """Of LuGre friction with 0.121, 0.102 to 0.112 was said to hold whichever law does."""
-    other = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
-    assert len(other.fit.estimates) > 1
-    bristles = dataclasses.replace(other, fit=dataclasses.replace(other.fit, law=SWINGS))
-    widened = reaching(dataclasses.replace(verdict.best, alone=()), [bristles])
-    (level,) = widened.fit.estimates
-    assert not level.bounded
-    assert level.reason.endswith("leaves of it is not known")
-    assert widened.alone[0].bounded
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("rig", [13, 37])
 def test_bristles_are_not_ruled_out_by_a_search_that_began_without_damping(rig):

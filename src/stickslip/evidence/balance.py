@@ -293,7 +293,7 @@ class Balance:
             return forces
         found = np.empty_like(forces)
         for one in self.parts:
-            own = forces[one.rows]
+            own = forces[one.rows] / _kept(one, lag, self.fc)
             a = one.h * one.every / (one.h * one.every + 2.0 * lag)
             found[one.rows] = lfilter([a, a], [1.0, 2.0 * a - 1.0], own, 0, (1.0 - a) * own[:1])[0]
         return found
@@ -332,6 +332,18 @@ def _shown(one: Part, delay: float, lag: float, skew: float) -> Array:
     later = delay + skew * one.since[:: one.every]
     found: Array = np.interp(one.t[:: one.every] + later, one.t, shown)
     return found - one.taken[:: one.every]
+
+
+def _kept(one: Part, lag: float, fc: float) -> float:
+    """Return what is kept of noise in the band after a filter is taken off and put on again.
+
+    The one is by differences of samples, the other by the rule of trapezia from row to row.
+    """
+    w = 2.0 * np.pi * np.linspace(0.0, fc, 200)
+    angle, half = w * one.h, 0.5 * w * one.h * one.every
+    off = 1.0 + (lag * (8.0 * np.sin(angle) - np.sin(2.0 * angle)) / (6.0 * one.h)) ** 2
+    on = 1.0 + (lag * 2.0 * np.tan(half) / (one.h * one.every)) ** 2
+    return float(np.sqrt(np.mean(off / on)))
 
 
 def _length(piece: Series) -> float:

@@ -204,7 +204,7 @@ def predict(fitted: Fit, series: Sequence[Series], like: Balance) -> tuple[Balan
     """Return what a fit predicts of other series of the same joints.
 
     These are the rows of the balance `like` of the fit, predicted forces (n,) [N], and errors
-    (n,) [N]: at open rows the distance to what the law allows.
+    (n,) [N], as the force channel shows them: at open rows the distance to what the law allows.
 
     Examples
     --------
@@ -218,4 +218,4 @@ def predict(fitted: Fit, series: Sequence[Series], like: Balance) -> tuple[Balan
     there = Balance(series, like=like)
     made = design(there, fitted.structure)
     values = fitted.coef[matched(fitted.owner, made.owners)]
-    return there, made.columns @ values, made.residual(values)
+    return there, made.columns @ values, made.errors(values)

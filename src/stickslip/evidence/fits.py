@@ -89,7 +89,7 @@ class Design:
 
     @property
     def filters(self) -> bool:
-        """Whether the force channel is a filter."""
+        """Whether the force channel acts as a low-pass filter."""
         return self.structure.late[1] != 0.0
 
     @property
@@ -181,7 +181,7 @@ class Fit:
     counts: Array
     """Rows of each block at which the structure says something (folds,), at least 1."""
     residual: Array
-    """Residuals (n,) [N]."""
+    """Residuals (n,) [N], as the force channel shows them."""
     ok: bool
     """Whether physics admits the coefficients."""
 
@@ -327,12 +327,13 @@ def estimated(made: Design) -> Estimated:
     found = _estimated(made)
     if not made.filters:
         return found
-    columns, force = (one[found.rows] for one in found.shown)
-    return replace(found, values=_least_squares(columns, force))
+    values = _least_squares(*(one[found.rows] for one in found.shown))
+    error = _squares(made.errors(values)[made.balance.use])
+    return replace(found, values=values, error=error)
 
 
 def _estimated(made: Design) -> Estimated:
-    """Return them with what a filter of the force channel adds to its noise."""
+    """Return those of a filter from forces that it is taken off, with the noise which that adds."""
     columns, force = _at(made.slipping, made.columns, made.force)
     square, product = columns.T @ columns, columns.T @ force
     values = solved(square, product)
@@ -414,9 +415,9 @@ def _held_out(made: Design, known: Estimated) -> tuple[Array, Array]:
         own, near = _at(balance.near[k] & rows, columns, force)
         values = solved(square - own.T @ own, product - own.T @ near, square)
         held = np.flatnonzero((balance.fold == k) & balance.use)
-        left = made.errors(values)[held] if made.filters else made.residual(values, held)
-        sse[k] = left @ left
+        left = made.residual(values, held)
         counts[k] = max(len(held) - np.sum(made.open[held] & (left == 0.0)), 1)
+        sse[k] = _squares(made.errors(values)[held] if made.filters else left)
     return sse, counts
 
 
@@ -499,11 +500,7 @@ def training_error(balance: Balance, structure: Structure) -> float:
     made = design(balance, structure)
     known = estimated(made)
     rows = int(made.slipping.sum())
-    if not rows or not admissible(known.values, made.owners):
-        return math.inf
-    if made.filters:
-        return _squares(made.errors(known.values)[balance.use]) / rows
-    return known.error / rows
+    return known.error / rows if rows and admissible(known.values, made.owners) else math.inf
 
 
 def spread(made: Design, rows: Flags, blocks: int = BLOCKS) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+from scipy.ndimage import label, maximum_filter1d, median_filter, minimum_filter1d
 
 from stickslip.errors import InputError
 
@@ -24,8 +24,9 @@ APART = 3.0
 BESIDE = 9
 """Samples about it of which the change counts."""
 OUT = 1.25
-"""Distance of an outlier beyond all those samples, over their change, from which it may be less: a
-peak of friction at a break-away is lower than what leads to it."""
+"""Least distance of an outlier beside a step from both of its sides, over its height ..."""
+OFTEN = 0.2
+"""... at a share of the steps at most: peaks at more of them are those of break-aways."""
 SHARES = {"position": 0.005, "force": 0.5}
 """... and over the range. A position is smooth; a force that is commanded may have peaks."""
 SELDOM = 0.01
@@ -107,7 +108,7 @@ def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     """Return which single values (n,), or pairs, lie off those beside them by a share of the range.
 
     A step is none, as the median of five follows it, nor is the turn of a swing, beside which
-    samples differ as much; what is beyond both sides of a step by more than its height is one.
+    samples differ as much; a value beyond both sides of a step is one where other steps have none.
 
     Examples
     --------
@@ -124,8 +125,11 @@ def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
     beside = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), BESIDE)
     least = max(FAR * float(np.quantile(apart, 0.9)), share * float(high - low), APART * usual)
     top, bottom = maximum_filter1d(middle, BESIDE), minimum_filter1d(middle, BESIDE)
-    beyond = np.maximum(x - top, bottom - x)
-    far: NDArray[np.bool_] = (apart > least) & ((apart > APART * beside) | (beyond > OUT * beside))
+    lone = (apart > least) & (np.maximum(x - top, bottom - x) > OUT * beside)
+    if lone.any():
+        steps = label(beside >= 0.5 * beside[lone].min())[1]
+        lone &= label(lone)[1] <= OFTEN * steps
+    far: NDArray[np.bool_] = lone | ((apart > least) & (apart > APART * beside))
     return far if far.mean() <= SELDOM else np.zeros(len(x), dtype=bool)
 
 

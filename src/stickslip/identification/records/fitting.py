@@ -99,7 +99,7 @@ LEFT = 1e-3
 """... as long as that takes off this share of the cost."""
 BEATEN = 2.0
 """Mean square over that of a rival from which a search that ends at a bound stays there: off it
-a fit is as close, and hardly closer."""
+a fit is looked for that is as close."""
 MANY = 5000
 """Samples from which fits of the simpler laws of one with a memory take minutes: values that the
 force balance finds stand for them."""

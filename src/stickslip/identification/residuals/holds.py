@@ -70,22 +70,14 @@ class HoldFinding:
     """What the record shows; None where it does not tell."""
     simulated: bool = False
     """Whether runs under either hold were compared, as the balance of forces did not tell."""
+    apart: float = 1.0
+    """Half samples from what fits take to the farthest that these runs leave open; the other hold,
+    at least. A force that is later, or earlier, than either moves estimates by as much more."""
 
     @property
     def is_open(self) -> bool:
         """Whether fits may take the wrong one: nobody gave it, and nothing tells it."""
         return not self.given and self.shown is None
-
-    @property
-    def apart(self) -> float:
-        """Half samples from what fits take to the farthest that runs allow, at least one.
-
-        A force that is late by more than a hold explains moves estimates by as much more.
-        """
-        if not (self.simulated and 2.0 * self.half_width <= VAGUE):
-            return 1.0
-        taken = 0.5 if self.hold == "zero" else 0.0
-        return max(2.0 * (abs(self.lateness - taken) + self.half_width), 1.0)
 
     @property
     def contradicted(self) -> bool:
@@ -131,12 +123,16 @@ class HoldFinding:
         tells = 2.0 * self.half_width <= VAGUE and not _beyond(*ends)
         told = f"; as estimated, {late}" if tells else ""
         if self.simulated:
-            allowed = f"for {fixed(0.5 * self.apart, 1)} samples either way"
-            allowed = "for either" if self.apart == 1.0 else allowed
+            allowed = "intervals allow for either"
+            if self.apart > 1.0:
+                allowed = (
+                    f"runs leave {fixed(0.5 * self.apart, 1)} samples earlier or later open, for"
+                    " which intervals allow"
+                )
             return (
                 "Neither the balance of forces nor simulation under both holds tells whether the"
                 " force is held between samples or goes straight to the next value. Assumed: it"
-                f" {what}{told}; intervals allow {allowed}. Give the hold if it is known."
+                f" {what}{told}; {allowed}. Give the hold if it is known."
             )
         return (
             "The balance of forces does not tell whether the force is held between samples or goes"
@@ -224,6 +220,11 @@ def of_simulation(
     so that noise of the position hides nothing of half a sample.
     """
     finding = replace(finding, simulated=True)
+
+    def apart(hold: Hold) -> float:
+        off = abs(value - (1.0 if hold == "zero" else 0.0)) + half
+        return max(off, 1.0) if half <= VAGUE else 1.0
+
     late = here.residual - other.residual
     if not (here.finite and other.finite):
         return finding
@@ -231,12 +232,14 @@ def of_simulation(
     if finding.hold == "zero":  # counted from straight lines
         value = 1.0 - value
     shown = _side(value, half)
-    if shown is None and not half < max(2.0 * finding.half_width, VAGUE):
-        return finding
+    if shown is None and not half < 2.0 * finding.half_width:
+        return replace(finding, apart=apart(finding.hold))
     likely: Hold = "first" if value < 0.5 else "zero"
+    hold = shown or (likely if half <= VAGUE else finding.hold)
     return replace(
         finding,
-        hold=shown or (likely if half <= VAGUE else finding.hold),
+        hold=hold,
+        apart=apart(hold),
         lateness=0.5 * value,
         half_width=0.5 * half,
         shown=shown,

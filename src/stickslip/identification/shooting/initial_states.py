@@ -38,10 +38,10 @@ class Known(Generic[Found]):
     """What was found, in place of what finds it."""
 
     found: Found
-    """It."""
+    """What was found."""
 
     def __call__(self) -> Found:
-        """Return it."""
+        """Return what was found."""
         return self.found
 
 
@@ -78,8 +78,8 @@ class LocalState:
     units: Array
     """What initial coordinates and rates are counted in (m,)."""
     ways: Callable[[], Ways | None]
-    """Finds what other initial states would do; None if that leaves all bounds. Asked for where it
-    is needed, too: of every third state nothing but its misfit is."""
+    """Finds what other initial states would do; None if that leaves all bounds. It is asked for
+    where it is needed: of a state that fits worse than another, it is not."""
     damping: float = DAMPING
     """Over the largest singular value squared."""
 
@@ -103,7 +103,7 @@ class LocalState:
     @override
     def __getstate__(self) -> dict[str, Any]:
         """Return what crosses processes: slopes that are found."""
-        return {**self.__dict__, "sense": Known(self.slopes), "ways": Known(self.known)}
+        return {**self.__dict__, "sense": Known(self.slopes), "ways": Known(self.ways())}
 
     @property
     def misfit(self) -> float:
@@ -181,11 +181,12 @@ def followed(
 ) -> LocalState | None:
     """Return a segment where the unknowns have changed by (p,): from a state carried on.
 
-    Where that fits worse than the old state was promised to, the old state is tried as well.
+    Where that fits worse than the old state was promised to, or cannot be stepped from, the old
+    state is tried as well.
     """
     moved, expected = shoot(before.near(change)), before.expected(change)
     tried = [] if moved is None else [(moved, True)]
-    if moved is None or moved.misfit > float(expected @ expected):
+    if moved is None or moved.misfit > float(expected @ expected) or not moved.able:
         stayed = shoot(before.state)
         tried += [] if stayed is None else [(stayed, False)]
     best = None

@@ -160,6 +160,7 @@ def record_wording(
     """Put a selection on records into words."""
     assert best.fit is not None
     equal = equals_of(best, candidates)
+    like = [*equal, *(c for c in candidates if c.name in best.otherwise)]
     scale = shown or _scale(candidates, best.fit)
     curve = _closer_curve(best, scale)
     alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
@@ -170,7 +171,7 @@ def record_wording(
     return Wording(
         verdict=verdict,
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
-        settles=() if fault or curve else _settles(best, equal),
+        settles=() if fault or curve else _settles(best, like),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(
             experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)

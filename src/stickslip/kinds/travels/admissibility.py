@@ -141,8 +141,7 @@ def unsettling(
 def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCandidate:
     """Return the best law with intervals that hold those of all laws that are not ruled out.
 
-    What one of them has too, but with a value that was invented and not fitted, it leaves open; and
-    what several values of a law with bristles leave of one, slopes do not tell.
+    What one of them has too, but with a value that was invented and not fitted, it leaves open.
     """
     ties = [c for c in ties if c.fit is not None and not c.dropped]
     fits = [c.fit for c in ties if c.fit is not None]
@@ -150,10 +149,13 @@ def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCa
         return best
     found = []
     for one in best.fit.estimates:
-        if one.bounded and (said := _left_open(one, ties, type(best.law))):
+        name = one.path.rpartition(".")[2]
+        open_ = [c.title for c in ties if name in c.invented]
+        if open_ and one.bounded:
+            said = f"{joined(open_)} friction, which explains the readings too, leaves it open"
             found.append(replace(one, low=-math.inf, high=math.inf, pieces=(), reason=said))
             continue
-        limit = limit_of(best.fit.law, one.path.rpartition(".")[2])
+        limit = limit_of(best.fit.law, name)
         parts = [*(one.pieces or ((one.low, one.high),))]
         for fit in fits:
             same = _same(one, fit, type(best.law))
@@ -167,20 +169,6 @@ def reaching(best: TravelCandidate, ties: Sequence[TravelCandidate]) -> TravelCa
         found.append(replace(spanning(one, parts), reason=reason))
     fit = replace(best.fit, estimates=tuple(found))
     return replace(best, fit=fit, alone=best.fit.estimates)
-
-
-def _left_open(one: Estimate, ties: Sequence[TravelCandidate], law: type[FrictionLaw]) -> str:
-    """Return why laws that are not ruled out leave a value open, if any does."""
-    name, also = one.path.rpartition(".")[2], "friction, which explains the readings too,"
-    if open_ := [c.title for c in ties if name in c.invented]:
-        return f"{joined(open_)} {also} leaves it open"
-    bent = [c.title for c in ties if c.fit and _by_slopes(c.fit) and _same(one, c.fit, law)]
-    return f"what {joined(bent)} {also} leaves of it is not known" if bent else ""
-
-
-def _by_slopes(fit: TravelFit) -> bool:
-    """Whether the ends of intervals are those of slopes, along which valleys bend."""
-    return bool(fit.law.states) and len(fit.estimates) > 1
 
 
 def _same(one: Estimate, fit: TravelFit, law: type[FrictionLaw]) -> list[Estimate] | None:
