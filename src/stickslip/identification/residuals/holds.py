@@ -222,8 +222,9 @@ def of_simulation(
     finding = replace(finding, simulated=True)
 
     def apart(hold: Hold) -> float:
+        told = half <= VAGUE or value + half < 0.0 or value - half > 1.0
         off = abs(value - (1.0 if hold == "zero" else 0.0)) + half
-        return max(off, 1.0) if half <= VAGUE else 1.0
+        return max(off, 1.0) if told else 1.0
 
     late = here.residual - other.residual
     if not (here.finite and other.finite):
