@@ -333,7 +333,7 @@ def estimated(made: Design) -> Estimated:
 
 
 def _estimated(made: Design) -> Estimated:
-    """Return those of a filter from forces that it is taken off, with the noise which that adds."""
+    """Return them by plain least squares: a filter is taken off the forces, which adds to noise."""
     columns, force = _at(made.slipping, made.columns, made.force)
     square, product = columns.T @ columns, columns.T @ force
     values = solved(square, product)

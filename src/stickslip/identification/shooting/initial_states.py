@@ -90,7 +90,7 @@ class LocalState:
 
     @property
     def able(self) -> bool:
-        """Whether it is known what other initial states would do."""
+        """Whether it is known what other initial states would do, so that steps can begin here."""
         return self.ways() is not None
 
     @property
