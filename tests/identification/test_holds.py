@@ -197,5 +197,5 @@ def test_intervals_allow_for_a_force_that_is_recorded_later_than_any_hold():
 
 def test_what_runs_leave_open_beyond_either_hold_is_said():
     open_ = HoldFinding(hold="zero", lateness=0.31, half_width=0.21, simulated=True, apart=3.0)
-    assert "runs leave 1.5 samples earlier or later open" in open_.sentence
+    assert "it may act up to 1.5 samples earlier or later" in open_.sentence
     assert "intervals allow for either" in replace(open_, apart=1.0).sentence

@@ -567,22 +567,22 @@ def test_an_estimate_whose_interval_holds_0_settles_nothing():
 
 
 def test_what_laws_that_are_not_told_apart_disagree_on_is_not_settled():
-    # a level of 2 N and a power of the speed, of which few speeds tell the exponent
+    # Coulomb friction alone takes the part that grows with the speed for its level
     v = np.linspace(0.1, 0.2, 80) * np.resize((1.0, -1.0), 80)
     friction = np.sign(v) * (2.0 + np.sqrt(np.abs(v)))
     friction += 0.01 * np.random.default_rng(3).normal(size=80)
-    straight, curved = (
+    linear, constant = (
         fit_record(AXIS, law, Measurement(velocity=v, friction=friction), settings=QUICK)
         for law in (CoulombViscous, Coulomb)
     )
     level = "friction.kinetic_coefficient"
-    variances = np.diag(np.diag(straight.inference.covariance))
+    variances = np.diag(np.diag(linear.inference.covariance))
     alone = dataclasses.replace(
-        straight, inference=dataclasses.replace(straight.inference, covariance=variances)
+        linear, inference=dataclasses.replace(linear.inference, covariance=variances)
     )
     assert level in {e.path for e in settled_estimates(alone)}
     assert level in {e.path for e in settled_estimates(alone, [alone])}
-    assert level not in {e.path for e in settled_estimates(alone, [curved])}
+    assert level not in {e.path for e in settled_estimates(alone, [constant])}
 
 
 def test_a_short_step_to_a_fit_without_a_block_is_where_a_search_ends(verdict, monkeypatch):

@@ -789,7 +789,7 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
     """Return how far estimates (p,) move under the other hold, where either may be the true one.
 
-    And by as much more as the force may be later than either.
+    Where runs leave more open than that, by as many times as half samples.
     """
     hold = fit.hold if fit.hold and fit.hold.is_open and not fit.optimum.cancelled else None
     build = held_otherwise(fit.build) if hold else None

@@ -125,9 +125,10 @@ class HoldFinding:
         if self.simulated:
             allowed = "intervals allow for either"
             if self.apart > 1.0:
+                most = fixed(0.5 * self.apart, 1)
                 allowed = (
-                    f"runs leave {fixed(0.5 * self.apart, 1)} samples earlier or later open, for"
-                    " which intervals allow"
+                    f"by simulation it may act up to {most} samples earlier or later, and the"
+                    " intervals include that"
                 )
             return (
                 "Neither the balance of forces nor simulation under both holds tells whether the"
