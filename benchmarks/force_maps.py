@@ -204,15 +204,16 @@ def _by_temperature(law: FrictionLaw, size: float) -> FrictionLaw | None:
 
     Its values are those at 0 degrees: the records begin at 20.
     """
-    if not isinstance(law, CoulombViscous):
+    if law.states:
         return None
     cold = 1.0 + 20.0 * size
-    made = composed("level * linear[temperature] + viscous * linear[temperature]")(
-        kinetic_coefficient=cold * law.kinetic_coefficient,
-        viscous_coefficient=cold * law.viscous_coefficient,
-        level_temperature_slope=-size / cold,
-        viscous_temperature_slope=-size / cold,
-    )
+    parts = {"level": "kinetic", "stribeck": "static", "viscous": "viscous"}
+    names = {part: f"{name}_coefficient" for part, name in parts.items()}
+    has = [part for part in parts if getattr(law, names[part], None) is not None]
+    kind = composed(" + ".join(f"{part} * linear[temperature]" for part in has))
+    values = {name: getattr(law, name) for name in kind.fit_order if hasattr(law, name)}
+    values |= {names[part]: cold * getattr(law, names[part]) for part in has}
+    made = kind(**values, **{f"{part}_temperature_slope": -size / cold for part in has})
     assert isinstance(made, FrictionLaw)
     return made
 

@@ -16,6 +16,7 @@ from stickslip.evidence.structure import (
     DAMPED,
     SHIFTS,
     SHOWN_LATE,
+    WARM,
     Family,
     Structure,
     fades,
@@ -312,7 +313,11 @@ class Search:
     def _proposed(self, old: Fit) -> list[Structure]:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
-        terms = [one for one in self.terms if structure.having(one).complete or one.kind != DAMPED]
+        terms = [
+            one
+            for one in self.terms
+            if one.kind not in (DAMPED, WARM) or structure.having(one).complete
+        ]
         candidates = [*terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)
         self.evaluated += len(ranked)

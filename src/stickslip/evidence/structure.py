@@ -19,6 +19,7 @@ CARRIED = (
     "level_slope",
     "second",
     "stribeck",
+    "stribeck_cov",
     "stribeck_dir",
     "temperature",
 )
@@ -35,6 +36,8 @@ GEARS = ("weight", "motor_weight", "weight2")
 """... and such kinds of a level that grows with the force through a gear."""
 DAMPED = "damping"
 """Kind of the damping of a bristle."""
+WARM = "stribeck_cov"
+"""Kind of what an input, such as a temperature, adds to a Stribeck step."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
@@ -152,6 +155,7 @@ class Structure:
                 )
             )
             or (one.kind == DAMPED and not fades(self.shape(one.channel)))
+            or (one.kind == WARM and not self.has("stribeck", one.channel))
             # after a reversal a level is missing in a gap and in presliding alike
             or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (

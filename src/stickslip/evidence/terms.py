@@ -148,6 +148,10 @@ def _decay(part: Part, term: Term) -> Array:
     return np.exp(-((np.abs(part.v) / v_s) ** delta))
 
 
+def _decay_covariate(part: Part, term: Term) -> Array:
+    return _decay(part, term) * _covariate(part, term)
+
+
 def _load(part: Part, term: Term) -> Array:
     return part.covariates[term.what]
 
@@ -260,6 +264,14 @@ TERMS: dict[str, Kind] = {
         contact="even",
         rank=3,
         even=True,
+        par=("Stribeck velocity", "exponent"),
+        fixed=(1,),
+    ),
+    "stribeck_cov": Kind(
+        name="Stribeck step in",
+        column=_decay_covariate,
+        contact="odd",
+        rank=3,
         par=("Stribeck velocity", "exponent"),
         fixed=(1,),
     ),

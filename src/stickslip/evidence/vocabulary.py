@@ -98,10 +98,10 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
     for exponent in EXPONENTS:
         yield Term("power", (exponent,), channel)
         yield Term("power_dir", (exponent,), channel)
-    for v_s in grid(top / 300.0, SLOW * top, 12):
-        for delta in STRIBECK_EXPONENTS:
-            yield Term("stribeck", (v_s, delta), channel)
-            yield Term("stribeck_dir", (v_s, delta), channel)
+    speeds = grid(top / 300.0, SLOW * top, 12)
+    steps = [(v_s, delta) for v_s in speeds for delta in STRIBECK_EXPONENTS]
+    for kind in ("stribeck", "stribeck_dir"):
+        yield from (Term(kind, par, channel) for par in steps)
     for name in part.covariates:
         if name == "load":
             yield Term("load", (), channel, name)
@@ -111,6 +111,8 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
         else:
             yield Term("temperature", (), channel, name)
             yield Term("viscous_cov", (), channel, name)
+            for par in steps:
+                yield Term("stribeck_cov", par, channel, name)
     if faults:
         yield from _faults(balance, channel)
 

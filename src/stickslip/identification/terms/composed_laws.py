@@ -26,6 +26,10 @@ from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
+FACTORS = ("temperature", "level_slope", "level_ripple")
+"""Kinds that multiply a level."""
+GROWING = {"stribeck": "stribeck_cov", "viscous": "viscous_cov"}
+"""Kinds of what an input adds to the parts of a law, by part."""
 LIKE_DAHL = 0.15
 """Exponent of a memory, from 1, up to which it is Dahl's without one."""
 DAMPED = 0.2
@@ -357,7 +361,7 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     levels, flow = _levels(structure, channel, terms), _flow(terms)
     gear = _joined(f"{part}[{what}]" for (part, what), kind in GEARS.items() if kind in terms)
     used = {"level", "load", "second", "damping", *GEARS.values(), *both}
-    used |= {"stribeck", "temperature", "level_slope", "level_ripple"} & set(terms)
+    used |= {"stribeck", "stribeck_cov", *FACTORS} & set(terms)
     used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
     if not levels and not gear:
@@ -398,7 +402,8 @@ def _levels(structure: Structure, channel: str, terms: Mapping[str, Term]) -> st
     level += " * linear[position]" if "level_slope" in terms else ""
     level += " * ripple[position]" if "level_ripple" in terms else ""
     fades = {"stribeck", "stribeck_dir"} & set(terms) or len(structure.shape(channel)) == 5
-    return f"{level} + stribeck" if fades else level
+    warm = f" * linear[{terms['stribeck_cov'].what}]" if "stribeck_cov" in terms else ""
+    return f"{level} + stribeck{warm}" if fades else level
 
 
 def _flow(terms: Mapping[str, Term]) -> str:
@@ -428,8 +433,7 @@ def _rung(structure: Structure, channel: str, *, directional: bool) -> Rung | No
     the exponent of a power, under the name of another one.
     """
     terms, shape = _of(structure, channel), structure.shape(channel)
-    special = {"temperature", "level_slope", "level_ripple", "viscous_cov", *GEARS.values()}
-    if special & set(terms):
+    if any(kind in terms for kind in (*FACTORS, *GROWING.values(), *GEARS.values())):
         return None
     memory, flow = _memory(terms, shape), _flow(terms)
     flow = {"": "viscous" if memory else "", "viscous + drag": "drag"}.get(flow, flow)
@@ -529,9 +533,10 @@ def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str
     found: dict[tuple[str, str], float] = {}
     if "temperature" in terms:
         found[f"level * linear[{terms['temperature'].what}]", "slope"] = of("temperature") / level
-    if "viscous_cov" in terms:
-        slope = of("viscous_cov") / max(of("viscous"), LEAST)
-        found[f"viscous * linear[{terms['viscous_cov'].what}]", "slope"] = slope
+    for part, kind in GROWING.items():
+        if kind in terms:
+            slope = of(kind) / max(of(part), LEAST)
+            found[f"{part} * linear[{terms[kind].what}]", "slope"] = slope
     if "level_slope" in terms:
         found["level * linear[position]", "slope"] = of("level_slope") / level
     if "level_ripple" in terms:
