@@ -19,8 +19,9 @@ endif
 
 # Tests, examples and pages share their machine code, so that nothing is compiled twice.
 unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
-# The cores are taken by the workers: more threads of linear algebra only wait for each other.
+# The cores are taken by the workers: more threads only wait for each other.
 unit docs slow: export OPENBLAS_NUM_THREADS ?= 1
+unit docs slow: export STICKSLIP_THREADS ?= 1
 # Nothing is compiled beside what is measured or tested.
 unit docs slow bench: export STICKSLIP_BACKGROUND ?= 0
 # Nor is Python text compiled anew by each process, or are assertions rewritten by each worker.

@@ -3,16 +3,23 @@
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextvars import copy_context
+from multiprocessing import parent_process
 from typing import Any, TypeVar
 
 from typing_extensions import override
 
 from stickslip.errors import InputError
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 FAR = 128
 """Workers of an executor that does not say how many it has."""
+THREADS = "STICKSLIP_THREADS"
+"""Variable of the environment: how many threads a search takes."""
+MOST_THREADS = 4
+"""Threads that a search takes at most by itself: more only wait for the interpreter's lock."""
 
 
 class Inline(Executor):
@@ -58,6 +65,57 @@ def workers_of(executor: Executor) -> int:
     """
     known = getattr(executor, "_max_workers", None)
     return known if isinstance(known, int) else FAR
+
+
+def threads() -> int:
+    """Return how many threads a search takes: what the environment says, or one per core.
+
+    One in the worker processes of an executor, which take the cores themselves.
+
+    Raises
+    ------
+    InputError
+        If the environment says something else than a number of threads.
+
+    Examples
+    --------
+    >>> threads() >= 1
+    True
+    """
+    said = os.environ.get(THREADS, "")
+    if said:
+        if not (said.isdecimal() and int(said) > 0):
+            raise InputError(f"{THREADS} must be a number of threads from 1 on, got {said!r}.")
+        return int(said)
+    return 1 if parent_process() else min(os.cpu_count() or 1, MOST_THREADS)
+
+
+def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
+    """Return what work gives for each item, in their order, on `threads()`.
+
+    Examples
+    --------
+    >>> on_threads(abs, [-1, 2, -3])
+    [1, 2, 3]
+    """
+    count = min(threads(), len(items))
+    if count <= 1:
+        return [work(item) for item in items]
+    found: list[Any] = [None] * len(items)
+    rest = iter(range(len(items)))
+
+    def take() -> None:
+        for i in rest:
+            found[i] = work(items[i])
+
+    # for this call only: a forked copy of the process would have none of its threads
+    with ThreadPoolExecutor(count - 1) as pool:
+        # errors of floating point are handled as they are here
+        others = [pool.submit(copy_context().run, take) for _ in range(count - 1)]
+        take()
+    for one in others:
+        one.result()
+    return found
 
 
 def spread(

@@ -24,7 +24,14 @@ BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
 
-COVARIATES = {"weight": "transmitted", "motor_weight": "motor", "weight2": "transmitted"}
+WARMED = " + ".join(f"{part} * linear[temperature]" for part in ("level", "stribeck", "viscous"))
+WARM = ("temperature", "stribeck_cov", "viscous_cov")
+COVARIATES = {
+    "weight": "transmitted",
+    "motor_weight": "motor",
+    "weight2": "transmitted",
+    **dict.fromkeys(WARM, "temperature"),
+}
 
 
 def fitted(shape=SIGN, par=None, **coefficients):
@@ -88,6 +95,17 @@ def fitted(shape=SIGN, par=None, **coefficients):
             "dahl(level + weight2[transmitted])",
         ),
         (fitted(weight=0.1), "weight[transmitted]", "weight[transmitted]"),
+        (
+            fitted(
+                level=2.0,
+                stribeck=1.0,
+                viscous=3.0,
+                par={"stribeck": FADES, "stribeck_cov": FADES},
+                **dict.fromkeys(WARM, -0.01),
+            ),
+            WARMED,
+            WARMED,
+        ),
     ],
 )
 def test_a_structure_is_a_law_in_the_notation(fit, text, name):
@@ -121,6 +139,34 @@ def test_coefficients_are_those_of_the_law_over_the_load():
     assert law.viscous_coefficient == 3.0
     # the same friction, at a speed where the surplus has faded to 1/e
     assert law.force(0.1, 4.0) == pytest.approx(2.0 + np.exp(-1.0) + 0.3)
+
+
+def warmed(step):
+    """Return measured friction of strokes while it warms; of its step, such a share per kelvin."""
+    random = np.random.default_rng(5)
+    t = np.arange(0.0, 60.0, 0.01)
+    x = 0.02 * np.sin(2.0 * t) + 0.005 * np.sin(5.3 * t)
+    v = 0.04 * np.cos(2.0 * t) + 0.0265 * np.cos(5.3 * t)
+    warm = 15.0 * (1.0 - np.exp(-t / 20.0))
+    level, surplus = 5.0 * (1.0 - 0.01 * warm), 4.0 * (1.0 + step * warm)
+    force = np.sign(v) * (level + surplus * np.exp(-((v / 0.01) ** 2))) + 20.0 * v
+    force += random.normal(0.0, 0.05, len(t))
+    return Measurement(
+        time=t, position=x, velocity=v, friction=force, inputs={"temperature": 20.0 + warm}
+    )
+
+
+@pytest.mark.parametrize("step", [-0.02, 0.0])
+def test_a_step_that_changes_with_the_temperature_is_told_from_one_that_does_not(step):
+    asked = asked_of(Axis(inertia=1.0), warmed(step), "zero", (), PROMPT)
+    found = composed_law(asked.explanation.best, 1.0)
+    text = "level * linear[temperature] + stribeck + viscous"
+    assert found.text == (
+        text.replace("stribeck", "stribeck * linear[temperature]") if step else text
+    )
+    if step:
+        law = found.specification.law
+        assert law.stribeck_temperature_slope == pytest.approx(step, rel=0.2)
 
 
 def test_directions_share_what_a_constant_force_cannot_stand_for():

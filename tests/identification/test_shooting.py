@@ -46,6 +46,24 @@ def record_of(rig, law, *, end=6.0):
     return Measurement(time=t, position=run.at(t)["x"], force=force)
 
 
+@pytest.mark.parametrize("law", [CoulombViscous, Dahl])
+def test_threads_change_no_digit(record, law, monkeypatch):
+    problem, found = problem_of(record, law), []
+    for count in ("1", "3"):
+        monkeypatch.setenv("STICKSLIP_THREADS", count)
+        near = problem.linearise(problem.free_parameters.start)
+        again = problem.linearise(0.9 * problem.free_parameters.start, near)
+        found.append(np.column_stack([again.residual, again.slopes]))
+    assert np.array_equal(*found)
+
+
+@pytest.mark.parametrize("count", ["0", "two"])
+def test_a_number_of_threads_that_is_none_is_refused(record, count, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_THREADS", count)
+    with pytest.raises(InputError, match=f"STICKSLIP_THREADS must be .* got '{count}'"):
+        fit(RIG, CoulombViscous, record, vary=["friction.*", "inertia"])
+
+
 def problem_of(record, law=CoulombViscous):
     scales = scales_of(RIG, record, ("inertia",))
     start, items, _ = law_unknowns(law, scales)

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias, overload
 from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
 
+from stickslip.executors import threads
 from stickslip.experiments import Measurement, as_turning
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identification import (
@@ -295,6 +296,7 @@ def select(
 
 def _one_thread() -> AbstractContextManager[object]:
     """Keep linear algebra to one thread: of thin matrices, others would wait for each other."""
+    threads()  # refuses what the environment says before the work begins
     limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
     return limits
 

@@ -182,7 +182,9 @@ def schedule_slopes(
 
 def _moved(mechanism: Mechanism, values: Mapping[str, float], paths: Sequence[str]) -> bool:
     """Whether a path stands in a drive."""
-    known, no_number = set(paths), math.nan
+    known, no_number = values.keys() & set(paths), math.nan
+    if not known:
+        return False
     twin = shadow(mechanism, "mechanism", lambda p: no_number if p in known else values[p])
     return twin.drives() != mechanism.drives()
 

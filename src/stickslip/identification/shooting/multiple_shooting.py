@@ -18,6 +18,7 @@ from typing_extensions import override
 
 from stickslip.drives import PiecewiseAffine
 from stickslip.errors import InputError, ParameterError
+from stickslip.executors import on_threads
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import FreeParameters
@@ -222,7 +223,8 @@ class Shooting(RecordProblem):
                 return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
             return followed(before, change, segment.rest, shoot, at_rest=at_rest)
 
-        found = {k: one(k, known.get(k)) for k in chosen}
+        shots = on_threads(lambda k: one(k, known.get(k)), chosen)
+        found = dict(zip(chosen, shots, strict=True))
         if slopes and known and not change.any():
             # at the end of a descent: states carried on from poor values may be those of a side
             # valley, which shows in segments that fit worse than most
@@ -367,7 +369,9 @@ class Shooting(RecordProblem):
         return ResidualJacobian(
             values=values,
             residual=np.concatenate([shot.residual for shot in done]),
-            slopes=lambda: np.concatenate([shot.projected(shot.slopes) for shot in done]),
+            slopes=lambda: np.concatenate(
+                on_threads(lambda shot: shot.projected(shot.slopes), done)
+            ),
             segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
             memory=dict(zip(chosen, done, strict=True)),
         )
