@@ -17,9 +17,9 @@ T = TypeVar("T")
 FAR = 128
 """Workers of an executor that does not say how many it has."""
 THREADS = "STICKSLIP_THREADS"
-"""Variable of the environment: how many threads a search takes."""
+"""Variable of the environment: how many threads work is spread over."""
 MOST_THREADS = 4
-"""Threads that a search takes at most by itself: more only wait for the interpreter's lock."""
+"""Threads at most for short pieces of work: more only wait for the interpreter's lock."""
 
 
 class Inline(Executor):
@@ -68,7 +68,7 @@ def workers_of(executor: Executor) -> int:
 
 
 def threads() -> int:
-    """Return how many threads a search takes: what the environment says, or one per core.
+    """Return how many threads work is spread over: what the environment says, or one per core.
 
     One in the worker processes of an executor, which take the cores themselves.
 
@@ -87,18 +87,18 @@ def threads() -> int:
         if not (said.isdecimal() and int(said) > 0):
             raise InputError(f"{THREADS} must be a number of threads from 1 on, got {said!r}.")
         return int(said)
-    return 1 if parent_process() else min(os.cpu_count() or 1, MOST_THREADS)
+    return 1 if parent_process() else os.cpu_count() or 1
 
 
 def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
-    """Return what work gives for each item, in their order, on `threads()`.
+    """Return what short work gives for each item, in their order, on threads.
 
     Examples
     --------
     >>> on_threads(abs, [-1, 2, -3])
     [1, 2, 3]
     """
-    count = min(threads(), len(items))
+    count = min(threads(), len(items), MOST_THREADS)
     if count <= 1:
         return [work(item) for item in items]
     found: list[Any] = [None] * len(items)
@@ -137,7 +137,7 @@ def spread(
     (True, [2, 4])
     """
     check_executor(executor)
-    own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
+    own = ThreadPoolExecutor(threads()) if executor is None else None
     pool = executor or own
     assert pool is not None
     most = 2 * workers_of(pool) + 2

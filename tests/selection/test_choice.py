@@ -78,6 +78,15 @@ def test_a_block_in_which_a_law_is_exact_by_chance_does_not_decide():
     assert apart(SIMPLE.validation.losses, lucky.validation.losses) < NEAR
 
 
+def test_a_block_in_which_a_law_runs_away_does_not_hide_what_the_others_show():
+    better = law("rich", [1.0] * 8)
+    worse = law("simple", [8.0, 2.0, 2.0, 2.0, 8.0, 30.0, 1e15, 5.0], parameters=1)
+    assert not as_good(worse, better)
+    assert choose([worse, better]).name == "rich"
+    alone = law("simple", [1.0] * 7 + [1e15], parameters=1)
+    assert as_good(alone, better)  # one block is no rule
+
+
 def test_where_readings_are_few_two_of_them_decide_nothing():
     better = (1.3, 1.25, 1.2, 1.3)  # an error smaller by an eighth
     assert choose([SIMPLE, rich(*better)]).name == "rich"

@@ -25,6 +25,9 @@ ALIKE = 0.02
 """Share by which an error may be larger and count as the same, whatever its standard error ..."""
 READINGS = 2.0
 """... or so many readings of all, where these are few: what a part that fits them gains."""
+MOST = 100.0
+"""Ratio of losses that a block counts at most: one in which a law runs away would make all others
+look like scatter."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 
@@ -37,7 +40,7 @@ def apart(other: Sequence[float], best: Sequence[float]) -> float:
 
     The mean logarithm of the ratio of both losses, block by block, over its standard error. The
     mean loss of the better law is added to both: neither a block in which a law happens to be exact
-    nor one that is bad for all decides alone.
+    nor one that is bad for all decides alone. No block counts more than a ratio of `MOST`.
 
     Examples
     --------
@@ -48,6 +51,7 @@ def apart(other: Sequence[float], best: Sequence[float]) -> float:
         return 0.0
     level = max(float(np.mean(best)), LEAST)
     ratios = np.log((np.asarray(other) + level) / (np.asarray(best) + level))
+    ratios = np.clip(ratios, -math.log(MOST), math.log(MOST))
     error = float(np.std(ratios, ddof=1)) / math.sqrt(len(ratios))
     mean = float(ratios.mean())
     return mean / error if error > 0.0 else math.copysign(math.inf, mean) if mean else 0.0

@@ -1,15 +1,18 @@
 """Ensembles: parameters as arrays in, arrays of outputs out."""
 
+import functools
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from time import thread_time
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.executors import check_executor, spread
+from stickslip.executors import check_executor, spread, threads
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
@@ -38,6 +41,8 @@ Array = NDArray[np.float64]
 
 MOST_ROWS = 4096
 """Runs in a chunk: some ten milliseconds of work, and memory that does not grow with the whole."""
+LEAST_WORK = 0.01
+"""Processor time [s] of a chunk that is worth a thread, where runs are known to take long."""
 MOST_NUMBERS = 1 << 21
 """Numbers that the drives' tables of a chunk may have."""
 RESERVED = ("status", "certified")
@@ -87,6 +92,22 @@ class Chunk:
     """(rows, states, paths): sensitivities at the end."""
 
 
+@dataclass
+class _Pace:
+    """What a run of a model takes in this process, as far as known."""
+
+    model: Model
+    """The equations."""
+    seconds: float = 0.0
+    """Processor time [s] a run, of the last chunk."""
+
+
+@functools.lru_cache(maxsize=256)
+def _pace_of(model: Model) -> _Pace:
+    """Return one object for each model."""
+    return _Pace(model)
+
+
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Array) -> Chunk:
     """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
 
@@ -122,9 +143,10 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     else:
         run = runner.kernels.enter_batch
     *settings, whole, log, events = _settings(job, runner, along)
-    row = 0
+    row, begun = 0, thread_time()
     while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
         log, events = runner.with_room(whole, log, events)
+    _pace_of(model).seconds = (thread_time() - begun) / rows
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
@@ -177,8 +199,12 @@ def _cuts(
 ) -> Iterator[tuple[Job, int, Mapping[str, Array], Array]]:
     """Yield the arguments of `run_chunk` for each chunk: no row is in two of them."""
     pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
+    count = len(next(iter(columns.values())))
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
-    for start in range(0, len(next(iter(columns.values()))), rows):
+    pace = _pace_of(job.model()).seconds
+    if pace * count > 2.0 * LEAST_WORK:
+        rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / threads())))
+    for start in range(0, count, rows):
         part = slice(start, start + rows)
         own = {path: column[part] for path, column in columns.items()}
         yield job, start, own, arguments[part] if len(arguments) > 1 else arguments
