@@ -84,6 +84,8 @@ WIDEST = 3.0
 """How many times as many levels are scanned, at most, where simpler laws have several."""
 FEW_TRIALS = 3
 """Settings, from the shortest to the longest travel, that such a scan runs."""
+STILL = 0.01
+"""Largest predicted travel over the largest measured one below which nothing moves."""
 UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 FREED = 4
@@ -139,7 +141,8 @@ def fit_readings(
     reached: list[list[float]] = []
     wide: _Problem | None = None
     if nuisances:
-        level = [(problem.matrix @ end).tolist() for end in ends]
+        moving = [end for end in ends if problem.moves(end)] or ends[:1]
+        level = [(problem.matrix @ end).tolist() for end in moving]
         problem, wide, reached = _freed(model, trials, level, given, nuisances, thorough=thorough)
         model = problem.model
         ends = [problem.free_parameters(reached[0][:count])]
@@ -196,7 +199,9 @@ def _freed(
     if not model.law.states:
         most = 1 if cycles else FREED
         found = wide.with_free(found, most)
-        if wide.poor(found[0]):  # sticking makes branches that no simpler law leads to
+        if wide.poor(found[0]) and wide.moves(
+            found[0]
+        ):  # sticking makes branches that no simpler law leads to
             coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
             levels = [end[0] for end in ends if end[0] > 0.0] or [float(wide.scale[0])]
             scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
@@ -487,6 +492,11 @@ class _Problem:
         apart = [one for one, new in zip(best, first.tolist(), strict=True) if new]
         free, _ = self.descend(np.array(apart[:most]), STEPS)
         return sorted([*best, *free], key=self.cost)
+
+    def moves(self, free_parameters: Array) -> bool:
+        """Whether anything moves: nothing is found beside values with which all trials stand."""
+        largest = float(np.max(np.abs(self.measured)))
+        return bool(np.max(np.abs(self.predicted(free_parameters))) >= STILL * largest)
 
     def poor(self, free_parameters: Array) -> bool:
         """Whether unknowns leave more than the errors of the readings."""
