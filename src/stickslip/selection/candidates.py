@@ -308,11 +308,14 @@ def fitted_side_by_side(
     watch: Watch | None,
     executor: Executor | None,
     found: dict[str, C] | None = None,
+    *,
+    leader: str = "",
 ) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
     A candidate is fitted after those that it contains, from which its search begins too. Those
-    that take long are fitted last, and are told the least mean square of the others.
+    that take long are fitted last, after the `leader`, which is expected to be the best, and are
+    told the least mean square of the others.
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
@@ -321,39 +324,41 @@ def fitted_side_by_side(
     waiting = [one for one in chosen if one.name not in found]
     if executor is None:
         while waiting:
-            one = next(one for one in waiting if not _awaited(one, waiting))
-            found[one.name] = fitted(
-                one, _contained(one, chosen, found), _rival(one, chosen, found), watch
-            )
+            one = next(one for one in waiting if not _awaited(one, waiting, leader))
+            nested, rival = _contained(one, chosen, found), _rival(one, chosen, found, leader)
+            found[one.name] = fitted(one, nested, rival, watch)
             waiting.remove(one)
         return [found[one.name] for one in chosen]
     with watched(executor, watch) as workers:
         while unfinished := [one for one in chosen if one.name not in found]:
-            for one in [one for one in waiting if not _awaited(one, unfinished)]:
-                nested, rival = _contained(one, chosen, found), _rival(one, chosen, found)
+            for one in [one for one in waiting if not _awaited(one, unfinished, leader)]:
+                nested, rival = _contained(one, chosen, found), _rival(one, chosen, found, leader)
                 workers.begin(one.name, fitted, one, nested, rival)
                 waiting.remove(one)
             found.update(workers.ended())
     return [found[one.name] for one in chosen]
 
 
-def _awaited(one: CandidateSpec, unfinished: Sequence[CandidateSpec]) -> bool:
+def _awaited(one: CandidateSpec, unfinished: Sequence[CandidateSpec], leader: str) -> bool:
     """Whether a fit has not ended that is to end before that of a candidate."""
     return any(
-        contains(one, other) or _knows(one, other) for other in unfinished if other is not one
+        contains(one, other) or _knows(one, other, leader)
+        for other in unfinished
+        if other is not one
     )
 
 
-def _knows(one: CandidateSpec, other: CandidateSpec) -> bool:
+def _knows(one: CandidateSpec, other: CandidateSpec, leader: str) -> bool:
     """Whether a candidate is fitted with what another leaves in mind."""
-    return takes_long(one.law) and not takes_long(other.law) and not contains(other, one)
+    before = not takes_long(other.law) or other.name == leader != one.name
+    return takes_long(one.law) and before and not contains(other, one)
 
 
 def _rival(
-    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried]
+    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried], leader: str
 ) -> float:
     """Return the least mean square of those whose fits ended before; 0 if none did."""
-    known = (found[other.name].fitted_law for other in chosen if _knows(one, other))
+    known = (found[other.name].fitted_law for other in chosen if _knows(one, other, leader))
     return min((law.cost / law.rows for law in known if law is not None), default=0.0)
 
 

@@ -52,6 +52,7 @@ def climbed(
     seen: Callable[[Sequence[RecordCandidate], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
     at_noise: Callable[[RecordCandidate], bool],
     usual: bool,
+    leader: str = "",
 ) -> Climbed:
     """Fit candidates: those that were given all, the usual ones from the simplest upwards.
 
@@ -69,7 +70,7 @@ def climbed(
     first, why = {one.name for one in chosen}, ""
     found: dict[str, RecordCandidate] = {}
     while True:
-        tried = fitted_side_by_side(fitted, chosen, watch, executor, found)
+        tried = fitted_side_by_side(fitted, chosen, watch, executor, found, leader=leader)
         if not usual:
             break
         fits = _Fits.of(seen(tried, chosen))

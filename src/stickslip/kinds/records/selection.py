@@ -185,6 +185,7 @@ def select_records(
         progress,
         executor,
         usual=usual,
+        leader=asked.specs[0].name if asked and laws is None else "",
         starts=asked.starts_of(chosen, parameters.unknown) if asked else {},
     )
     if asked and laws is None:
@@ -260,6 +261,7 @@ def _tried(
     executor: Executor | None,
     *,
     usual: bool,
+    leader: str,
     starts: Mapping[str, FittedLaw],
 ) -> tuple[Callable[..., RecordCandidate], Climbed]:
     """Return what fits a candidate, and those that were: by the better of two open routes."""
@@ -286,6 +288,7 @@ def _tried(
         seen=with_contained,
         at_noise=at_noise,
         usual=usual,
+        leader=leader,
     )
     fitted = by(choice.route, choice.reason)
     found = climb(fitted)
