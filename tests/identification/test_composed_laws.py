@@ -24,8 +24,9 @@ BOTH = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,)}
 DAHL, STOP, LUGRE = (2e-3, 1.0), (2e-3, 0.0), (2e-3, 1.0, 0.1, 0.5, 1.0)
 
 
+POWERS = ("power", "power_cov")
 WARMED = " + ".join(f"{part} * linear[temperature]" for part in ("level", "stribeck", "viscous"))
-WARM = ("temperature", "stribeck_cov", "viscous_cov")
+WARM = ("temperature", "stribeck_cov", "viscous_cov", "power_cov")
 COVARIATES = {
     "weight": "transmitted",
     "motor_weight": "motor",
@@ -101,10 +102,15 @@ def fitted(shape=SIGN, par=None, **coefficients):
                 stribeck=1.0,
                 viscous=3.0,
                 par={"stribeck": FADES, "stribeck_cov": FADES},
-                **dict.fromkeys(WARM, -0.01),
+                **dict.fromkeys(WARM[:3], -0.01),
             ),
             WARMED,
             WARMED,
+        ),
+        (
+            fitted(level=2.0, power=3.0, power_cov=-0.01, par=dict.fromkeys(POWERS, (0.6,))),
+            "level + power * linear[temperature]",
+            "level + power * linear[temperature]",
         ),
     ],
 )
@@ -141,13 +147,18 @@ def test_coefficients_are_those_of_the_law_over_the_load():
     assert law.force(0.1, 4.0) == pytest.approx(2.0 + np.exp(-1.0) + 0.3)
 
 
-def warmed(step):
-    """Return measured friction of strokes while it warms; of its step, such a share per kelvin."""
-    random = np.random.default_rng(5)
+def strokes():
+    """Return times, positions, velocities of strokes, and how warm it gets."""
     t = np.arange(0.0, 60.0, 0.01)
     x = 0.02 * np.sin(2.0 * t) + 0.005 * np.sin(5.3 * t)
     v = 0.04 * np.cos(2.0 * t) + 0.0265 * np.cos(5.3 * t)
-    warm = 15.0 * (1.0 - np.exp(-t / 20.0))
+    return t, x, v, 15.0 * (1.0 - np.exp(-t / 20.0))
+
+
+def warmed(step):
+    """Return measured friction of strokes while it warms; of its step, such a share per kelvin."""
+    random = np.random.default_rng(5)
+    t, x, v, warm = strokes()
     level, surplus = 5.0 * (1.0 - 0.01 * warm), 4.0 * (1.0 + step * warm)
     force = np.sign(v) * (level + surplus * np.exp(-((v / 0.01) ** 2))) + 20.0 * v
     force += random.normal(0.0, 0.05, len(t))
@@ -165,6 +176,32 @@ def test_a_step_that_changes_with_the_temperature_is_told_from_one_that_does_not
     if step:
         law = found.specification.law
         assert law.stribeck_temperature_slope == pytest.approx(step, rel=0.2)
+
+
+def test_a_level_grows_with_each_of_two_inputs_by_a_slope_of_its_own():
+    t, x, v, warm = strokes()
+    pressure = 1.0 + 0.5 * np.sin(0.3 * t)
+    level = 5.0 * (1.0 + 0.4 * (pressure - 1.0)) * (1.0 - 0.01 * warm)
+    force = np.sign(v) * level + 20.0 * v + np.random.default_rng(6).normal(0.0, 0.05, len(t))
+    inputs = {"temperature": 20.0 + warm, "pressure": pressure}
+    record = Measurement(time=t, position=x, velocity=v, friction=force, inputs=inputs)
+    found = composed_law(
+        asked_of(Axis(inertia=1.0), record, "zero", (), PROMPT).explanation.best, 1.0
+    )
+    assert found.text == "level * linear[pressure] * linear[temperature] + viscous"
+    fitted_law = fit(Axis(inertia=1.0), found.specification.law, record, vary=["friction.*"]).law
+    # 5 N at 20 degC and 1 Pa, of 3 N + 2 N a pascal: a slope of 2/3 a pascal, beyond its start
+    assert fitted_law.level_pressure_slope == pytest.approx(2.0 / 3.0, rel=0.02)
+
+
+@pytest.mark.parametrize("slope", [9.0, -7.0])
+def test_a_slope_along_the_way_is_found_beyond_one_a_metre(slope):
+    t, x, v, _ = strokes()
+    force = np.sign(v) * 5.0 * (1.0 + slope * x) + 20.0 * v
+    force += np.random.default_rng(7).normal(0.0, 0.05, len(t))
+    record = Measurement(time=t, position=x, velocity=v, friction=force)
+    found = fit(Axis(inertia=1.0), law("level * linear[position] + viscous"), record)
+    assert found.law.level_position_slope == pytest.approx(slope, rel=0.02)
 
 
 def test_directions_share_what_a_constant_force_cannot_stand_for():

@@ -14,9 +14,9 @@ from stickslip.evidence.moves import Move, moves
 from stickslip.evidence.rule import Rule, repeats, seen_late
 from stickslip.evidence.structure import (
     DAMPED,
+    GROWN,
     SHIFTS,
     SHOWN_LATE,
-    WARM,
     Family,
     Structure,
     fades,
@@ -316,7 +316,7 @@ class Search:
         terms = [
             one
             for one in self.terms
-            if one.kind not in (DAMPED, WARM) or structure.having(one).complete
+            if one.kind not in (DAMPED, *GROWN) or structure.having(one).complete
         ]
         candidates = [*terms, *ripples(self.balance, old), *hums(self.balance, old)]
         ranked = moves(self.balance, structure, candidates)

@@ -36,8 +36,8 @@ GEARS = ("weight", "motor_weight", "weight2")
 """... and such kinds of a level that grows with the force through a gear."""
 DAMPED = "damping"
 """Kind of the damping of a bristle."""
-WARM = "stribeck_cov"
-"""Kind of what an input, such as a temperature, adds to a Stribeck step."""
+GROWN = {"stribeck_cov": "stribeck", "power_cov": "power"}
+"""Kinds of what an input, such as a temperature, adds to another, and of what it adds to."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
@@ -155,7 +155,7 @@ class Structure:
                 )
             )
             or (one.kind == DAMPED and not fades(self.shape(one.channel)))
-            or (one.kind == WARM and not self.has("stribeck", one.channel))
+            or (one.kind in GROWN and not self.has(GROWN[one.kind], one.channel))
             # after a reversal a level is missing in a gap and in presliding alike
             or (one.kind == "backlash" and self.shape(one.channel) != SIGN)
             or (

@@ -139,6 +139,10 @@ def _speed_power(part: Part, term: Term) -> Array:
     return found
 
 
+def _power_covariate(part: Part, term: Term) -> Array:
+    return _power(part, term) * _covariate(part, term)
+
+
 def _drag(part: Part, term: Term) -> Array:
     return part.v * np.abs(part.v)
 
@@ -294,6 +298,7 @@ TERMS: dict[str, Kind] = {
         name="level in the square of", column=_square, contact="odd", rank=4, positive=True
     ),
     "viscous_cov": Kind(name="viscous in", column=_viscous_covariate, rank=3),
+    "power_cov": Kind(name="viscous power in", column=_power_covariate, rank=3, par=("exponent",)),
     "level_ripple": Kind(
         name="level ripple",
         column=_ripple,

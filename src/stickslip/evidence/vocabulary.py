@@ -111,8 +111,8 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
         else:
             yield Term("temperature", (), channel, name)
             yield Term("viscous_cov", (), channel, name)
-            for par in steps:
-                yield Term("stribeck_cov", par, channel, name)
+            yield from (Term("stribeck_cov", par, channel, name) for par in steps)
+            yield from (Term("power_cov", (x,), channel, name) for x in EXPONENTS)
     if faults:
         yield from _faults(balance, channel)
 

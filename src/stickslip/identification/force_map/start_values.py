@@ -476,10 +476,13 @@ class StartEstimate:
         base = f"{path.rpartition('.')[0]}.{quantity.at_least}" if quantity.at_least else ""
         above = base if base in known else ""
         log = ranged.structural or (ranged.above is not None and least > 0.0)
+        # over the unit of an input, which says nothing of its size
+        signed = ranged.scale == "none" and least < 0.0
         if quantity.structural:
             low, high = min(least, WHOLE[0]), max(most, WHOLE[1])
         elif ranged.scale == "none":
-            low, high = min(least, value), max(most, value)
+            wide = FARTHER * abs(value) if signed else 0.0
+            low, high = min(least, value - wide), max(most, value + wide)
         elif log:
             size = value if is_level(quantity) else min(reach, value)
             low = least * size * (SOFTER if is_level(quantity) else 1.0)
@@ -499,6 +502,7 @@ class StartEstimate:
             low=max(low, quantity.low),
             high=min(high, quantity.high),
             log=log,
+            guessed=signed,
         )
 
 

@@ -50,7 +50,8 @@ CREDIBLE = 1.0 / REACH
 Below it, such as below 0, regression has mistaken the level for mass or slope."""
 GUESSED = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
 """Scales whose upper bound follows from the regression alone. Bounds of others follow from what the
-record covers: the speeds, the stroke, the level."""
+record covers: the speeds, the stroke, the level; those of what an input changes, of either sign,
+are over its unit, which says nothing of its size."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
 UNEXPLAINED = 0.8
@@ -248,6 +249,8 @@ def law_unknowns(
         log = quantity.above is not None
         if log and low <= 0.0:
             low = 1e-6 * max(ranges[name].start, 1e-300)
+        signed = quantity.scale == "none" and low < 0.0
+        low = min(low, 2.0 * values[name]) if signed else low
         surplus = getattr(start, above) if above else 0.0
         free_parameters.append(
             FreeParameter(
@@ -258,7 +261,7 @@ def law_unknowns(
                 high=max(high, 2.0 * values[name]),
                 log=log,
                 above=f"friction.{above}" if above else "",
-                guessed=quantity.scale in GUESSED and not above,
+                guessed=signed or (quantity.scale in GUESSED and not above),
             )
         )
     further = _further(kind, scales) if isinstance(law, type) else ()

@@ -26,9 +26,14 @@ from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
 
 DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
-FACTORS = ("temperature", "level_slope", "level_ripple")
-"""Kinds that multiply a level."""
-GROWING = {"stribeck": "stribeck_cov", "viscous": "viscous_cov"}
+ALONG = ("level_slope", "level_ripple")
+"""Kinds that multiply a level along the way."""
+GROWING = {
+    "level": "temperature",
+    "stribeck": "stribeck_cov",
+    "viscous": "viscous_cov",
+    "power": "power_cov",
+}
 """Kinds of what an input adds to the parts of a law, by part."""
 LIKE_DAHL = 0.15
 """Exponent of a memory, from 1, up to which it is Dahl's without one."""
@@ -116,7 +121,7 @@ class Asked:
     @property
     def flows(self) -> bool:
         """Whether the law of the best structure has a part that grows with the speed."""
-        flow = _flow(_of(self.explanation.best.structure, ""))
+        flow = _flow(self.explanation.best.structure, "")
         return bool(flow) or "viscous_coefficient" in self.best.specification.law.fit_order
 
     def starts_of(self, kind: type[FrictionLaw], unknown: Sequence[str]) -> tuple[FittedLaw, ...]:
@@ -358,11 +363,12 @@ def _text(structure: Structure, channel: str, *, directional: bool) -> tuple[str
     """Return the composition of a structure, and the kinds of terms that it has."""
     terms, shape = _of(structure, channel), structure.shape(channel)
     both = {kind for kind in DIRECTIONAL if kind in terms} if directional else set()
-    levels, flow = _levels(structure, channel, terms), _flow(terms)
+    levels, flow = _levels(structure, channel), _flow(structure, channel)
     gear = _joined(f"{part}[{what}]" for (part, what), kind in GEARS.items() if kind in terms)
     used = {"level", "load", "second", "damping", *GEARS.values(), *both}
-    used |= {"stribeck", "stribeck_cov", *FACTORS} & set(terms)
-    used |= {"power", "power_dir"} if "power" in flow else {"viscous", "viscous_cov", "viscous_dir"}
+    used |= {"stribeck", "stribeck_cov", "temperature", *ALONG} & set(terms)
+    slope = "power" if "power" in flow else "viscous"
+    used |= {slope, f"{slope}_dir", f"{slope}_cov"}
     used |= {"quadratic"} if "drag" in flow or "power" in flow else set()
     if not levels and not gear:
         return flow, used
@@ -390,30 +396,36 @@ def _sides(both: set[str]) -> tuple[bool, bool]:
     return bool(both), bool(both & {"viscous_dir", "power_dir"})
 
 
-def _levels(structure: Structure, channel: str, terms: Mapping[str, Term]) -> str:
+def _levels(structure: Structure, channel: str) -> str:
+    terms = _of(structure, channel)
     if not {"level", "load"} & set(terms):
         return ""
-    level = "level"
-    level += "".join(
-        f" * linear[{one.what}]"
-        for one in structure.terms
-        if one.kind == "temperature" and one.channel == channel
-    )
+    level = _grown("level", structure, channel)
     level += " * linear[position]" if "level_slope" in terms else ""
     level += " * ripple[position]" if "level_ripple" in terms else ""
-    fades = {"stribeck", "stribeck_dir"} & set(terms) or len(structure.shape(channel)) == 5
-    warm = f" * linear[{terms['stribeck_cov'].what}]" if "stribeck_cov" in terms else ""
-    return f"{level} + stribeck{warm}" if fades else level
+    falls = {"stribeck", "stribeck_dir"} & set(terms) or fades(structure.shape(channel))
+    return f"{level} + {_grown('stribeck', structure, channel)}" if falls else level
 
 
-def _flow(terms: Mapping[str, Term]) -> str:
+def _flow(structure: Structure, channel: str) -> str:
+    terms = _of(structure, channel)
     if {"power", "power_dir"} & set(terms):
-        return "power"
+        return _grown("power", structure, channel)
     viscous = {"viscous", "viscous_dir", "viscous_cov"} & set(terms)
-    warm = f" * linear[{terms['viscous_cov'].what}]" if "viscous_cov" in terms else ""
-    parts = [f"viscous{warm}"] if viscous else []
+    parts = [_grown("viscous", structure, channel)] if viscous else []
     parts += ["drag"] if "quadratic" in terms else []
     return " + ".join(parts)
+
+
+def _grown(part: str, structure: Structure, channel: str) -> str:
+    """Return a part with what it grows with."""
+    return part + "".join(f" * linear[{one.what}]" for one in _growth(part, structure, channel))
+
+
+def _growth(part: str, structure: Structure, channel: str) -> list[Term]:
+    """Return the terms of the inputs that a part grows with."""
+    own = (GROWING[part], channel)
+    return [one for one in structure.terms if (one.kind, one.channel) == own]
 
 
 def _memory(terms: Mapping[str, Term], shape: Shape) -> str:
@@ -433,11 +445,11 @@ def _rung(structure: Structure, channel: str, *, directional: bool) -> Rung | No
     the exponent of a power, under the name of another one.
     """
     terms, shape = _of(structure, channel), structure.shape(channel)
-    if any(kind in terms for kind in (*FACTORS, *GROWING.values(), *GEARS.values())):
+    if any(kind in terms for kind in (*ALONG, *GROWING.values(), *GEARS.values())):
         return None
-    memory, flow = _memory(terms, shape), _flow(terms)
+    memory, flow = _memory(terms, shape), _flow(structure, channel)
     flow = {"": "viscous" if memory else "", "viscous + drag": "drag"}.get(flow, flow)
-    levels = _levels(structure, channel, terms)
+    levels = _levels(structure, channel)
     both = set(DIRECTIONAL) & set(terms) if directional else set()
     if memory not in ("", "dahl", "lugre") or flow not in ("viscous", "power", "drag"):
         return None
@@ -465,11 +477,11 @@ class _Coefficients:
         structure = found.structure
         terms, shape = _of(structure, channel), structure.shape(channel)
 
-        def of(kind: str, index: int = 0) -> float:
+        def of(kind: str, index: int = 0, what: str | None = None) -> float:
             own = [
                 float(x)
                 for x, term in zip(found.coef, found.owner, strict=True)
-                if term.kind == kind and term.channel == channel
+                if (term.kind, term.channel) == (kind, channel) and what in (None, term.what)
             ]
             return own[index] if own else 0.0
 
@@ -504,6 +516,11 @@ class _Coefficients:
             damping = of("damping") / shape[0] or DAMPED * critical
             values["*", "bristle_damping"] = damping / load
         values |= _factors(terms, of, level)
+        for part in GROWING:
+            whole = level if part == "level" else max(of(part), LEAST)
+            for one in _growth(part, structure, channel):
+                slope = of(one.kind, what=one.what) / whole
+                values[f"{part} * linear[{one.what}]", "slope"] = slope
         growth = {"weight": "coefficient", "weight2": "quadratic_coefficient"}
         for (part, what), kind in GEARS.items():
             values[f"{part}[{what}]", growth[part]] = max(of(kind), 0.0) / load
@@ -529,14 +546,8 @@ def _fading(terms: Mapping[str, Term], shape: Shape) -> Sides:
 
 
 def _factors(terms: Mapping[str, Term], of: Any, level: float) -> dict[tuple[str, str], float]:
-    """Return the parameters of factors, relative to what they multiply."""
+    """Return the parameters of factors along the way, relative to what they multiply."""
     found: dict[tuple[str, str], float] = {}
-    if "temperature" in terms:
-        found[f"level * linear[{terms['temperature'].what}]", "slope"] = of("temperature") / level
-    for part, kind in GROWING.items():
-        if kind in terms:
-            slope = of(kind) / max(of(part), LEAST)
-            found[f"{part} * linear[{terms[kind].what}]", "slope"] = slope
     if "level_slope" in terms:
         found["level * linear[position]", "slope"] = of("level_slope") / level
     if "level_ripple" in terms:
