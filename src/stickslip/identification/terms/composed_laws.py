@@ -329,7 +329,7 @@ def composed_law(
             start = kind(**values)
         except (InputError, ParameterError):
             continue
-        free = kind.fit_order if spec.free is None else spec.free
+        free = tuple(dict.fromkeys((*(spec.free or kind.fit_order), *_powers(kind))))
         return ComposedLaw(
             text=text,
             specification=replace(spec, law=start, free=free),
@@ -343,6 +343,15 @@ def composed_law(
             held=tuple(f"friction.{name}" for name in values if name not in free),
         )
     return None
+
+
+def _powers(kind: type[FrictionLaw]) -> Iterator[str]:
+    """Yield the exponent of a power of the speed: if it were held, its coefficient would be too."""
+    for leaf in (*kind.made_of.inside, *kind.made_of.outside):
+        if leaf.part.name == "power":
+            name = leaf.names.get("viscous_exponent", "viscous_exponent")
+            assert isinstance(name, str)
+            yield name
 
 
 def _specification(
