@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextvars import copy_context
 from multiprocessing import parent_process
+from time import perf_counter
 from typing import Any, TypeVar
 
 from typing_extensions import override
@@ -20,6 +21,8 @@ THREADS = "STICKSLIP_THREADS"
 """Variable of the environment: how many threads work is spread over."""
 MOST_THREADS = 4
 """Threads at most for short pieces of work: more only wait for the interpreter's lock."""
+LEAST_WORK = 5e-3
+"""Time [s] of all pieces from which threads are worth what it takes to begin them."""
 
 
 class Inline(Executor):
@@ -67,10 +70,11 @@ def workers_of(executor: Executor) -> int:
     return known if isinstance(known, int) else FAR
 
 
-def threads() -> int:
+def threads(most: int | None = None) -> int:
     """Return how many threads work is spread over: what the environment says, or one per core.
 
-    One in the worker processes of an executor, which take the cores themselves.
+    At most so many of these; one in the worker processes of an executor, which take the cores
+    themselves.
 
     Raises
     ------
@@ -79,35 +83,45 @@ def threads() -> int:
 
     Examples
     --------
-    >>> threads() >= 1
-    True
+    >>> threads(1)
+    1
     """
     said = os.environ.get(THREADS, "")
     if said:
         if not (said.isdecimal() and int(said) > 0):
             raise InputError(f"{THREADS} must be a number of threads from 1 on, got {said!r}.")
         return int(said)
-    return 1 if parent_process() else os.cpu_count() or 1
+    cores = 1 if parent_process() else os.cpu_count() or 1
+    return cores if most is None else min(cores, most)
 
 
 def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
-    """Return what short work gives for each item, in their order, on threads.
+    """Return what short work gives for each item, in their order, on threads if that is worth it.
 
     Examples
     --------
     >>> on_threads(abs, [-1, 2, -3])
     [1, 2, 3]
     """
-    count = min(threads(), len(items), MOST_THREADS)
+    count = min(threads(MOST_THREADS), len(items))
     if count <= 1:
         return [work(item) for item in items]
-    found: list[Any] = [None] * len(items)
-    rest = iter(range(len(items)))
+    begun = perf_counter()
+    found: list[Any] = [work(items[0]), *items[1:]]
+    rest = iter(range(1, len(items)))
 
     def take() -> None:
         for i in rest:
-            found[i] = work(items[i])
+            try:
+                found[i] = work(items[i])
+            except BaseException:
+                for _ in rest:  # which ends the work of the other threads
+                    pass
+                raise
 
+    if (perf_counter() - begun) * (len(items) - 1) < LEAST_WORK:
+        take()
+        return found
     # for this call only: a forked copy of the process would have none of its threads
     with ThreadPoolExecutor(count - 1) as pool:
         # errors of floating point are handled as they are here

@@ -108,6 +108,17 @@ def fitted(shape=SIGN, par=None, **coefficients):
             WARMED,
         ),
         (
+            fitted(
+                level=2.0,
+                offset=0.2,
+                power=3.0,
+                power_dir=0.5,
+                par=dict.fromkeys(("power", "power_dir"), (0.6,)),
+            ),
+            "both_ways[levels](level + power)",
+            "both_ways(level + power)",
+        ),
+        (
             fitted(level=2.0, power=3.0, power_cov=-0.01, par=dict.fromkeys(POWERS, (0.6,))),
             "level + power * linear[temperature]",
             "level + power * linear[temperature]",
@@ -117,6 +128,31 @@ def fitted(shape=SIGN, par=None, **coefficients):
 def test_a_structure_is_a_law_in_the_notation(fit, text, name):
     found = composed_law(fit, 1.0)
     assert (found.text, found.name) == (text, name)
+
+
+def test_exponents_of_a_power_are_looked_for_whatever_stands_beside_it():
+    par = {"stribeck": FADES, "stribeck_dir": FADES, "power": (0.6,), "power_dir": (0.6,)}
+    both = {"level": 2.0, "stribeck": 1.0, "stribeck_dir": 0.2, "power": 3.0, "power_dir": 0.1}
+    found = composed_law(fitted(shape=STOP, par=par, **both), 1.0)
+    assert (
+        found.text == "maxwell[1](both_ways[levels](level + stribeck)) + both_ways[levels](power)"
+    )
+    assert "viscous_exponent" in found.specification.free
+    plain = composed_law(fitted(level=2.0, power=3.0, shape=DAHL, par={"power": (0.6,)}), 1.0)
+    assert "friction.viscous_exponent" not in plain.held
+
+
+def test_what_an_input_adds_needs_what_it_adds_to_and_is_like_it():
+    step = Term("stribeck", (0.1, 2.0))
+    grown = Term("stribeck_cov", (), "", "temperature")
+    level = Structure((Term("level"),))
+    for kind in ("stribeck_cov", "viscous_cov", "power_cov"):
+        assert not level.having(Term(kind, (), "", "temperature")).complete
+    both = level.having(step).having(grown)
+    assert both.complete
+    assert {one.par for one in both.terms} == {(), step.par}
+    moved = both.without(step).having(Term("stribeck", (0.2, 2.0)))
+    assert [one.par for one in moved.terms if one.kind == "stribeck_cov"] == [(0.2, 2.0)]
 
 
 @pytest.mark.parametrize(

@@ -199,3 +199,16 @@ def test_what_runs_leave_open_beyond_either_hold_is_said():
     open_ = HoldFinding(hold="zero", lateness=0.31, half_width=0.21, simulated=True, apart=3.0)
     assert "it may act up to 1.5 samples earlier or later" in open_.sentence
     assert "intervals allow for either" in replace(open_, apart=1.0).sentence
+
+
+@pytest.mark.parametrize(
+    ("finding", "half_samples"),
+    [
+        (HoldFinding(hold="zero", given=True, lateness=0.7, half_width=0.1), 0.0),
+        (HoldFinding(hold="zero", lateness=0.6, half_width=0.1, shown="zero"), 0.4),
+        (HoldFinding(hold="first", lateness=-0.05, half_width=0.05, shown="first"), 0.2),
+        (HoldFinding(hold="zero", simulated=True, apart=3.0), 3.0),
+    ],
+)
+def test_how_far_a_hold_may_be_wrong_in_half_samples(finding, half_samples):
+    assert finding.unsure == pytest.approx(half_samples)

@@ -273,3 +273,14 @@ def test_a_static_level_with_bristles_is_open_where_its_speed_is(low, open_):
     assert level == found[0]
     assert static.bounded is not open_
     assert ("v_s" in static.reason) is open_
+
+
+def test_values_with_which_nothing_moves_are_no_place_to_search_from(monkeypatch):
+    problem = _Problem(
+        TravelModel(starting_law(CoulombViscous), ["friction.kinetic_coefficient"], 10.0),
+        trials_of(RIG, READINGS, 10.0),
+    )
+    cases = [(0.5, True), (1e-4, False), (np.nan, True)]  # where no run can be made, who knows
+    for share, moves in cases:
+        monkeypatch.setattr(problem, "predicted", lambda _, share=share: share * problem.measured)
+        assert problem.moves(np.zeros(1)) is moves

@@ -1,14 +1,17 @@
 """Usual candidates of records are fitted a part at a time, as far as a part is shown to gain."""
 
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, RecordSettings, select, simulate
 from stickslip.drives import Sampled
-from stickslip.friction import law, usual_specifications
+from stickslip.friction import law, specification, usual_specifications
 from stickslip.friction.registry import rungs
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.selection import fitted_side_by_side
 from stickslip.selection.candidates import contains
 
 AXIS = Axis(inertia=1.0)
@@ -199,3 +202,22 @@ def test_every_rung_contains_those_that_it_is_reached_from():
         and (rung.stribeck or rung.flow == "power")
         for rung, above in own_shapes
     )
+
+
+@pytest.mark.parametrize("executor", [None, ThreadPoolExecutor(2)])
+def test_laws_with_memory_are_told_what_the_leader_leaves(executor):
+    told = {}
+
+    def fitted(one, contained, rival, watch=None):
+        told[one.name] = rival
+        own = FittedLaw(law=one.law, values={}, cost=COSTS[one.name], rows=1)
+        return SimpleNamespace(name=one.name, fit=None, fitted_law=own)
+
+    chosen = [specification(name) for name in COSTS]
+    fitted_side_by_side(fitted, chosen, None, executor, leader="gms")
+    assert told == {"coulomb-viscous": 0.0, "gms": 9.0, "dahl": 1.0, "lugre": 1.0}
+    fitted_side_by_side(fitted, chosen, None, executor)
+    assert told["dahl"] == told["lugre"] == 9.0
+
+
+COSTS = {"dahl": 5.0, "lugre": 4.0, "gms": 1.0, "coulomb-viscous": 9.0}

@@ -490,3 +490,24 @@ def test_what_falls_without_friction_is_certified_though_its_energies_cancel(tie
         assert run.certificate.energy_error < 1e-12
         assert abs(run.certificate.energy_end) < 1e-12 * run["v"][-1] ** 2
         assert_row_is_run(runs, row, run, ("x", "v"))
+
+
+def test_runs_that_take_long_are_spread_over_threads(monkeypatch):
+    chunks = []
+
+    def counted(job, start, columns, arguments):
+        chunks.append((start, len(columns["friction.kinetic_coefficient"])))
+        return made(job, start, columns, arguments)
+
+    made = ensembles.run_chunk
+    monkeypatch.setattr(ensembles, "run_chunk", counted)
+    monkeypatch.setenv("STICKSLIP_THREADS", "3")
+    known = ensembles._pace_of(ensembles.formulate(SWING, LAW))
+    rows = []
+    for pace in (0.0, 1.0):  # not known yet; a second a run
+        monkeypatch.setattr(known, "seconds", pace)
+        chunks.clear()
+        found = ensemble(SWING, LAW, {MU: MUS}, t_end=1.0, outputs=["x"], solver=COMPILED)
+        rows.append(found["x"])
+        assert sorted(chunks) == ([(0, 8), (8, 8), (16, 7)] if pace else [(0, 23)])
+    assert np.array_equal(*rows)

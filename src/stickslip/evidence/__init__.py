@@ -14,13 +14,14 @@ from stickslip.evidence.intervals import Interval
 from stickslip.evidence.motion import LowPass, derivative, low_pass, resolution
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
-from stickslip.evidence.structure import GEARS, LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
+from stickslip.evidence.structure import GEARS, GROWN, LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Kind, Term
 from stickslip.evidence.values import polished
 from stickslip.evidence.vocabulary import vocabulary
 
 __all__ = [
     "GEARS",
+    "GROWN",
     "LATE_OR_ELASTIC",
     "SHOWN_LATE",
     "SIGN",

@@ -314,7 +314,7 @@ class Search:
         """Return the structures that a level fits: added, swapped, late, remembering, smaller."""
         structure = old.structure
         terms = [
-            one
+            structure.alike(one)
             for one in self.terms
             if one.kind not in (DAMPED, *GROWN) or structure.having(one).complete
         ]

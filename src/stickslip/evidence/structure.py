@@ -36,8 +36,9 @@ GEARS = ("weight", "motor_weight", "weight2")
 """... and such kinds of a level that grows with the force through a gear."""
 DAMPED = "damping"
 """Kind of the damping of a bristle."""
-GROWN = {"stribeck_cov": "stribeck", "power_cov": "power"}
-"""Kinds of what an input, such as a temperature, adds to another, and of what it adds to."""
+GROWN = {"stribeck_cov": "stribeck", "viscous_cov": "viscous", "power_cov": "power"}
+"""Kinds of what an input, such as a temperature, adds to another, whose nonlinear parameters they
+share, and of what it adds to."""
 PARAMETER = 0.1
 """What a nonlinear parameter counts for, in ranks."""
 SHAPE_NAMES = ("r0", "n", "vs", "rho")
@@ -70,8 +71,15 @@ class Structure:
         return tuple((channel, shape) for channel, shape in self.shapes if shape != SIGN)
 
     def having(self, *terms: Term) -> "Structure":
-        """Return the structure with further terms."""
-        return replace(self, terms=tuple(sorted({*self.terms, *terms}, key=str)))
+        """Return the structure with further terms; what an input adds is like what it adds to."""
+        found = replace(self, terms=tuple({*self.terms, *terms}))
+        return replace(self, terms=tuple(sorted(map(found.alike, found.terms), key=str)))
+
+    def alike(self, term: Term) -> Term:
+        """Return a term; one that an input adds to another, with the parameters of that one."""
+        base = (GROWN.get(term.kind), term.channel)
+        own = (one.par for one in self.terms if (one.kind, one.channel) == base)
+        return replace(term, par=next(own, term.par))
 
     def without(self, term: Term) -> "Structure":
         """Return the structure without a term."""

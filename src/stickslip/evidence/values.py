@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.fits import design, estimated, matched, solved, training_error
-from stickslip.evidence.structure import SHAPE_NAMES, SHOWN_LATE, Structure, fades
+from stickslip.evidence.structure import GROWN, SHAPE_NAMES, SHOWN_LATE, Structure, fades
 from stickslip.evidence.terms import TERMS, Term
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ def free_values(structure: Structure) -> list[Value]:
         Value(term, i)
         for term in structure.terms
         for i, x in enumerate(term.par)
-        if i not in TERMS[term.kind].fixed and x != 0.0
+        if term.kind not in GROWN and i not in TERMS[term.kind].fixed and x != 0.0
     ]
     for channel, shape in structure.memories:
         which = (0, 2, 3) if fades(shape) else (0, 1)

@@ -11,6 +11,7 @@ from stickslip.contact_inputs import DRIVES
 from stickslip.evidence.balance import Balance
 from stickslip.evidence.bristles import Shape
 from stickslip.evidence.fits import Fit
+from stickslip.evidence.structure import GROWN
 from stickslip.evidence.terms import Term
 from stickslip.evidence.values import SLOW
 
@@ -110,9 +111,7 @@ def _of_channel(balance: Balance, channel: str, *, faults: bool) -> Iterator[Ter
             yield from (Term(kind, (), channel, name) for kind in kinds)
         else:
             yield Term("temperature", (), channel, name)
-            yield Term("viscous_cov", (), channel, name)
-            yield from (Term("stribeck_cov", par, channel, name) for par in steps)
-            yield from (Term("power_cov", (x,), channel, name) for x in EXPONENTS)
+            yield from (Term(kind, (), channel, name) for kind in GROWN)
     if faults:
         yield from _faults(balance, channel)
 

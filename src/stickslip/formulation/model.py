@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from threading import RLock
 
 import symengine as se
 
@@ -21,6 +22,8 @@ from stickslip.quantities import parameters, shadow, structure
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
 """Models by the structure of their mechanism and law, those last asked for at the end."""
 MOST_MODELS = 256
+_LOCK = RLock()
+"""Held while these are looked up: equations are traced by one of several threads."""
 
 
 def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
@@ -38,16 +41,18 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     """
     key = structure(mechanism), structure(law), slopes
     try:
+        hash(key)
+    except TypeError:  # a field of the user's that cannot be looked up
+        return _formulated(mechanism, law, slopes)
+    with _LOCK:
         if key in _MODELS:
             _MODELS.move_to_end(key)
             return _MODELS[key]
-    except TypeError:  # a field of the user's that cannot be looked up
-        return _formulated(mechanism, law, slopes)
-    model = _formulated(mechanism, law, slopes)
-    _MODELS[key] = model
-    while len(_MODELS) > MOST_MODELS:
-        _MODELS.popitem(last=False)
-    return model
+        model = _formulated(mechanism, law, slopes)
+        _MODELS[key] = model
+        while len(_MODELS) > MOST_MODELS:
+            _MODELS.popitem(last=False)
+        return model
 
 
 def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:

@@ -26,8 +26,8 @@ ALIKE = 0.02
 READINGS = 2.0
 """... or so many readings of all, where these are few: what a part that fits them gains."""
 MOST = 100.0
-"""Ratio of losses that a block counts at most: one in which a law runs away would make all others
-look like scatter."""
+"""Largest ratio of losses that counts for a block: one in which a law runs away would make all
+others look like scatter."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 

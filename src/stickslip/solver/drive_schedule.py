@@ -8,6 +8,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
 all of their tables together. Only tables of more than an even share make room for themselves, as
 others, which searches make for each run, have at most as many again."""
 _KEPT: OrderedDict[tuple[float, ...], tuple[tuple[Drive, ...], "Schedule"]] = OrderedDict()
+_LOCK = RLock()
+"""Held while these are looked up or changed: runs may be made on several threads."""
 
 Array = NDArray[np.float64]
 
@@ -94,20 +97,21 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
     The same are the same objects: drives of one's own may be equal that do not do the same.
     """
     key = (*(id(drive) for drive in drives), t_end)
-    kept = _KEPT.pop(key, None)
-    if kept is None:
-        plan = _scheduled(drives, 1, t_end)
-        plan.table.setflags(write=False)
-        kept = drives, plan  # as long as they are kept, no other objects have their identities
-        size = plan.table.size
-        while _KEPT and (
-            len(_KEPT) >= MOST_KEPT
-            or (size > MOST_NUMBERS // MOST_KEPT and _numbers() + size > MOST_NUMBERS)
-        ):
-            _KEPT.popitem(last=False)
-    if kept[1].table.size <= MOST_NUMBERS:
-        _KEPT[key] = kept
-    return kept[1]
+    with _LOCK:
+        kept = _KEPT.pop(key, None)
+        if kept is None:
+            plan = _scheduled(drives, 1, t_end)
+            plan.table.setflags(write=False)
+            kept = drives, plan  # as long as they are kept, no other objects have their identities
+            size = plan.table.size
+            while _KEPT and (
+                len(_KEPT) >= MOST_KEPT
+                or (size > MOST_NUMBERS // MOST_KEPT and _numbers() + size > MOST_NUMBERS)
+            ):
+                _KEPT.popitem(last=False)
+        if kept[1].table.size <= MOST_NUMBERS:
+            _KEPT[key] = kept
+        return kept[1]
 
 
 def _numbers() -> int:

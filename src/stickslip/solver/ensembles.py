@@ -195,15 +195,18 @@ def _base(job: Job, runner: Runner) -> Any:
 
 
 def _cuts(
-    job: Job, columns: Mapping[str, Array], arguments: Array
+    job: Job, columns: Mapping[str, Array], arguments: Array, shares: int
 ) -> Iterator[tuple[Job, int, Mapping[str, Array], Array]]:
-    """Yield the arguments of `run_chunk` for each chunk: no row is in two of them."""
+    """Yield the arguments of `run_chunk` for each chunk: no row is in two of them.
+
+    Runs that are known to take long are divided into so many shares.
+    """
     pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     count = len(next(iter(columns.values())))
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
     pace = _pace_of(job.model()).seconds
     if pace * count > 2.0 * LEAST_WORK:
-        rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / threads())))
+        rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / shares)))
     for start in range(0, count, rows):
         part = slice(start, start + rows)
         own = {path: column[part] for path, column in columns.items()}
@@ -220,7 +223,7 @@ def run_chunks(
     """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
     check_executor(executor)
     _runner(job)  # compiled here, if it has to be, and not in all threads at once
-    cuts = [*_cuts(job, columns, arguments)]
+    cuts = [*_cuts(job, columns, arguments, threads() if executor is None else 1)]
     if executor is None and len(cuts) == 1:  # a thread would cost more than many a chunk
         keep(run_chunk(*cuts[0]))
         return

@@ -476,7 +476,7 @@ class StartEstimate:
         base = f"{path.rpartition('.')[0]}.{quantity.at_least}" if quantity.at_least else ""
         above = base if base in known else ""
         log = ranged.structural or (ranged.above is not None and least > 0.0)
-        # over the unit of an input, which says nothing of its size
+        # a change with an input: its bounds are numbers over the unit, whatever the input's size
         signed = ranged.scale == "none" and least < 0.0
         if quantity.structural:
             low, high = min(least, WHOLE[0]), max(most, WHOLE[1])

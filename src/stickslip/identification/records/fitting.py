@@ -76,7 +76,7 @@ Array = NDArray[np.float64]
 LOAD = "mechanism.load"
 """What a measured load takes the place of."""
 NARROW = 0.6
-"""Band in which a fit of bristles is looked at again, over that of the fit."""
+"""Band in which a fit by derivatives is looked at again, over that of the fit."""
 STEPS = (0.5, 2.0)
 """Samples along which it is looked at again, over those of the fit."""
 FEWEST_ROWS = 12
@@ -761,21 +761,18 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
 def _moved_by_looks(fit: RecordFit) -> list[Array]:
     """Return how far estimates (p,) move in a narrower band, by other steps and with more noise.
 
-    What a sampled motion hides of a bristle between samples is an error that repeats from block to
-    block, which these do not show: bands and steps do. Noise of positions deflects bristles in all
-    blocks: as much again moves estimates about as far once more (simulation extrapolation). So it
-    is with the back-EMF of a motor, which tells R from k_t by little, and with noise of a current
-    that a torque constant is multiplied with. Empty where no bristle is
-    resolved, and no motor looked for.
+    What the band cuts off a peak, and what a sampled motion hides of a bristle between samples, are
+    errors that repeat from block to block, which these do not show: bands and steps do. Noise of
+    positions deflects bristles in all blocks: as much again moves estimates about as far once more
+    (simulation extrapolation). So it is with the back-EMF of a motor, which tells R from k_t by
+    little, and with noise of a current that a torque constant is multiplied with. Empty for fits by
+    simulation.
 
     Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
     measurement error models", 1994.
     """
     build = fit.build
     if not isinstance(build, BalanceProblemBuilder):
-        return []
-    gear = {"motor", "transmitted"} & {*fit.law.inputs}
-    if not (gear or (build.resolved and fit.law.states) or build.problem.rederived):
         return []
     if not all("position" in one.quantities() for one in fit.measurement.records()):
         return []
@@ -787,16 +784,17 @@ def _moved_by_looks(fit: RecordFit) -> list[Array]:
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
-    """Return how far estimates (p,) move under the other hold, where either may be the true one.
+    """Return how far estimates (p,) move if the force acts as early, or late, as it may.
 
-    Where runs leave more open than that, by as many times as half samples.
+    Where either hold may be the true one, that is under the other one, or as many half samples
+    farther as runs leave open. What derivatives tell of a hold errs as estimates by derivatives do.
     """
-    hold = fit.hold if fit.hold and fit.hold.is_open and not fit.optimum.cancelled else None
-    build = held_otherwise(fit.build) if hold else None
-    if hold is None or build is None:
+    hold, by_derivatives = fit.hold, isinstance(fit.build, BalanceProblemBuilder)
+    if hold is None or fit.optimum.cancelled or not (hold.is_open or by_derivatives):
         return []
-    moved = _moved(fit, build.fitted(fit.measurement, None))
-    return [] if moved is None else [hold.apart * moved]
+    build = held_otherwise(fit.build) if hold.unsure > 0.0 else None
+    moved = None if build is None else _moved(fit, build.fitted(fit.measurement, None))
+    return [] if moved is None else [hold.unsure * moved]
 
 
 def _noisier(measurement: Measurement) -> Measurement:

@@ -80,6 +80,14 @@ class HoldFinding:
         return not self.given and self.shown is None
 
     @property
+    def unsure(self) -> float:
+        """Half samples by which the force may act earlier or later than fits take; 0 if given."""
+        if self.given or self.is_open:
+            return 0.0 if self.given else self.apart
+        taken = 0.5 if self.hold == "zero" else 0.0
+        return 2.0 * (abs(self.lateness - taken) + self.half_width)
+
+    @property
     def contradicted(self) -> bool:
         """Whether the record shows another hold than was given."""
         return self.shown not in {None, self.hold}

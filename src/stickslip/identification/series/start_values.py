@@ -50,8 +50,8 @@ CREDIBLE = 1.0 / REACH
 Below it, such as below 0, regression has mistaken the level for mass or slope."""
 GUESSED = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
 """Scales whose upper bound follows from the regression alone. Bounds of others follow from what the
-record covers: the speeds, the stroke, the level; those of what an input changes, of either sign,
-are over its unit, which says nothing of its size."""
+record covers: the speeds, the stroke, the level. Those of a change with an input are guesses too:
+they are numbers over the unit of the input, whatever its size."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
 UNEXPLAINED = 0.8

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.evidence import (
+    GROWN,
     SIGN,
     Explanation,
     Fit,
@@ -28,12 +29,7 @@ DIRECTIONAL = ("level_dir", "viscous_dir", "power_dir", "stribeck_dir")
 """Kinds of terms that no constant force beside friction can stand for."""
 ALONG = ("level_slope", "level_ripple")
 """Kinds that multiply a level along the way."""
-GROWING = {
-    "level": "temperature",
-    "stribeck": "stribeck_cov",
-    "viscous": "viscous_cov",
-    "power": "power_cov",
-}
+GROWING = {"level": "temperature", **{part: kind for kind, part in GROWN.items()}}
 """Kinds of what an input adds to the parts of a law, by part."""
 LIKE_DAHL = 0.15
 """Exponent of a memory, from 1, up to which it is Dahl's without one."""
@@ -329,7 +325,8 @@ def composed_law(
             start = kind(**values)
         except (InputError, ParameterError):
             continue
-        free = tuple(dict.fromkeys((*(spec.free or kind.fit_order), *_powers(kind))))
+        own = kind.fit_order if spec.free is None else spec.free
+        free = tuple(dict.fromkeys((*own, *_powers(kind))))
         return ComposedLaw(
             text=text,
             specification=replace(spec, law=start, free=free),
@@ -346,12 +343,11 @@ def composed_law(
 
 
 def _powers(kind: type[FrictionLaw]) -> Iterator[str]:
-    """Yield the exponent of a power of the speed: if it were held, its coefficient would be too."""
+    """Yield exponents of powers of the speed: with one that is held, its coefficient is wrong."""
     for leaf in (*kind.made_of.inside, *kind.made_of.outside):
         if leaf.part.name == "power":
-            name = leaf.names.get("viscous_exponent", "viscous_exponent")
-            assert isinstance(name, str)
-            yield name
+            names = leaf.names.get("viscous_exponent", "viscous_exponent")
+            yield from (names,) if isinstance(names, str) else names
 
 
 def _specification(

@@ -199,9 +199,8 @@ def _freed(
     if not model.law.states:
         most = 1 if cycles else FREED
         found = wide.with_free(found, most)
-        if wide.poor(found[0]) and wide.moves(
-            found[0]
-        ):  # sticking makes branches that no simpler law leads to
+        # sticking makes branches that no simpler law leads to
+        if wide.poor(found[0]) and wide.moves(found[0]):
             coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
             levels = [end[0] for end in ends if end[0] > 0.0] or [float(wide.scale[0])]
             scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
@@ -495,8 +494,8 @@ class _Problem:
 
     def moves(self, free_parameters: Array) -> bool:
         """Whether anything moves: nothing is found beside values with which all trials stand."""
-        largest = float(np.max(np.abs(self.measured)))
-        return bool(np.max(np.abs(self.predicted(free_parameters))) >= STILL * largest)
+        least = STILL * float(np.max(np.abs(self.measured)))
+        return not np.all(np.abs(self.predicted(free_parameters)) < least)
 
     def poor(self, free_parameters: Array) -> bool:
         """Whether unknowns leave more than the errors of the readings."""
