@@ -190,6 +190,26 @@ def test_a_filter_of_the_force_channel_does_not_pass_for_a_law_with_memory(numbe
     assert -found.effect == pytest.approx(row["size"], rel=0.06)
 
 
+@pytest.mark.parametrize(
+    ("number", "seed", "late"),
+    [
+        (14, 9462, True),
+        pytest.param(13, 9462, True, marks=pytest.mark.slow),
+        pytest.param(12, 9462, False, marks=pytest.mark.slow),
+        pytest.param(30, 9465, False, marks=pytest.mark.slow),
+    ],
+)
+def test_presliding_that_explains_more_behind_a_late_channel_is_in_doubt(number, seed, late):
+    """Behind a filter of 8 ms, a stiffness of 45 N/mm was settled for one of 103."""
+    row, law, measured, _ = force_maps.drawn(number, seed)
+    asked = asked_of(force_maps.AXIS, measured, "zero", (), PROMPT)
+    assert law.states
+    assert asked.explanation.best.structure.memories
+    found = model_errors(asked.explanation, measured, "zero", PROMPT)
+    assert [one.kind for one in found] == ["delay or presliding"] * (row["fault"] != "none")
+    assert late is bool(found)
+
+
 @pytest.mark.slow
 def test_a_model_that_does_not_hold_proposes_no_measurement_by_its_predictions():
     found = select(AXIS, LAWS, record(drift=0.8), settings=QUICK)

@@ -1,7 +1,7 @@
 """What an explanation of a force balance says of the rig and of the record, as model errors."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, final
@@ -77,6 +77,9 @@ HALF: Final = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
 ALIKE: Final = 0.999
 """Correlation from which a column of the mechanism is that of viscous friction."""
+PAYS: Final = 0.95
+"""Held-out error of presliding that is shown late, over that without, from which either may be
+meant."""
 NEARLY: Final = 1.5
 """Held-out error over that of presliding up to which a late channel may be meant instead."""
 HOLDS: Final = 0.10
@@ -480,19 +483,33 @@ def _late_instead(
         if one.ok and not one.structure.memories and one.rms < NEARLY * best.rms
         if sum(one.structure.late[:2]) > 0.0
     ]
-    if not late or any(term.kind in SHOWN_LATE for term in best.structure.terms):
+    if any(term.kind in SHOWN_LATE for term in best.structure.terms):
         return None
-    other = min(late, key=lambda one: one.rms)
+    both = [one for one in _shown_late(found) if one.rms < PAYS * best.rms]
+    if not late and not both:
+        return None
+    other = min(late or both, key=lambda one: one.rms)
     term = next(term for term in other.structure.terms if term.kind in CORRECTED)
     scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
     how = "better" if other.rms < best.rms else "nearly as well"
+    law = "a law without memory" if late else "shorter or longer presliding"
     return _either(
-        f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, a law without memory"
+        f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, {law}"
         f" explains the record {how}: held-out error {scale.error(other.rms)},"
         f" presliding without it {scale.error(best.rms)}.",
         term.par[0],
         _cure(term.kind, term.par[0], measurement, response),
     )
+
+
+def _shown_late(found: Explanation) -> Iterator[Fit]:
+    """Yield fits of the best structure, or of one with less in it, behind a late channel."""
+    kinds, shapes = found.best.structure.family
+    for (own, own_shapes), one in found.family.items():
+        more = {kind for kind, *_ in {*own} - {*kinds}}
+        late = sum(one.structure.late[:2]) > 0.0 and len(more) == 1 and more <= {*CORRECTED}
+        if one.ok and late and own_shapes == shapes:
+            yield one
 
 
 def _either(finding: str, late: float, cure: str = "") -> ModelError:
