@@ -74,12 +74,7 @@ def threads(most: int | None = None) -> int:
     """Return how many threads work is spread over: what the environment says, or one per core.
 
     At most so many of these; one in the worker processes of an executor, which take the cores
-    themselves.
-
-    Raises
-    ------
-    InputError
-        If the environment says something else than a number of threads.
+    themselves. An environment that says something else than a number is refused.
 
     Examples
     --------
