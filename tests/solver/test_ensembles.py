@@ -502,10 +502,10 @@ def test_runs_that_take_long_are_spread_over_threads(monkeypatch):
     made = ensembles.run_chunk
     monkeypatch.setattr(ensembles, "run_chunk", counted)
     monkeypatch.setenv("STICKSLIP_THREADS", "3")
-    known = ensembles._pace_of(ensembles.formulate(SWING, LAW))
+    known = ensembles.work_of(ensembles.formulate(SWING, LAW))
     rows = []
     for pace in (0.0, 1.0):  # not known yet; a second a run
-        monkeypatch.setattr(known, "seconds", pace)
+        monkeypatch.setattr(known, "pace", pace)
         chunks.clear()
         found = ensemble(SWING, LAW, {MU: MUS}, t_end=1.0, outputs=["x"], solver=COMPILED)
         rows.append(found["x"])

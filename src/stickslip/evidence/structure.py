@@ -19,7 +19,6 @@ CARRIED = (
     "level_slope",
     "second",
     "stribeck",
-    "stribeck_cov",
     "stribeck_dir",
     "temperature",
 )
@@ -77,7 +76,9 @@ class Structure:
 
     def alike(self, term: Term) -> Term:
         """Return a term; one that an input adds to another, with the parameters of that one."""
-        base = (GROWN.get(term.kind), term.channel)
+        if term.kind not in GROWN:
+            return term
+        base = (GROWN[term.kind], term.channel)
         own = (one.par for one in self.terms if (one.kind, one.channel) == base)
         return replace(term, par=next(own, term.par))
 

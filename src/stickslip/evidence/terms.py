@@ -277,7 +277,6 @@ TERMS: dict[str, Kind] = {
         contact="odd",
         rank=3,
         par=("Stribeck velocity", "exponent"),
-        fixed=(1,),
     ),
     "second": Kind(
         name="second memory",

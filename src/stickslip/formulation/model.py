@@ -40,16 +40,15 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     ('x', 'v')
     """
     key = structure(mechanism), structure(law), slopes
-    try:
-        hash(key)
-    except TypeError:  # a field of the user's that cannot be looked up
-        return _formulated(mechanism, law, slopes)
     with _LOCK:
-        if key in _MODELS:
+        try:
+            model = _MODELS.get(key)
+        except TypeError:  # a field of the user's that cannot be looked up
+            return _formulated(mechanism, law, slopes)
+        if model is not None:
             _MODELS.move_to_end(key)
-            return _MODELS[key]
-        model = _formulated(mechanism, law, slopes)
-        _MODELS[key] = model
+            return model
+        model = _MODELS[key] = _formulated(mechanism, law, slopes)
         while len(_MODELS) > MOST_MODELS:
             _MODELS.popitem(last=False)
         return model

@@ -1,6 +1,5 @@
 """Ensembles: parameters as arrays in, arrays of outputs out."""
 
-import functools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -33,7 +32,7 @@ from stickslip.solver.initial_states import (
     starts_within_stops,
 )
 from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
-from stickslip.solver.run import FIRST_ROWS
+from stickslip.solver.run import FIRST_ROWS, work_of
 from stickslip.solver.sensitivities import Directions, directions_of
 from stickslip.trajectory import Ensemble
 
@@ -92,22 +91,6 @@ class Chunk:
     """(rows, states, paths): sensitivities at the end."""
 
 
-@dataclass
-class _Pace:
-    """What a run of a model takes in this process, as far as known."""
-
-    model: Model
-    """The equations."""
-    seconds: float = 0.0
-    """Processor time [s] a run, of the last chunk."""
-
-
-@functools.lru_cache(maxsize=256)
-def _pace_of(model: Model) -> _Pace:
-    """Return one object for each model."""
-    return _Pace(model)
-
-
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Array) -> Chunk:
     """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
 
@@ -146,7 +129,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     row, begun = 0, thread_time()
     while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
         log, events = runner.with_room(whole, log, events)
-    _pace_of(model).seconds = (thread_time() - begun) / rows
+    work_of(model).pace = (thread_time() - begun) / rows
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
@@ -204,7 +187,7 @@ def _cuts(
     pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     count = len(next(iter(columns.values())))
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
-    pace = _pace_of(job.model()).seconds
+    pace = work_of(job.model()).pace
     if pace * count > 2.0 * LEAST_WORK:
         rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / shares)))
     for start in range(0, count, rows):

@@ -46,14 +46,16 @@ FIRST_ROWS = 64
 
 @dataclass
 class Work:
-    """What plain runs of a model have taken in this process."""
+    """What runs of a model have taken in this process."""
 
     model: Model
     """Equations of a mechanism with a law."""
     seconds: float = 0.0
-    """Processor time of their steps [s]."""
+    """Processor time of the steps of plain runs [s]."""
     all_seconds: ClassVar[float] = 0.0
     """That of all models [s]."""
+    pace: float = 0.0
+    """Processor time of a run in the last chunk of an ensemble [s]; 0 if there was none."""
 
     def add(self, seconds: float) -> None:
         """Count what a plain run has taken."""

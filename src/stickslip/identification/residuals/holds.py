@@ -82,8 +82,10 @@ class HoldFinding:
     @property
     def unsure(self) -> float:
         """Half samples by which the force may act earlier or later than fits take; 0 if given."""
-        if self.given or self.is_open:
-            return 0.0 if self.given else self.apart
+        if self.given:
+            return 0.0
+        if self.is_open:
+            return self.apart
         taken = 0.5 if self.hold == "zero" else 0.0
         return 2.0 * (abs(self.lateness - taken) + self.half_width)
 

@@ -492,7 +492,7 @@ def _late_instead(
     term = next(term for term in other.structure.terms if term.kind in CORRECTED)
     scale = scale_of([best.rms, other.rms], measurement.unit("friction"))
     how = "better" if other.rms < best.rms else "nearly as well"
-    law = "a law without memory" if late else "shorter or longer presliding"
+    law = "a law without memory" if late else "presliding"
     return _either(
         f"With {CALLED[term.kind]} of {quantity(term.par[0], 's')}, {law}"
         f" explains the record {how}: held-out error {scale.error(other.rms)},"
@@ -506,8 +506,8 @@ def _shown_late(found: Explanation) -> Iterator[Fit]:
     """Yield fits of the best structure, or of one with less in it, behind a late channel."""
     kinds, shapes = found.best.structure.family
     for (own, own_shapes), one in found.family.items():
-        more = {kind for kind, *_ in {*own} - {*kinds}}
-        late = sum(one.structure.late[:2]) > 0.0 and len(more) == 1 and more <= {*CORRECTED}
+        further = [kind for kind, *_ in {*own} - {*kinds}]
+        late = len(further) == 1 and further[0] in CORRECTED and sum(one.structure.late) > 0.0
         if one.ok and late and own_shapes == shapes:
             yield one
 
