@@ -574,3 +574,27 @@ def test_bristles_are_searched_in_all_valleys_where_a_stribeck_curve_is_named():
     assert "LuGre" in verdict.sentence  # the truth, with bristles that bend by 0.8 mm
     level = verdict.best.fit.estimate("kinetic_coefficient")
     assert any(low <= 0.2064 <= high for low, high in level.pieces or ((level.low, level.high),))
+
+
+def test_friction_that_falls_all_the_way_is_among_what_the_readings_allow():
+    truth = Stribeck(
+        kinetic_coefficient=0.0872,
+        static_coefficient=0.0967,
+        stribeck_velocity=0.98,
+        viscous_coefficient=0.591,
+    )
+    rig = SpringBlock(mass=1.318, stiffness=54.44, compression=0.22)
+    settings = (0.08, 0.102, 0.129, 0.166, 0.22)
+    verdict = select(rig, [*PLAIN, "stribeck"], readings(truth, settings, rig=rig))
+    assert verdict.best.name == "coulomb-viscous"
+    level, slope = verdict.best.fit.estimates
+    # Coulomb + viscous friction alone has 0.0983 and 0.491 N s/m with narrow intervals
+    assert level.low < truth.kinetic_coefficient < level.high
+    assert slope.low < truth.viscous_coefficient < slope.high
+
+
+def test_a_static_level_below_the_usual_sliding_one_can_be_given():
+    truth = Stribeck(kinetic_coefficient=0.1, static_coefficient=0.15, stribeck_velocity=0.3)
+    found = fit(RIG, Stribeck, readings(truth), fixed={"static_coefficient": 0.15})
+    assert found.law.static_coefficient == 0.15
+    assert found.law.kinetic_coefficient == pytest.approx(0.1, abs=0.01)

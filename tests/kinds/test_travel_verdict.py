@@ -101,7 +101,7 @@ def test_travels_without_motion_are_refused_by_a_fit_as_by_a_selection():
 
 def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():
     verdict = select(RIG, [VISCOUS], READINGS)
-    assert verdict.sentence.startswith("Use Coulomb + viscous friction with mu_k = 0.2537; ")
+    assert verdict.sentence.startswith("Use Coulomb + viscous friction with mu_k = 0.25; ")
     assert verdict.words.cannot_tell[0].startswith("$sigma_2$: ")
     assert not any("sigma_2" in line for line in verdict.words.settles)
 

@@ -182,15 +182,20 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
 
 
 def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
-    """Return a law with the values that are known, by name.
+    """Return a law with the values that are known, by name, and others that keep its inequalities.
 
     Examples
     --------
-    >>> from stickslip import Viscous
-    >>> with_known(Viscous(viscous_coefficient=1.0), {"viscous_coefficient": 30.0})
-    Viscous(viscous_coefficient=30.0)
+    >>> from stickslip import Coulomb
+    >>> with_known(Coulomb(kinetic_coefficient=0.25), {"static_coefficient": 0.14})
+    Coulomb(kinetic_coefficient=0.1, static_coefficient=0.14)
     """
-    return vary(law, "friction", {f"friction.{name}": v for name, v in (known or {}).items()})
+    values = dict(known or {})
+    for name, value in (known or {}).items():
+        base = fields_of(type(law))[name].at_least
+        if base is not None and base not in values and getattr(law, base) > value:
+            values[base] = value / (1.0 + SURPLUS_AT_REST)
+    return vary(law, "friction", {f"friction.{name}": v for name, v in values.items()})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -721,13 +721,17 @@ class _Problem:
                 base = np.flatnonzero(self.matrix[i])[0]
                 self.least[base] = max(self.least[base], 0.5 * best[base])
         first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
-        ends, _ = self._ends([best], told, first, least + narrow.room(least))
+        values = np.array(reached)[:, told]
+        # a valley of its own may begin where the best values have no slopes: those of a simpler law
+        farthest = {0, *values.argmin(axis=0).tolist(), *values.argmax(axis=0).tolist()}
+        starts = [self.free_parameters(reached[one]) for one in sorted(farthest)]
+        ends, _ = self._ends(starts, told, first, least + narrow.room(least))
         found = [*fit.estimates]
-        for i, (part,) in zip(told, ends, strict=True):
+        for i, own in zip(told, ends, strict=True):
             one, reason = found[i], ""
-            if not all(math.isfinite(end) for end in part):
+            if not all(math.isfinite(end) for part in own for end in part):
                 reason = INSENSITIVE
-            parts = [*(one.pieces or ((one.low, one.high),)), part]
+            parts = [*(one.pieces or ((one.low, one.high),)), *own]
             found[i] = spanning(replace(one, reason=reason), parts, self._lowest(one))
         return replace(fit, estimates=tuple(found), runs=self.model.runs + fit.runs)
 

@@ -44,6 +44,9 @@ half as many levels where runs are of many cycles."""
 DRAWS, FEW_DRAWS, SLOW_DRAWS = 16, 8, 2
 """Combinations of nuisances that are drawn: fewer where runs are of many cycles, or with bristles,
 which take longer, unless a search is to be thorough."""
+FALLING, SURPLUS = (0.5, 0.8), 0.2
+"""Speeds over the largest one of a run with which friction that falls all the way passes for one
+that rises by less, and the share of what lies above a level beside them."""
 PLAUSIBLE = {"speed": (-2.5, 0.0), "stiffness": (3.0, 6.0), "damping": (-1.0, 0.5)}
 """Decades of nuisances: speeds over the largest one of a run, stiffness over the level [1/m], which
 is a deflection of 1 um to 1 mm, and damping over the root of stiffness and gravity [s/m]."""
@@ -250,6 +253,12 @@ def plausible(
     count = SLOW_DRAWS if slow else FEW_DRAWS if under_cycles(trials) else DRAWS
     shares = qmc.Sobol(len(nuisances), rng=np.random.default_rng(0)).random(count)
     shares[0] = 0.0
+    speeds = [known[path.rpartition(".")[2]].scale == "speed" for path in nuisances]
+    if any(speeds) and not slow:
+        low, high = PLAUSIBLE["speed"]
+        rows = np.full((len(FALLING), len(nuisances)), SURPLUS)
+        rows[:, speeds] = ((np.log10(FALLING) - low) / (high - low))[:, None]
+        shares = np.concatenate([shares, rows])
     drawn: Array = np.zeros(shares.shape)
     level = float(values[0])
     for i, path in enumerate(nuisances):
