@@ -72,7 +72,7 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
 
-golden: $(DEV) ## compare what thirteen rigs and data sets give with tests/golden (minutes)
+golden: $(DEV) ## compare what rigs and data sets give with tests/golden (minutes)
 	$(BIN)/python -m benchmarks.golden compare tests/golden --jobs $(WORKERS)
 
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones

@@ -1,4 +1,4 @@
-"""Golden files: what the public commands write for thirteen rigs and records, kept to compare with.
+"""Golden files: what the public commands write for rigs and records, kept to compare with.
 
 ``python -m benchmarks.golden record FOLDER`` runs the commands of every case of
 `benchmarks.golden_cases` in a temporary folder and keeps in ``FOLDER/<case>/``, as plain text:

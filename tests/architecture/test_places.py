@@ -207,23 +207,42 @@ assert axes.get_xlabel() == "time since the start, s"
 
 
 KIND_USED = """
+import math
 import numpy as np
-from stickslip import Axis, Measurement, fit, select, write_report
+from stickslip import Coulomb, Measurement, SpringBlock, check, fit, select, write_report
 from stickslip.kinds import kind_of
-v = np.array([0.1, 0.2, 0.3])
-slow = Measurement(time=[0.0, 1.0, 2.0], velocity=v, force=4.0 * v, conditions={"kind": "toy"})
-axis = Axis(inertia=1.0)
-assert kind_of(slow).measured == "steady speeds"
-found = fit(axis, "viscous", slow)
-assert type(found).__name__ == "ToyFit" and abs(found.law.viscous_coefficient - 4.0) < 1e-12
-verdict = select(axis, None, slow)
-assert verdict.best.name == "viscous" and verdict.to_dict()["toy"], verdict
-assert list(verdict.to_dataframe()["law"]) == ["viscous"]
+random = np.random.default_rng(0)
+level, block = 0.25, SpringBlock(mass=0.5)
+slides = Measurement(
+    trials=[
+        Measurement(
+            # half of the acceleration times the time squared, read to a millimetre
+            travel=0.5 * 9.81 * (math.sin(a) - level * math.cos(a)) * t**2 + 1e-3 * random.normal(),
+            uncertainty=1e-3,
+            overrides={"mechanism.incline": -a},
+            conditions={"duration [s]": t},
+        )
+        for a in (0.35, 0.45, 0.55) for t in (0.4, 0.8, 1.2) for _ in range(2)
+    ]
+)
+kind = kind_of(slides)
+assert kind.measured == "slides" and kind_of(Measurement(travel=0.1)).measured == "travels"
+(said, *_) = check(slides, conditions=kind.conditions).sentences
+assert said == "18 readings at 9 settings, 9 repeats.", said
+found = fit(block, Coulomb, slides)
+assert type(found).__name__ == "SlideFit"
+(one,) = found.estimates
+assert one.low < level < one.high and one.high - one.low < 0.02, str(found)
+verdict = select(block, None, slides)
+assert verdict.best.name == "coulomb", verdict
+assert not any("are not used" in one for one in verdict.checks.sentences), verdict.checks
+assert set(verdict.to_dataframe()["law"]) == {"coulomb", "viscous", "coulomb-viscous"}
+assert next(c for c in verdict.candidates if c.name == "viscous").score > 5.0 * verdict.best.score
 page = write_report(verdict, "report").read_text()
-assert "Use viscous friction." in page
+assert "Use Coulomb friction." in page
 from stickslip.cli.select import show_verdict
 show_verdict(verdict)
-assert found.plot().get_title("left") == "Toy."
+assert found.plot().get_xlabel() == "fitted way, m"
 assert verdict.plot().get_xlabel().startswith("held-out error, "), verdict.plot().get_xlabel()
 assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
 """
@@ -236,15 +255,15 @@ def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
         tree,
         "toy_kind",
         "kinds/toy",
-        (registry, "OWN: tuple[AnyKind, ...] = (", "    ToyKind(),"),
+        (registry, "OWN: tuple[AnyKind, ...] = (", "    SlideKind(),"),
         (
             registry,
             "from stickslip.kinds.travels.kind import TravelKind",
-            "from stickslip.kinds.toy.kind import ToyKind",
+            "from stickslip.kinds.toy.kind import SlideKind",
         ),
-        ("results/__init__.py", "HOMES = {", '    "ToyFit": "kinds.toy.fit",'),
+        ("results/__init__.py", "HOMES = {", '    "SlideFit": "kinds.toy.fit",'),
     )
-    run(tree, "-c", KIND_USED + "from stickslip.results import ToyFit\n")
+    run(tree, "-c", KIND_USED + "from stickslip.results import SlideFit\n")
     assert places == 4
 
 
@@ -254,8 +273,8 @@ def test_a_kind_of_another_package_is_used_like_ours(tree: Tree) -> None:
     about = tree / "src" / "toys-0.1.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 0.1\n")
-    (about / "entry_points.txt").write_text("[stickslip.kinds]\ntoy = toys.kind:ToyKind\n")
-    assert "Viscous" in run(tree, "-c", KIND_USED)
+    (about / "entry_points.txt").write_text("[stickslip.kinds]\ntoy = toys.kind:SlideKind\n")
+    assert "Coulomb + viscous" in run(tree, "-c", KIND_USED)
 
 
 def test_what_is_registered_as_a_kind_and_is_none_is_said(tree: Tree) -> None:

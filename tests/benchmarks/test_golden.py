@@ -233,6 +233,6 @@ def test_the_exit_code_says_whether_anything_differs(tmp_path, monkeypatch, caps
 
 
 def test_cases_have_names_of_their_own_and_commands_too():
-    assert len({case.name for case in CASES}) == len(CASES) == 13
+    assert len({case.name for case in CASES}) == len(CASES)
     for case in CASES:
         assert len({command.name for command in case.commands}) == len(case.commands) > 0

@@ -20,7 +20,7 @@ from stickslip.kinds import (
 )
 from stickslip.kinds.registry import kind_of_route
 from stickslip.kinds.velocity_steps.page import sections
-from stickslip.kinds.velocity_steps.selection import held_out, rate_state_laws
+from stickslip.kinds.velocity_steps.selection import rate_state_laws, unseen_of
 from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
 from stickslip.kinds.velocity_steps.wording import _untried
 from stickslip.report.core.documents import Origin, Page, made_sections
@@ -214,7 +214,7 @@ def test_a_candidate_that_reduces_to_another_is_not_held_against_a_third():
 
 def test_held_out_steps_are_predicted_without_them(verdicts):
     fit = verdicts(*EVOLVING).best.fit
-    unseen = held_out(fit)
+    unseen = unseen_of(fit)
     segments = fit.problem.segments
     assert np.isnan(unseen[segments == 0]).all()
     assert np.isfinite(unseen[segments > 0]).all()

@@ -210,14 +210,18 @@ def test_the_least_residual_has_words_on_every_route():
     table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
     asked = Request(mechanism=Axis(inertia=1.0), measurement=table)
     words = {one.routes[0]: one.residual_text(0.012, asked) for one in kinds()}
-    assert words == {
-        "features": "error of the features 1.2 %",
-        "travel": "residual 0.012",
-        "rate-state": "coefficient off by 0.012",
-        "joints": "residual 0.012",
-        "shooting": "12 mN",
-        "force-map": "12 mN",
-    }
+    assert all("12" in one or "1.2" in one for one in words.values())
+    assert (
+        words.items()
+        >= {
+            "features": "error of the features 1.2 %",
+            "travel": "residual 0.012",
+            "rate-state": "coefficient off by 0.012",
+            "joints": "residual 0.012",
+            "shooting": "12 mN",
+            "force-map": "12 mN",
+        }.items()
+    )
 
 
 def test_options_that_say_nothing_are_not_refused():

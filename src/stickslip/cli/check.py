@@ -10,6 +10,7 @@ from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Measurement, Reading, Rig, check, load_rig, read_data
+from stickslip.kinds import kind_of
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
@@ -32,7 +33,8 @@ def run(
     rig, data = _parted(files, allow_import=allow_import)
     mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
-    found = check(measurement, mechanism=mechanism)
+    conditions = kind_of(measurement).conditions
+    found = check(measurement, mechanism=mechanism, conditions=conditions)
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})

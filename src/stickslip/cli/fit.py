@@ -30,7 +30,7 @@ from stickslip.documents import document, with_files, write_file
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, check, load_rig, refusal, refuse_same
 from stickslip.identification import Fit, far_above_dry
-from stickslip.kinds import AnyKind, FitSummary, Law, Request, refuse_uninformed
+from stickslip.kinds import AnyKind, FitSummary, Law, Request, kind_of, refuse_uninformed
 
 
 def run(
@@ -88,7 +88,8 @@ def _checked(request: Request) -> Checks:
             "--horizon is the prediction length on a second record: give --validate FILE too, or"
             " leave it out."
         )
-    checks = check(request.measurement, mechanism=request.mechanism)
+    conditions = kind_of(request.measurement).conditions
+    checks = check(request.measurement, mechanism=request.mechanism, conditions=conditions)
     if checks.worst == "error":
         raise refusal([one for one in checks.findings if one.severity == "error"])
     if request.validate is not None:

@@ -7,6 +7,9 @@ from stickslip.identification.contact_inputs import with_inputs as with_inputs
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
 from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
 from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
+from stickslip.identification.estimation.estimates import bounds_met as bounds_met
+from stickslip.identification.estimation.estimates import estimates_of as estimates_of
+from stickslip.identification.estimation.estimates import sentences_of as sentences_of
 from stickslip.identification.estimation.estimates import step_intervals as step_intervals
 from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
@@ -90,6 +93,8 @@ from stickslip.identification.series.applied_force import goes_straight as goes_
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from stickslip.identification.series.start_values import Scales as Scales
+from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings

@@ -26,7 +26,7 @@ from stickslip.identification import (
 from stickslip.kinds.columns import Columns, page_table, terminal_table
 from stickslip.mechanisms import Mechanism
 from stickslip.report import Origin, Section, SectionMaker, opening, reproduce
-from stickslip.selection import Verdict, score_scale
+from stickslip.selection import CrossValidatedVerdict, Verdict, score_scale
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
@@ -198,6 +198,8 @@ class Kind(ABC, Generic[F, V]):
     """Law that a command fits where none is named."""
     simulated: ClassVar[bool] = True
     """Whether fitted laws can be simulated, and written as rig files."""
+    conditions: ClassVar[frozenset[str]] = frozenset()
+    """Names of the conditions of trials that are used, without their units."""
     columns: ClassVar[Columns[Any]] = ()
     """What tables say of each candidate, where `comparison` and `sections` are the usual ones."""
 
@@ -263,7 +265,13 @@ class Kind(ABC, Generic[F, V]):
         """Return the table of a verdict."""
         heads, rows = terminal_table(self.columns, verdict.candidates)
         notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates if one.outcome]
-        return Comparison(heads=heads, rows=rows, notes=notes)
+        table = Comparison(heads=heads, rows=rows, notes=notes)
+        if not isinstance(verdict, CrossValidatedVerdict) or verdict.closest.fit is None:
+            return table
+        closest = verdict.closest
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        fitted = (title, closest.fit.estimates)
+        return replace(table, checks=verdict.checks, fitted=fitted)
 
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None

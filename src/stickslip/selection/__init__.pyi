@@ -23,6 +23,7 @@ from stickslip.selection.choice import as_good as as_good
 from stickslip.selection.choice import choose as choose
 from stickslip.selection.choice import effective_aic as effective_aic
 from stickslip.selection.choice import errs_more as errs_more
+from stickslip.selection.choice import outcome_beside as outcome_beside
 from stickslip.selection.choice import reduces_to as reduces_to
 from stickslip.selection.choice import shown_over_simpler as shown_over_simpler
 from stickslip.selection.criteria import Criteria as Criteria
@@ -33,6 +34,7 @@ from stickslip.selection.cross_validation import CrossValidation as CrossValidat
 from stickslip.selection.cross_validation import Plan as Plan
 from stickslip.selection.cross_validation import cross_validate as cross_validate
 from stickslip.selection.cross_validation import halves as halves
+from stickslip.selection.cross_validation import held_out as held_out
 from stickslip.selection.cross_validation import plan_of as plan_of
 from stickslip.selection.drift import LIKELY as LIKELY
 from stickslip.selection.drift import ROUNDS as ROUNDS

@@ -63,18 +63,20 @@ def checked(
     which: str = "This record",
     *,
     unknown: Sequence[str] = (),
+    conditions: Collection[str] = (),
 ) -> Checks:
     """Return what the record can tell; refuse one that cannot decide.
 
     Where the mass is looked for, the one given is a start: a force that is not in proportion to it
-    is no fault of the record.
+    is no fault of the record. Conditions of trials that are used are named.
     """
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
-        checked(mechanism, validate, which="The second record", unknown=unknown)
-    checks = check(measurement, mechanism=mechanism)
+        which_second = "The second record"
+        checked(mechanism, validate, which=which_second, unknown=unknown, conditions=conditions)
+    checks = check(measurement, mechanism=mechanism, conditions=conditions)
     if any(path.endswith((".inertia", ".mass")) for path in unknown):
         told = (one for one in checks.findings if not _of_the_mass(one))
         checks = replace(checks, findings=tuple(told))

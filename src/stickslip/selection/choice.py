@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from stickslip.formatting import ratio
 from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
@@ -93,6 +94,22 @@ def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0
     return bool(simpler) and all(
         errs_more(c, rich, errors=NEAR, uncertainty=uncertainty) for c in simpler
     )
+
+
+def outcome_beside(
+    one: CrossValidated[Any], closest: CrossValidated[Any], *, tied: bool, recommended: bool
+) -> str:
+    """Return what became of a candidate, where one is closest and others may be tied with it."""
+    if one.validation is None:
+        return one.dropped if one.fit else f"not fitted: {one.dropped}"
+    if one.name == closest.name:
+        said = "chosen" if recommended else "closest, but not recommended"
+        return f"{said}; {one.dropped}" if one.dropped else said
+    if tied:
+        return "not told apart from the chosen law"
+    if closest.name in one.simpler:
+        return "not shown to be better than the chosen law, which it contains"
+    return f"{ratio(one.score / closest.score)} the error" if closest.score > 0.0 else "worse"
 
 
 def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, float]:

@@ -3,7 +3,7 @@
 import itertools
 import math
 from abc import abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, cast, final
 
@@ -18,8 +18,12 @@ from stickslip.identification import (
     LEAST,
     Fit,
     Inference,
+    Problem,
     RecordFit,
     RecordProblem,
+    ResidualJacobian,
+    SubsetProblem,
+    improve,
     interleaved,
     positions_of,
     refitted,
@@ -77,6 +81,16 @@ class CrossValidation:
                 if (own := [one.joints[name] for one in losses if name in one.joints])
             },
         )
+
+    @classmethod
+    def by_segment(
+        cls, residual: Array, segment: NDArray[np.intp], weight: Array | float = 1.0
+    ) -> "CrossValidation":
+        """Return the mean square (n,) of each segment, of weighted rows; NaN was not held out."""
+        weights = np.broadcast_to(np.square(weight), residual.shape)
+        rows = [segment == one for one in np.unique(segment[~np.isnan(residual)])]
+        losses = [float(np.average(residual[r] ** 2, weights=weights[r])) for r in rows]
+        return cls(losses=tuple(losses), extrapolation=math.nan)
 
     @property
     def score(self) -> float:
@@ -202,6 +216,30 @@ def _check_block(measurement: Measurement, block: float, length: float) -> None:
         f" held-out blocks of at least {LEAST} samples: record longer, or `fit` one law without a"
         " held-out error."
     )
+
+
+def held_out(
+    problem: Problem,
+    best: ResidualJacobian,
+    held: Sequence[int] | None = None,
+    told: Callable[[int, int], object] | None = None,
+) -> Array:
+    """Return the residuals (n,) of each segment after a fit to all others, which begins at `best`.
+
+    Every segment is held out in turn, or those that are named; the rows of others are NaN.
+    """
+    present = np.unique(best.segment).tolist()
+    chosen = present if held is None else held
+    unseen = np.full(len(best.segment), np.nan)
+    for number, one in enumerate(chosen, 1):
+        if told is not None:
+            told(number, len(chosen))
+        end, _ = improve(
+            SubsetProblem(problem, [other for other in present if other != one], best), best.values
+        )
+        seen = problem.linearise(end.values, only=[one], slopes=False)
+        unseen[best.segment == one] = seen.residual
+    return unseen
 
 
 def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:

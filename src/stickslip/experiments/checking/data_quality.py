@@ -1,7 +1,7 @@
 """What a measurement can tell and what is wrong with it, before anything is fitted."""
 
 import html
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
@@ -118,7 +118,12 @@ class Checks(Tabular):
         return f"<ul>{''.join(lines)}</ul>"
 
 
-def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Checks:
+def check(
+    measurement: Measurement,
+    *,
+    mechanism: Mechanism | None = None,
+    conditions: Collection[str] = (),
+) -> Checks:
     """Say what a measurement can tell and what is wrong with it.
 
     Parameters
@@ -128,6 +133,8 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
     mechanism : Mechanism, optional
         What was measured: its parameters must be those that trials override, positions must lie
         between its stops, and forces must be of the size that its motion takes.
+    conditions : collection of str, optional
+        Names of conditions of trials that are used: they tell settings apart.
 
     Returns
     -------
@@ -155,7 +162,9 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
         )
     if mechanism is not None:
         measurement = as_turning(measurement, mechanism.units)
-    return Checks(findings=tuple(_findings(measurement, mechanism)), name=measurement.name)
+    return Checks(
+        findings=tuple(_findings(measurement, mechanism, conditions)), name=measurement.name
+    )
 
 
 def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
@@ -172,12 +181,16 @@ def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> t
 
 
 def _findings(
-    measurement: Measurement, mechanism: Mechanism | None, *, grave: bool = False
+    measurement: Measurement,
+    mechanism: Mechanism | None,
+    conditions: Collection[str] = (),
+    *,
+    grave: bool = False,
 ) -> Iterator[Finding]:
     """Yield all findings; with ``grave`` only those of checks that can find errors."""
     records = measurement.records()
     if measurement.kind == "scalars":
-        yield from map_coverage.settings(records)
+        yield from map_coverage.settings(records, conditions)
         yield from () if grave else order.settings(records)
     yield from map_coverage.alike(records)
     if not grave:
@@ -192,7 +205,7 @@ def _findings(
             own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
     if not grave:
-        yield from map_coverage.unused(records)
+        yield from map_coverage.unused(records, conditions)
 
 
 def _joints(

@@ -1,12 +1,18 @@
 """Friction maps and single numbers: what they cover, how often, how surely."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
 from stickslip.experiments.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
+from stickslip.experiments.measurement import (
+    QUANTITIES,
+    TRAVELS,
+    Array,
+    Measurement,
+    condition_name,
+)
 from stickslip.formatting import count, percent, quantities, quantity
 
 FEWEST: Final = 3
@@ -65,8 +71,11 @@ def coverage(record: Measurement) -> Iterator[Finding]:
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
 
 
-def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
-    """Name columns that nothing was read from, those first that differ between trials."""
+def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
+    """Name columns that nothing was read from, those first that differ between trials.
+
+    Names of conditions that are used are given.
+    """
     names = dict.fromkeys(name for record in records for name in record.unused)
     apart: list[str] = []
     rest: list[str] = []
@@ -97,7 +106,9 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
         yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
-    conditions = dict.fromkeys(name for record in records for name in record.conditions)
+    conditions = dict.fromkeys(
+        name for record in records for name in record.conditions if condition_name(name) not in used
+    )
     if conditions and records[0].travelled:
         yield Finding(
             kind="conditions",
@@ -124,14 +135,18 @@ def _distinct(values: Array) -> int:
     return 1 + int(np.count_nonzero(np.diff(ordered) > ALIKE * largest))
 
 
-def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
-    """Say how many settings single numbers come from, and whether their doubt is known."""
-    kinds = {tuple(sorted({**record.overrides, **record.initial}.items())) for record in records}
-    apart = {
-        (name, *sorted({**record.overrides, **record.initial}.items()))
-        for record in records
-        for name in record.quantities()
-    }
+def settings(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
+    """Say how many settings single numbers come from, and whether their doubt is known.
+
+    Names of conditions that are used are given: they are settings too.
+    """
+
+    def setting(record: Measurement) -> tuple[tuple[str, object], ...]:
+        own = {k: v for k, v in record.conditions.items() if condition_name(k) in used}
+        return tuple(sorted({**record.overrides, **record.initial, **own}.items()))
+
+    kinds = {setting(record) for record in records}
+    apart = {(name, *setting(record)) for record in records for name in record.quantities()}
     readings = sum(
         int(np.size(getattr(record, name))) for record in records for name in record.quantities()
     )

@@ -236,12 +236,6 @@ def block_sums(
     return np.array(squares), np.array(slopes)
 
 
-def _independent(seen: ResidualJacobian, known: Directions) -> bool:
-    """Whether rows are those of a table, dealt out to segments in turn, and do not go together."""
-    table = bool(np.any(np.diff(seen.segment) < 0))
-    return table and not _dependent(seen.residual, known.columns)
-
-
 def _dependent(residual: Array, columns: Array) -> bool:
     """Whether neighbouring residuals of a least-squares fit go together: a one-sided test.
 
@@ -284,13 +278,15 @@ def infer(
     *,
     blocks: int = BLOCKS,
     displaced: Sequence[Displaced] = (),
+    table: bool | None = None,
 ) -> Inference:
     """Return covariances at an optimum.
 
     One Gauss-Newton step from the optimum for each block that is left out; no run is made. Where a
     bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
 
-    Where the rows are those of a table, and a test finds no serial dependence (`DEPENDENT`), each
+    Where the rows are those of a table, which they are taken for if they are dealt out to segments
+    in turn, and a test finds no serial dependence (`DEPENDENT`), each
     row's own residual is its variance (HC2), with degrees of freedom of its own: blocks of a few
     rows would throw most of ten rows away, and a common variance is too small where friction
     scatters more at some speeds than at others.
@@ -319,7 +315,7 @@ def infer(
     True
     """
     known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known, blocks)
+    spread = _spread(jacobian, known, blocks, table=table)
     by_seen = scale @ known.inverse
     moved = spread.changes @ by_seen.T
     once = takes_part(by_seen, spread.alone)
@@ -354,9 +350,12 @@ class _Spread:
     """Degrees of freedom of the variance along a direction (r,)."""
 
 
-def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
+def _spread(
+    seen: ResidualJacobian, known: Directions, blocks: int, *, table: bool | None = None
+) -> _Spread:
     """Return how the coordinates scatter, by blocks or by independent rows."""
-    if _independent(seen, known):
+    table = bool(np.any(np.diff(seen.segment) < 0)) if table is None else table
+    if table and not _dependent(seen.residual, known.columns):
         return _by_rows(seen.residual, known.columns)
     blocks = max(2, min(blocks, len(seen.residual) // 2))
     squares, slopes = block_sums(seen, known.columns, blocks=blocks)

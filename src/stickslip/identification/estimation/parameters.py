@@ -187,8 +187,8 @@ def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionL
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> with_known(Coulomb(kinetic_coefficient=0.25), {"static_coefficient": 0.14})
-    Coulomb(kinetic_coefficient=0.1, static_coefficient=0.14)
+    >>> with_known(Coulomb(kinetic_coefficient=0.3), {"static_coefficient": 0.21})
+    Coulomb(kinetic_coefficient=0.15, static_coefficient=0.21)
     """
     values = dict(known or {})
     for name, value in (known or {}).items():

@@ -125,7 +125,10 @@ class Problem(ABC):
         only: Sequence[int] | None = None,
         slopes: bool = True,
     ) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,)."""
+        """Return what predictions with values (p,) leave, and their slopes; of some segments.
+
+        Slopes are not looked at where they are not asked for.
+        """
 
 
 class FrictionSamples(NamedTuple):

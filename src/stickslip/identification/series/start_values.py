@@ -116,6 +116,23 @@ class Scales:
     nominal: float | None = None
     """Mass [kg] as it was given, where regression tells no level: it may be off as much."""
 
+    @classmethod
+    def of_level(
+        cls, level: float, *, load: float, speed: float, stroke: float, inertia: float
+    ) -> "Scales":
+        """Return the sizes where no more is known than a level [N] and the largest speed [m/s]."""
+        return cls(
+            load=load,
+            level=level,
+            levels=(level, level),
+            slope=level / speed,
+            slopes=(level / speed, level / speed),
+            offset=0.0,
+            inertia=inertia,
+            speed=speed,
+            stroke=stroke,
+        )
+
 
 def scales_of(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()

@@ -1,5 +1,6 @@
 """Velocity steps of a load point, fitted by rate-and-state friction."""
 
+from dataclasses import replace
 from typing import final
 
 from typing_extensions import override
@@ -8,7 +9,6 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent
 from stickslip.friction import RateState
 from stickslip.identification import AGREE, RecordSettings
-from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.kinds.velocity_steps.problem import serves
@@ -35,6 +35,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     fits = RateState
     usual_law = "rate-and-state"
     simulated = False
+    columns = COLUMNS
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -61,17 +62,11 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
 
     @override
     def comparison(self, verdict: RateStateVerdict) -> Comparison:
-        heads, rows = terminal_table(COLUMNS, verdict.candidates)
-        closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", closest but not recommended")
-        fit = closest.fit
-        return Comparison(
-            heads=heads,
-            rows=rows,
-            notes=[f"{one.title}: {one.outcome}" for one in verdict.candidates],
-            checks=verdict.checks,
-            fitted=(title, (*fit.estimates, fit.rate)) if fit else None,
-        )
+        usual, fit = super().comparison(verdict), verdict.closest.fit
+        if usual.fitted is None or fit is None:
+            return usual
+        title, estimates = usual.fitted
+        return replace(usual, fitted=(title, (*estimates, fit.rate)))
 
     @override
     def summary(

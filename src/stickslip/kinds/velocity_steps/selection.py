@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
-from stickslip.identification import LAW, Parameters, RecordSettings, SubsetProblem, improve
+from stickslip.identification import LAW, Parameters, RecordSettings
 from stickslip.kinds.velocity_steps.fit import STARTS, Drift, fit_rate_state, form_of, with_profile
 from stickslip.kinds.velocity_steps.result import UNSPENT, RateStateFit, bounds_met
 from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps
@@ -29,6 +29,7 @@ from stickslip.selection import (
     checked,
     choose,
     effective_aic,
+    held_out,
     watched,
 )
 
@@ -256,10 +257,11 @@ def _candidate(
         return replace(found, dropped=str(error))
     found = replace(found, fit=fit, second=None if validate is None else fit.judged(validate))
     try:
-        unseen = held_out(fit, None if watch is None else partial(_told_of_parts, watch, one.name))
+        unseen = unseen_of(fit, None if watch is None else partial(_told_of_parts, watch, one.name))
     except ConvergenceError as error:
         return replace(found, dropped=f"not judged: without a held-out part, {error}")
-    validation = _by_segment(fit, unseen)
+    slider = fit.problem
+    validation = CrossValidation.by_segment(unseen, slider.segments, slider.weight)
     if not math.isfinite(validation.score):
         return replace(found, dropped="not judged: the slider runs away in a held-out part")
     symbols = ", ".join(f"${symbol}$" for symbol in bounds_met(fit))
@@ -275,35 +277,15 @@ def _told_of_parts(watch: Watch, name: str, part: int, parts: int) -> None:
     watch(f"held-out steps: {name}, {part} of {parts}", math.nan)
 
 
-def held_out(fit: RateStateFit, told: Callable[[int, int], object] | None = None) -> Array:
+def unseen_of(fit: RateStateFit, told: Callable[[int, int], object] | None = None) -> Array:
     """Return what fits leave that have not seen it: each velocity step is held out in turn.
 
     The law runs over the whole record, as the load point was moved; what is held out is not
     compared. Of a record with a single step, parts with equally many samples are held out.
     """
     slider = fit.problem
-    segments = slider.segments
-    unseen = np.full(len(segments), np.nan)
-    present = np.unique(segments).tolist()
-    held = present[1:] if slider.by_steps else present
-    for number, one in enumerate(held, 1):
-        if told is not None:
-            told(number, len(held))
-        rest = SubsetProblem(slider, [other for other in present if other != one], fit.best)
-        end, _ = improve(rest, fit.best.values)
-        rows = segments == one
-        seen = slider.linearise(end.values, only=[one], slopes=False)
-        unseen[rows] = seen.residual / slider.weight[rows]
-    return unseen
-
-
-def _by_segment(fit: RateStateFit, unseen: Array) -> CrossValidation:
-    """Return the mean square of each segment that was held out, rows weighted by their samples."""
-    slider = fit.problem
-    held = np.unique(slider.segments[~np.isnan(unseen)])
-    rows = [slider.segments == one for one in held]
-    losses = [float(np.average(unseen[r] ** 2, weights=slider.weight[r] ** 2)) for r in rows]
-    return CrossValidation(losses=tuple(losses), extrapolation=math.nan)
+    held = np.unique(slider.segments).tolist()[1:] if slider.by_steps else None
+    return held_out(slider, fit.best, held, told) / slider.weight
 
 
 def _verdict(

@@ -10,7 +10,14 @@ from stickslip.formatting import Scale, capital, joined, quantity, ratio, signif
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.kinds.velocity_steps.result import RateStateFit
 from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate
-from stickslip.selection import LEFT_OUT, ONE_LAW, Wording, corrections, score_text
+from stickslip.selection import (
+    LEFT_OUT,
+    ONE_LAW,
+    Wording,
+    corrections,
+    outcome_beside,
+    score_text,
+)
 
 MOST = 3
 """Items of a list at most."""
@@ -42,30 +49,17 @@ def outcomes(
 ) -> list[RateStateCandidate]:
     """Add to each candidate, the closest first, what became of it."""
     return [
-        replace(one, outcome=_outcome(one, ordered[0], rival, recommended=recommended))
+        replace(
+            one,
+            outcome=outcome_beside(
+                one,
+                ordered[0],
+                tied=rival is not None and one.name == rival.name,
+                recommended=recommended,
+            ),
+        )
         for one in ordered
     ]
-
-
-def _outcome(
-    one: RateStateCandidate,
-    closest: RateStateCandidate,
-    rival: RateStateCandidate | None,
-    *,
-    recommended: bool,
-) -> str:
-    if one.fit is None:
-        return f"not fitted: {one.dropped}"
-    if one.validation is None:
-        return one.dropped
-    if one.name == closest.name:
-        said = "chosen" if recommended else "closest, but not recommended"
-        return f"{said}; {one.dropped}" if one.dropped else said
-    if rival is not None and one.name == rival.name:
-        return "not told apart from the chosen law"
-    if closest.name in one.simpler:
-        return "not shown to be better than the chosen law, which it contains"
-    return f"{ratio(one.score / closest.score)} the error" if closest.score > 0.0 else "worse"
 
 
 def rate_state_wording(

@@ -1,1 +1,1 @@
-"""A kind as a contributor would write it: the steady speed of a slider under a steady force."""
+"""A kind as a contributor would write it: how far a block slides down an incline in a time."""

@@ -1,34 +1,237 @@
-"""What a fit to a steady speed gives."""
+"""Slides as residuals that depend on a law, and the fit of a law to them."""
 
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import LawEstimates
-from stickslip.friction import Viscous
-from stickslip.identification import Fit, estimates_for
+from stickslip.errors import InputError
+from stickslip.experiments import LawEstimates, Measurement
+from stickslip.formatting import quantity
+from stickslip.friction import FrictionLaw
+from stickslip.identification import (
+    Fit,
+    FreeParameters,
+    Inference,
+    OptimizeResult,
+    Parameters,
+    Problem,
+    ResidualJacobian,
+    Scales,
+    Watch,
+    bounds_met,
+    estimates_for,
+    estimates_of,
+    infer,
+    law_unknowns,
+    search,
+    sentences_of,
+)
+from stickslip.mechanisms import Mechanism, SpringBlock
+from stickslip.quantities import parameters, vary
+from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
+Array = NDArray[np.float64]
+
+DURATION = "duration [s]"
+"""Condition that makes a travel a slide: the time after which it was read."""
+NUDGE = 1e-4
+"""Step of a difference quotient over the value; runs are exact to 1e-8."""
+
 
 @final
-@dataclass(frozen=True, kw_only=True, repr=False)
-class ToyFit(Fit[Viscous]):
-    """Viscous friction that explains a steady speed."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlideProblem(Problem):
+    """Measured less simulated way of each slide; a segment is a setting with its repeats."""
+
+    blocks: Sequence[SpringBlock]
+    """The block of each slide (n,), on its incline."""
+    durations: Array
+    """Time of each slide (n,) [s]."""
+    ways: Array
+    """Measured way of each slide (n,) [m]."""
+    law: FrictionLaw
+    """Has the values of parameters that are not looked for."""
+    free_parameters: FreeParameters
+    """What is looked for."""
+
+    @property
+    @override
+    def spans(self) -> Array:
+        times = dict(zip(self.segment.tolist(), self.durations, strict=True))
+        return np.array([[k, 0.0, t] for k, t in times.items()])
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return "travel"
+
+    @property
+    @override
+    def times(self) -> Array:
+        return self.durations
+
+    @property
+    def segment(self) -> NDArray[np.intp]:
+        """Setting of each slide (n,)."""
+        seen: dict[Any, int] = {}
+        settings = zip(self.blocks, self.durations.tolist(), strict=True)
+        return np.array([seen.setdefault(one, len(seen)) for one in settings], dtype=np.intp)
+
+    def law_with(self, values: Array) -> FrictionLaw:
+        """Return the law with values (p,) of what is looked for."""
+        found = dict(zip(self.free_parameters.paths, map(float, values), strict=True))
+        return vary(self.law, "friction", found)
+
+    def predicted(self, values: Array, rows: Array) -> Array:
+        """Return the ways (m,) of some slides with values (p,)."""
+        law, segment, known = self.law_with(values), self.segment, {}
+        for i in rows.tolist():
+            if segment[i] not in known:
+                run = simulate(self.blocks[i], law, t_end=float(self.durations[i]))
+                first, last = run.at(run.span)["x"]
+                known[segment[i]] = abs(last - first)
+        return np.array([known[segment[i]] for i in rows.tolist()])
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: ResidualJacobian | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> ResidualJacobian:
+        rows = np.arange(len(self.ways))
+        if only is not None:
+            rows = rows[np.isin(self.segment, only)]
+        predicted = self.predicted(values, rows)
+        table = np.zeros((len(rows), len(values)))
+        for i, item in enumerate(self.free_parameters.items if slopes else ()):
+            other = values.copy()
+            other[i] += NUDGE * max(abs(values[i]), abs(item.start))
+            table[:, i] = (self.predicted(other, rows) - predicted) / (other[i] - values[i])
+        return ResidualJacobian(
+            values=values,
+            residual=self.ways[rows] - predicted,
+            slopes=table,
+            segment=self.segment[rows],
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SlideFit(Fit[FrictionLaw]):
+    """A law with which blocks slide as far as they did."""
+
+    problem: SlideProblem
+    """The slides, and what was looked for."""
+    optimum: OptimizeResult
+    """How the search ended."""
+    inference: Inference
+    """Covariances of the estimates."""
+    sentences: tuple[str, ...]
+    """What the slides cannot tell."""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals [m]."""
+        return self.optimum.best.rms
 
     @override
     def law_estimates(self) -> LawEstimates:
-        return estimates_for(self.law, self.estimates, [[1.0]], levels="forces", largest_speed=None)
+        correlation, speed = self.inference.correlation, _largest_speed(self.problem)
+        return estimates_for(
+            self.law, self.estimates, correlation, levels="per load", largest_speed=speed
+        )
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.plots.core.axes import on_axes
+        from stickslip.plots import on_axes
 
-        draw = lambda figure, _: figure.add_subplot().set_title("Toy.")  # noqa: E731
+        def draw(figure: Any, _narrow: bool) -> None:
+            axes = figure.add_subplot(xlabel="fitted way, m", ylabel="residual, mm")
+            left = self.optimum.best.residual
+            axes.plot(self.problem.ways - left, 1e3 * left, "o")
+
         return on_axes(draw, ax, (400, 300))
 
     @override
     def __str__(self) -> str:
-        return f"{self.law.title}: {self.estimates[0]}"
+        said = "; ".join(map(str, self.estimates))
+        return f"{self.law.title}: {said}; residual {quantity(self.rms, 'm', 2)}"
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        return {**super().to_dict(), "rms": self.rms}
+
+
+def _largest_speed(problem: SlideProblem) -> float:
+    return float(np.max(2.0 * problem.ways / problem.durations))
+
+
+def problem_of(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
+) -> SlideProblem:
+    """Return slides as residuals of a law."""
+    if not isinstance(mechanism, SpringBlock):
+        raise InputError(f"slides need a SpringBlock on an incline, got {mechanism!r}.")
+    records = measurement.records()
+    blocks = [vary(mechanism, "mechanism", one.overrides) for one in records]
+    durations = np.array([one.conditions[DURATION] for one in records], dtype=float)
+    ways = np.array([one.travel for one in records], dtype=float)
+    weight = mechanism.mass * mechanism.gravity
+    steepest = max(abs(math.sin(one.incline)) for one in blocks)
+    scales = Scales.of_level(  # sizes of friction from which start values and bounds follow
+        0.5 * weight * steepest,
+        load=weight * math.cos(mechanism.incline),
+        speed=float(np.max(2.0 * ways / durations)),
+        stroke=float(np.max(ways)),
+        inertia=mechanism.mass,
+    )
+    start, unknowns, _ = law_unknowns(law, scales, free, known)
+    rest = {path: value for path, _, value in parameters(start, "friction")}
+    free_parameters = FreeParameters(unknowns, rest)
+    return SlideProblem(
+        blocks=blocks, durations=durations, ways=ways, law=start, free_parameters=free_parameters
+    )
+
+
+def fit_slides(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    progress: Watch | None = None,
+) -> SlideFit:
+    """Fit a law to slides."""
+    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    problem = problem_of(chosen.mechanism, chosen.law, measurement, chosen.free, chosen.known)
+    found = search(problem, watch=progress)
+    best, free = found.best, problem.free_parameters
+    inference = infer(best, free.slopes(free.coordinates(best.values)), table=True)
+    at_bounds = bounds_met(free, best.values)
+    estimates = estimates_of(free, best, inference, at_bounds)
+    return SlideFit(
+        law=problem.law_with(best.values),
+        mechanism=chosen.mechanism,
+        estimates=estimates,
+        problem=problem,
+        optimum=found,
+        inference=inference,
+        sentences=sentences_of(free, best, inference, at_bounds, estimates),
+        cancelled=found.cancelled,
+    )

@@ -1,4 +1,4 @@
-"""Steady speeds: the kind that joins fit, selection and page."""
+"""Slides: the kind that joins fit, selection and page."""
 
 from dataclasses import replace
 from typing import final
@@ -6,70 +6,142 @@ from typing import final
 import numpy as np
 from typing_extensions import override
 
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import Viscous
-from stickslip.identification import Estimate, Laws
+from stickslip.formatting import joined, quantity
+from stickslip.friction import CandidateSpec
 from stickslip.kinds import Kind, Request
-from stickslip.quantities import fields_of
-from stickslip.selection import Wording
+from stickslip.kinds.kind import SeveralLaws
+from stickslip.selection import (
+    UNMEASURED,
+    CrossValidation,
+    Wording,
+    as_good,
+    checked,
+    choose,
+    contains,
+    control,
+    errs_more,
+    friction_of,
+    held_out,
+    held_out_text,
+    outcome_beside,
+    specifications,
+)
 
-from .fit import ToyFit
-from .verdict import COLUMNS, NAME, ToyCandidate, ToyVerdict
+from .fit import DURATION, SlideFit, fit_slides, problem_of
+from .verdict import COLUMNS, MILLIMETRES, ROUTE, SlideCandidate, SlideVerdict
+
+USUAL = ("viscous", "coulomb", "coulomb-viscous")
 
 
 @final
-class ToyKind(Kind[ToyFit, ToyVerdict]):
-    """Force over velocity."""
+class SlideKind(Kind[SlideFit, SlideVerdict]):
+    """Blocks that slide down an incline, whose way is read after a noted time."""
 
-    routes = (NAME,)
-    measured = "steady speeds"
+    routes = (ROUTE,)
+    measured = "slides"
     uses = frozenset({"route"})
+    conditions = frozenset({"duration"})
     columns = COLUMNS
 
     @override
     def serves(self, measurement: Measurement) -> bool:
-        return measurement.conditions.get("kind") == NAME
+        return all(
+            "travel" in one.quantities() and DURATION in one.conditions
+            for one in measurement.records()
+        )
 
     @override
-    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
-        return [Viscous.name]
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in specifications(laws or list(USUAL))]
 
     @override
     def residual_text(self, error: float, request: Request) -> str:
-        return f"{error} m/s"
+        return f"residual {quantity(error, 'm', 2)}"
 
     @override
-    def fit(self, request: Request) -> ToyFit:
-        force, speed = (request.measurement.values(name) for name in ("force", "velocity"))
-        slope = float(np.mean(np.asarray(force) / np.asarray(speed)))
-        estimate = Estimate(
-            path="friction.viscous_coefficient",
-            quantity=fields_of(Viscous)["viscous_coefficient"],
-            value=slope,
-            low=0.9 * slope,
-            high=1.1 * slope,
-            interval="95 %",
-        )
-        law = Viscous(viscous_coefficient=slope)
-        return ToyFit(law=law, mechanism=request.mechanism, estimates=(estimate,))
+    def fit(self, request: Request) -> SlideFit:
+        return fit_slides(**request.arguments("law"))
 
     @override
-    def select(self, request: Request) -> ToyVerdict:
-        fitted = self.fit(replace(request, law=Viscous))
-        one = ToyCandidate(name=Viscous.name, title=Viscous.title, fit=fitted)
-        words = Wording(
-            verdict="Use viscous friction.",
-            lede="",
-            settles=(),
-            cannot_tell=("All else.",),
-            measure_next=(),
-            no_score="",
+    def select(self, request: Request) -> SlideVerdict:
+        chosen = specifications(request.laws or list(USUAL))
+        mechanism, measurement = request.mechanism, request.measurement
+        checks = checked(mechanism, measurement, conditions=self.conditions)
+        judged = [_judged(one, chosen, request) for one in chosen]
+        scored = [one for one in judged if one.validation]
+        if not scored:
+            raise ConvergenceError("; ".join(f"{one.title}: {one.dropped}" for one in judged))
+        closest = choose(scored)
+        alike = [
+            one
+            for one in scored
+            if one is not closest and as_good(one, closest) and closest.name not in one.simpler
+        ]
+        rest = sorted((one for one in judged if one is not closest), key=lambda one: one.score)
+        useless = not errs_more(_frictionless(request), closest)
+        ordered = [
+            replace(
+                one,
+                outcome=outcome_beside(one, closest, tied=one in alike, recommended=not useless),
+            )
+            for one in (closest, *rest)
+        ]
+        return SlideVerdict(
+            mechanism=mechanism,
+            measurement=measurement,
+            words=_words(ordered[0], [one.title for one in alike], useless=useless),
+            candidates=tuple(ordered),
+            best=None if useless else ordered[0],
+            not_recommended=ordered[0] if useless else None,
+            ranked=len(ordered) > 1,
+            checks=checks,
         )
-        return ToyVerdict(
-            mechanism=request.mechanism,
-            measurement=request.measurement,
-            words=words,
-            candidates=(one,),
-            best=replace(one, outcome="chosen"),
-            ranked=False,
-        )
+
+
+def _judged(
+    one: CandidateSpec, chosen: tuple[CandidateSpec, ...], request: Request
+) -> SlideCandidate:
+    """Return a law fitted to all slides, and its errors at settings that were held out."""
+    bare = SlideCandidate(name=one.name, title=one.title, fit=None)
+    try:
+        fit = fit_slides(**replace(request, law=one.law, laws=None).arguments("law"))
+    except (ConvergenceError, InputError) as error:
+        return replace(bare, dropped=str(error))
+    best = fit.optimum.best
+    return replace(
+        bare,
+        fit=fit,
+        validation=CrossValidation.by_segment(held_out(fit.problem, best), best.segment),
+        simpler=tuple(other.name for other in chosen if contains(one, other)),
+    )
+
+
+def _frictionless(request: Request) -> SlideCandidate:
+    """Return what no friction at all leaves."""
+    problem = problem_of(request.mechanism, control().law, request.measurement, free=())
+    seen = problem.linearise(np.zeros(0), slopes=False)
+    found = CrossValidation.by_segment(seen.residual, seen.segment)
+    return SlideCandidate(name="none", title="No friction", fit=None, validation=found)
+
+
+def _words(closest: SlideCandidate, alike: list[str], *, useless: bool) -> Wording:
+    assert closest.fit is not None
+    name, fit = friction_of(closest.title), closest.fit
+    verdict = f"Use {name}." if not useless else f"{name} predicts no better than none."
+    ties = (f"These slides do not distinguish it from {joined(alike)}.",) if alike else ()
+    return Wording(
+        verdict=verdict,
+        lede=held_out_text(
+            MILLIMETRES, closest.score, closest.score_error, "each setting held out in turn"
+        ),
+        settles=tuple(
+            f"${one.quantity.symbol}$ lies between {one.range.replace(' to ', ' and ')}."
+            for one in fit.estimates
+            if one.bounded
+        ),
+        cannot_tell=(*ties, *fit.sentences, UNMEASURED),
+        measure_next=(),
+        no_score="",
+    )

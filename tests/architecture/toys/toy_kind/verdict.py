@@ -1,28 +1,30 @@
-"""What a selection on a steady speed gives."""
+"""What a selection on slides gives."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.formatting import Scale
 from stickslip.kinds import Column, data_row
-from stickslip.selection import Candidate, Verdict
+from stickslip.selection import CrossValidated, CrossValidatedVerdict, score_text
 
-from .fit import ToyFit
+from .fit import SlideFit
 
-NAME = "toy"
+ROUTE = "slides"
+MILLIMETRES = Scale(1e3, "mm")
 
 
 @final
-@dataclass(frozen=True, kw_only=True, repr=False)
-class ToyCandidate(Candidate[ToyFit]):
-    """The only law that a steady speed can tell."""
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SlideCandidate(CrossValidated[SlideFit]):
+    """A law on slides, judged at settings that its fit has not seen."""
 
     @property
     @override
-    def score(self) -> float:
-        return 0.01
+    def is_simpler(self) -> Collection[str]:
+        return ()  # a law with a part that came out as 0 is not looked at here
 
     @override
     def to_row(self) -> Mapping[str, Any]:
@@ -30,25 +32,38 @@ class ToyCandidate(Candidate[ToyFit]):
 
 
 COLUMNS = (
-    Column[ToyCandidate](
+    Column[SlideCandidate](
         key="law",
         title="law",
         page="model",
+        numeric=False,
         value=lambda one: one.name,
         text=lambda one: one.title,
     ),
-    Column[ToyCandidate](key="parameters", value=lambda one: one.parameters),
+    Column[SlideCandidate](key="parameters", title="free", value=lambda one: one.parameters),
+    Column[SlideCandidate](
+        key="score",
+        title="held-out error",
+        page="held-out error",
+        unit="mm",
+        value=lambda one: one.score,
+        text=lambda one: score_text(MILLIMETRES, one.score, one.score_error) if one.fit else None,
+        plotted=True,
+    ),
+    Column[SlideCandidate](
+        key="outcome", page="outcome", numeric=False, value=lambda one: one.outcome
+    ),
 )
 
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class ToyVerdict(Verdict[ToyCandidate]):
-    """A verdict on a steady speed."""
+class SlideVerdict(CrossValidatedVerdict[SlideCandidate]):
+    """A verdict on slides."""
 
-    route = NAME
-    score_unit = "m/s"
+    route = ROUTE
+    score_unit = "m"
 
     @override
     def _details(self) -> Mapping[str, Any]:
-        return {"toy": True}
+        return {"checks": self.checks.to_dict()}
