@@ -74,8 +74,13 @@ def checked(
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
-        which_second = "The second record"
-        checked(mechanism, validate, which=which_second, unknown=unknown, conditions=conditions)
+        checked(
+            mechanism,
+            validate,
+            which="The second record",
+            unknown=unknown,
+            conditions=conditions,
+        )
     checks = check(measurement, mechanism=mechanism, conditions=conditions)
     if any(path.endswith((".inertia", ".mass")) for path in unknown):
         told = (one for one in checks.findings if not _of_the_mass(one))

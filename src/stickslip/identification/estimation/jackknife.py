@@ -286,10 +286,10 @@ def infer(
     bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
 
     Where the rows are those of a table, which they are taken for if they are dealt out to segments
-    in turn, and a test finds no serial dependence (`DEPENDENT`), each
-    row's own residual is its variance (HC2), with degrees of freedom of its own: blocks of a few
-    rows would throw most of ten rows away, and a common variance is too small where friction
-    scatters more at some speeds than at others.
+    in turn, and a test finds no serial dependence (`DEPENDENT`), each row's own residual is its
+    variance (HC2), with degrees of freedom of its own: blocks of a few rows would throw most of ten
+    rows away, and a common variance is too small where friction scatters more at some speeds than
+    at others.
 
     Standard errors are infinite of what the record does not depend on, of what it shows only in a
     sum with others, and of what one block alone shows: without that block nothing is known of it,
