@@ -220,7 +220,7 @@ slides = Measurement(
             travel=0.5 * 9.81 * (math.sin(a) - level * math.cos(a)) * t**2 + 1e-3 * random.normal(),
             uncertainty=1e-3,
             overrides={"mechanism.incline": -a},
-            conditions={"duration [s]": t},
+            conditions={"duration [ms]": 1e3 * t},
         )
         for a in (0.35, 0.45, 0.55) for t in (0.4, 0.8, 1.2) for _ in range(2)
     ]
@@ -245,6 +245,20 @@ show_verdict(verdict)
 assert found.plot().get_xlabel() == "fitted way, m"
 assert verdict.plot().get_xlabel().startswith("held-out error, "), verdict.plot().get_xlabel()
 assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
+from pathlib import Path
+from stickslip.cli import main
+rows = [
+    f"{one.travel},0.001,{one.overrides['mechanism.incline']},{one.condition('duration', 'ms')}"
+    for one in slides.records()
+]
+head = "travel [m],uncertainty [m],incline [rad],duration [ms]"
+Path("slides.csv").write_text("\\n".join([head, *rows]))
+Path("rig.toml").write_text(
+    '[mechanism]\\ntype = "spring-block"\\nmass = "0.5 kg"\\nstiffness = "0 N/m"\\n'
+    '[data]\\nfile = "slides.csv"\\nconditions = ["duration"]\\n'
+)
+assert main(["select", "rig.toml", "-o", "page"]) == 0
+assert main(["fit", "rig.toml", "--law", "stribeck", "-o", "law.toml"]) == 0
 """
 
 

@@ -601,6 +601,31 @@ class Measurement(Tabular, InPanels):
         held = (getattr(self, name) for name in QUANTITIES)
         return self.time is not None or any(isinstance(one, np.ndarray) for one in held)
 
+    def condition(self, name: str, unit: str) -> float | None:
+        """Return a condition in a unit, whatever its own is; None if there is no such number.
+
+        Parameters
+        ----------
+        name : str
+            Its name, without the unit.
+        unit : str
+            Unit of what is returned, and of a condition noted without one.
+
+        Returns
+        -------
+        float or None
+            The condition.
+
+        Examples
+        --------
+        >>> Measurement(travel=0.2, conditions={"duration [ms]": 400}).condition("duration", "s")
+        0.4
+        """
+        for full, value in self.conditions.items():
+            if condition_name(full) == name and not isinstance(value, str):
+                return float(converted(value, condition_unit(full) or unit, unit))
+        return None
+
     def values(self, quantity: str) -> Array | float:
         """Return a quantity with its sensor offset subtracted.
 

@@ -131,6 +131,7 @@ INSIDE = {
     "step_intervals": "estimation.estimates",
     "tells_no_scale": "terms.dense_series",
     "to_compare": "records.route_choice",
+    "told": "estimation.parameters",
     "torque_along": "force_map.force_balance",
     "trials_of": "travel_model",
     "uncertainties_of": "rig_uncertainties",

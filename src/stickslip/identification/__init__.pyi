@@ -27,6 +27,7 @@ from stickslip.identification.estimation.parameters import FreeParameters as Fre
 from stickslip.identification.estimation.parameters import reads_as_forces as reads_as_forces
 from stickslip.identification.estimation.parameters import required_of as required_of
 from stickslip.identification.estimation.parameters import starting_law as starting_law
+from stickslip.identification.estimation.parameters import told as told
 from stickslip.identification.estimation.parameters import with_known as with_known
 from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import RecordProblem as RecordProblem

@@ -229,6 +229,11 @@ def held_out(
     Every segment is held out in turn, or those that are named; the rows of others are NaN.
     """
     present = np.unique(best.segment).tolist()
+    if len(present) < 2:
+        raise InputError(
+            "one setting leaves nothing to fit when it is held out: measure at further settings, or"
+            " `fit` one law without a held-out error."
+        )
     chosen = present if held is None else held
     unseen = np.full(len(best.segment), np.nan)
     for number, one in enumerate(chosen, 1):

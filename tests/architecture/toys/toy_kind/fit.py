@@ -30,6 +30,7 @@ from stickslip.identification import (
     law_unknowns,
     search,
     sentences_of,
+    told,
 )
 from stickslip.mechanisms import Mechanism, SpringBlock
 from stickslip.quantities import parameters, vary
@@ -40,8 +41,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-DURATION = "duration [s]"
-"""Condition that makes a travel a slide: the time after which it was read."""
+DURATION = "duration"
+"""Condition that makes a travel a slide: the time after which it was read [s]."""
 NUDGE = 1e-4
 """Step of a difference quotient over the value; runs are exact to 1e-8."""
 
@@ -90,7 +91,7 @@ class SlideProblem(Problem):
         found = dict(zip(self.free_parameters.paths, map(float, values), strict=True))
         return vary(self.law, "friction", found)
 
-    def predicted(self, values: Array, rows: Array) -> Array:
+    def predicted(self, values: Array, rows: NDArray[np.intp]) -> Array:
         """Return the ways (m,) of some slides with values (p,)."""
         law, segment, known = self.law_with(values), self.segment, {}
         for i in rows.tolist():
@@ -114,9 +115,11 @@ class SlideProblem(Problem):
             rows = rows[np.isin(self.segment, only)]
         predicted = self.predicted(values, rows)
         table = np.zeros((len(rows), len(values)))
-        for i, item in enumerate(self.free_parameters.items if slopes else ()):
-            other = values.copy()
-            other[i] += NUDGE * max(abs(values[i]), abs(item.start))
+        items = self.free_parameters.items
+        bases = {one.above for one in items}  # what others must not fall below is made smaller
+        for i, item in enumerate(items if slopes else ()):
+            other, step = values.copy(), NUDGE * max(abs(values[i]), abs(item.start))
+            other[i] += -step if item.path in bases else step
             table[:, i] = (self.predicted(other, rows) - predicted) / (other[i] - values[i])
         return ResidualJacobian(
             values=values,
@@ -187,10 +190,16 @@ def problem_of(
     """Return slides as residuals of a law."""
     if not isinstance(mechanism, SpringBlock):
         raise InputError(f"slides need a SpringBlock on an incline, got {mechanism!r}.")
-    records = measurement.records()
-    blocks = [vary(mechanism, "mechanism", one.overrides) for one in records]
-    durations = np.array([one.conditions[DURATION] for one in records], dtype=float)
-    ways = np.array([one.travel for one in records], dtype=float)
+    slides = [
+        (vary(mechanism, "mechanism", one.overrides), one.condition(DURATION, "s"), float(way))
+        for one in measurement.records()
+        for way in np.atleast_1d(one.values("travel"))  # repeats of one setting
+    ]
+    blocks = [block for block, _, _ in slides]
+    durations = np.array([duration for _, duration, _ in slides], dtype=float)
+    ways = np.array([way for _, _, way in slides])
+    if not np.all(durations > 0.0):
+        raise InputError(f"durations of slides must be above 0 s, got {durations.min()!r} s.")
     weight = mechanism.mass * mechanism.gravity
     steepest = max(abs(math.sin(one.incline)) for one in blocks)
     scales = Scales.of_level(  # sizes of friction from which start values and bounds follow
@@ -224,7 +233,8 @@ def fit_slides(
     best, free = found.best, problem.free_parameters
     inference = infer(best, free.slopes(free.coordinates(best.values)), table=True)
     at_bounds = bounds_met(free, best.values)
-    estimates = estimates_of(free, best, inference, at_bounds)
+    shown = told(free, chosen.mechanism, measurement)  # with the units that values read in
+    estimates = estimates_of(shown, best, inference, at_bounds)
     return SlideFit(
         law=problem.law_with(best.values),
         mechanism=chosen.mechanism,
@@ -232,6 +242,6 @@ def fit_slides(
         problem=problem,
         optimum=found,
         inference=inference,
-        sentences=sentences_of(free, best, inference, at_bounds, estimates),
+        sentences=sentences_of(shown, best, inference, at_bounds, estimates),
         cancelled=found.cancelled,
     )

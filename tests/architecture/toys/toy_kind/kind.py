@@ -1,6 +1,7 @@
 """Slides: the kind that joins fit, selection and page."""
 
 from dataclasses import replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -8,8 +9,9 @@ from typing_extensions import override
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import joined, quantity
+from stickslip.formatting import joined, quantity, with_unit
 from stickslip.friction import CandidateSpec
+from stickslip.identification import Estimate
 from stickslip.kinds import Kind, Request
 from stickslip.kinds.kind import SeveralLaws
 from stickslip.selection import (
@@ -41,14 +43,14 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
 
     routes = (ROUTE,)
     measured = "slides"
-    uses = frozenset({"route"})
-    conditions = frozenset({"duration"})
+    uses = frozenset()
+    conditions = frozenset({DURATION})
     columns = COLUMNS
 
     @override
     def serves(self, measurement: Measurement) -> bool:
         return all(
-            "travel" in one.quantities() and DURATION in one.conditions
+            "travel" in one.quantities() and one.condition(DURATION, "s") is not None
             for one in measurement.records()
         )
 
@@ -105,8 +107,11 @@ def _judged(
 ) -> SlideCandidate:
     """Return a law fitted to all slides, and its errors at settings that were held out."""
     bare = SlideCandidate(name=one.name, title=one.title, fit=None)
+    # in a selection, progress is told the name of the candidate first
+    watch = request.progress and partial(request.progress, one.name)
+    asked = replace(request, law=one.law, laws=None, progress=watch)
     try:
-        fit = fit_slides(**replace(request, law=one.law, laws=None).arguments("law"))
+        fit = fit_slides(**asked.arguments("law"))
     except (ConvergenceError, InputError) as error:
         return replace(bare, dropped=str(error))
     best = fit.optimum.best
@@ -126,6 +131,10 @@ def _frictionless(request: Request) -> SlideCandidate:
     return SlideCandidate(name="none", title="No friction", fit=None, validation=found)
 
 
+def _between(one: Estimate) -> str:
+    return with_unit(one.range.replace(" to ", " and "), one.quantity.unit)
+
+
 def _words(closest: SlideCandidate, alike: list[str], *, useless: bool) -> Wording:
     assert closest.fit is not None
     name, fit = friction_of(closest.title), closest.fit
@@ -137,7 +146,7 @@ def _words(closest: SlideCandidate, alike: list[str], *, useless: bool) -> Wordi
             MILLIMETRES, closest.score, closest.score_error, "each setting held out in turn"
         ),
         settles=tuple(
-            f"${one.quantity.symbol}$ lies between {one.range.replace(' to ', ' and ')}."
+            f"${one.quantity.symbol}$ lies between {_between(one)}."
             for one in fit.estimates
             if one.bounded
         ),

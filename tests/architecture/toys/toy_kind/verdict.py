@@ -40,7 +40,12 @@ COLUMNS = (
         value=lambda one: one.name,
         text=lambda one: one.title,
     ),
-    Column[SlideCandidate](key="parameters", title="free", value=lambda one: one.parameters),
+    Column[SlideCandidate](
+        key="parameters",
+        title="free",
+        value=lambda one: one.parameters,
+        text=lambda one: str(one.parameters) if one.fit else None,
+    ),
     Column[SlideCandidate](
         key="score",
         title="held-out error",
@@ -51,7 +56,11 @@ COLUMNS = (
         plotted=True,
     ),
     Column[SlideCandidate](
-        key="outcome", page="outcome", numeric=False, value=lambda one: one.outcome
+        key="outcome",
+        page="outcome",
+        numeric=False,
+        value=lambda one: one.outcome,
+        text=lambda one: one.outcome,
     ),
 )
 
