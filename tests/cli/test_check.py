@@ -1,6 +1,8 @@
 """``stickslip check``: sentences, marks, exit codes, pictures."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -42,6 +44,22 @@ def test_the_sentences_of_a_good_record_are_printed(run, write):
     assert code == 0
     assert "  2,000 samples at 1 kHz over 2 s, evenly spaced" in out
     assert "largest speed of 0.314 m/s" in out  # 0.05 m times 2 pi
+
+
+def test_kinds_are_not_loaded_where_no_trial_has_a_condition(write, tmp_path):
+    line = ["check", write(**good()), *COLUMNS, *SCALES]
+    program = f"""
+import sys
+from stickslip.cli import main
+try:
+    main({line!r})
+finally:
+    print("stickslip.kinds.registry" in sys.modules)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "False"  # they take longer than the check
 
 
 def test_warnings_are_marked_and_no_failure(run, write):

@@ -1,7 +1,7 @@
 """``stickslip check``."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import typer
@@ -10,7 +10,6 @@ from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Measurement, Reading, Rig, check, load_rig, read_data
-from stickslip.kinds import kind_of
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
@@ -33,8 +32,7 @@ def run(
     rig, data = _parted(files, allow_import=allow_import)
     mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
-    conditions = kind_of(measurement).conditions
-    found = check(measurement, mechanism=mechanism, conditions=conditions)
+    found = check(measurement, mechanism=mechanism, conditions=_used(measurement))
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})
@@ -50,6 +48,15 @@ def run(
     if found.worst == "error":
         note("The check found errors: correct the data before fitting.")
         raise typer.Exit(BAD_DATA)
+
+
+def _used(measurement: Measurement) -> Collection[str]:
+    """Return the conditions that the kind uses; kinds take seconds to load."""
+    if not any(one.conditions for one in measurement.records()):
+        return ()
+    from stickslip.kinds import kind_of
+
+    return kind_of(measurement).conditions
 
 
 def _parted(files: Sequence[Path], *, allow_import: bool) -> tuple[Rig | None, list[Path]]:

@@ -738,6 +738,7 @@ def verdict_on(
         ),
         experiments=experiments,
         half_estimates=halves(closest.fit),
+        explained=asked is not None,
         shown=shown,
     )
 

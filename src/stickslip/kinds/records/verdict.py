@@ -186,6 +186,8 @@ class BlockwiseVerdict(CrossValidatedVerdict[RecordCandidate]):
     """How each law was fitted: segments, starts and their seed."""
     usual: bool = False
     """Whether no laws were named."""
+    explained: bool = False
+    """Whether the force balance was explained, which tells laws apart too."""
 
     @property
     @override

@@ -150,7 +150,7 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
         " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
         f" {number(APART)} standard errors are not told apart. "
     )
-    if verdict.usual and verdict.plan.length:
+    if verdict.explained:
         text += (
             "A law that leaves more of the force, over all rows, than the force balance allows is"
             " named only if those that it allows predict worse. "
