@@ -710,6 +710,10 @@ def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verd
     heading, caption = residual_heading(verdict, wrong)
     assert heading == "Model error: the residuals show an effect of delay"
     assert "It is late. Much." in caption
+    unknown = dataclasses.replace(
+        wrong, known_errors=(dataclasses.replace(late, kind="unexplained"),)
+    )
+    assert residual_heading(verdict, unknown)[0] == "The residuals show an error of the model"
 
 
 def residual_heading(verdict, fit):

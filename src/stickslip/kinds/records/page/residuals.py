@@ -21,6 +21,8 @@ from stickslip.plots import (
 )
 from stickslip.report import Block, Figure, Section, typeset
 
+NO_CAUSE = ("law", "unexplained")
+"""Kinds of errors of the model that say that there is one, and not what it is."""
 FLOOR = 10.0
 """Residuals over what noise would leave from which a missing trend alone says too little."""
 
@@ -61,8 +63,10 @@ def _panels(fit: RecordFit, factor: float) -> tuple[dict[str, ResidualPanel], li
 
 def _heading(fit: RecordFit, panels: list[str], trends: list[str]) -> str:
     if fit.model_errors:
-        kinds = joined([one.kind for one in fit.model_errors])
-        return f"Model error: the residuals show an effect of {kinds}"
+        causes = [one.kind for one in fit.model_errors if one.kind not in NO_CAUSE]
+        if not causes:
+            return "The residuals show an error of the model"
+        return f"Model error: the residuals show an effect of {joined(causes)}"
     if trends:
         return f"The residuals depend on {joined(trends)}"
     if not panels:
