@@ -37,8 +37,8 @@ select: $(RUN) ## run the main job on the bundled rig; the report goes to sticks
 	$(BIN)/stickslip demo --force
 
 # Side by side: what waits for one compiler would leave cores idle.
-test: $(DEV) ## run every check but the slow tests
-	$(MAKE) --no-print-directory --jobs 2 --output-sync=line lint types architecture docs unit
+test: $(DEV) ## run every check but the slow tests and the documentation
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=line lint types architecture unit
 
 stubs: $(DEV) ## write the stubs of packages that load their names lazily
 	$(BIN)/python tools/stubs.py

@@ -9,7 +9,7 @@ import functools
 import importlib.util
 import inspect
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -90,6 +90,36 @@ def each_of(kinds: Iterable[type[FrictionLaw]]) -> list[Any]:
 
 SHAPES = st.sampled_from([1.0, 2.0, 0.7, 1.5])
 """Exponents: whole ones, which shape the equations, and others, which stand in them."""
+
+
+def for_all(values: Iterable[Any]) -> Callable[[Callable[[Any], None]], Callable[[], None]]:
+    """Run a test for each value and name all that fail: a rule of style is a single case.
+
+    What pytest does around a case takes longer than such a check.
+    """
+
+    kept = [*values]
+    assert kept
+
+    def decorate(test: Callable[[Any], None]) -> Callable[[], None]:
+        def check() -> None:
+            faults = {}
+            for value in kept:
+                try:
+                    test(value)
+                except (Exception, pytest.fail.Exception) as error:
+                    label = getattr(value, "__name__", None) or getattr(value, "name", None)
+                    faults[str(label or value)] = error
+            assert not faults, "\n".join(f"{label}: {error}" for label, error in faults.items())
+
+        check.__name__, check.__doc__, check.__module__ = (
+            test.__name__,
+            test.__doc__,
+            test.__module__,
+        )
+        return check
+
+    return decorate
 
 
 def exported(path: Any) -> Any:

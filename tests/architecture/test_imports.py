@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from tests.support import for_all
 
 import stickslip
 from stickslip.friction import LAW_MODULES
@@ -19,7 +20,7 @@ def test_importing_the_package_loads_no_heavy_library():
     assert HEAVY.isdisjoint(run.stdout.split())
 
 
-@pytest.mark.parametrize("name", stickslip.__all__)
+@for_all(stickslip.__all__)
 def test_every_public_name_can_be_imported(name):
     assert getattr(importlib.import_module("stickslip"), name) is not None
 

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import pytest
+from tests.support import for_all
 
 import stickslip
 
@@ -46,12 +46,12 @@ def imports_past_a_door(file: Path) -> Iterator[str]:
                 yield f"{module}, line {node.lineno}"
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+@for_all(FILES)
 def test_no_import_goes_past_the_door_of_another_room(file: Path) -> None:
     assert list(imports_past_a_door(file)) == []
 
 
-@pytest.mark.parametrize("room", sorted(ROOMS))
+@for_all(sorted(ROOMS))
 def test_what_a_door_names_is_there(room: str) -> None:
     module = importlib.import_module(f"stickslip.{room}")
     table = {**getattr(module, "HOMES", {}), **getattr(module, "INSIDE", {})}
@@ -59,7 +59,7 @@ def test_what_a_door_names_is_there(room: str) -> None:
         assert getattr(module, name) is not None
 
 
-@pytest.mark.parametrize("room", sorted(ROOMS))
+@for_all(sorted(ROOMS))
 def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
     module = importlib.import_module(f"stickslip.{room}")
     used = {
@@ -81,7 +81,7 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
     assert set(getattr(module, "INSIDE", {})) <= used
 
 
-@pytest.mark.parametrize("room", ["", *sorted(ROOMS)])
+@for_all(["", *sorted(ROOMS)])
 def test_the_tables_of_a_door_are_in_the_order_of_their_names(room: str) -> None:
     tables = {
         node.targets[0].id: [key.value for key in node.value.keys if isinstance(key, ast.Constant)]

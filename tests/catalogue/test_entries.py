@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.support import for_all
 
 from stickslip import catalogue
 from stickslip.errors import InputError, UnknownNameError
@@ -14,12 +15,7 @@ from stickslip.experiments import QUANTITIES
 RECORDS = [catalogue.dataset(name) for name in catalogue.names()]
 MEASURED = [record for record in RECORDS if record.kind == "measured"]
 FETCHED = [record for record in MEASURED if record.commit]
-FILES = [(record, file) for record in RECORDS for file in record.files.values()]
 SHA256 = re.compile(r"[0-9a-f]{64}")
-
-
-def name_of(value):
-    return getattr(value, "name", None)
 
 
 def test_names_are_in_order_and_hold_measured_and_simulated_records():
@@ -38,7 +34,7 @@ def test_names_are_in_order_and_hold_measured_and_simulated_records():
     ]
 
 
-@pytest.mark.parametrize("record", RECORDS, ids=name_of)
+@for_all(RECORDS)
 def test_a_record_says_whose_it_is_and_under_which_licence(record):
     assert record.title
     assert record.citation
@@ -59,7 +55,7 @@ def test_all_measured_records_but_those_of_robots_and_servos_can_be_fetched():
     ]
 
 
-@pytest.mark.parametrize("record", FETCHED, ids=name_of)
+@for_all(FETCHED)
 def test_a_measured_record_can_be_fetched_and_converted(record):
     assert re.fullmatch(r"[0-9a-f]{40}", record.commit)
     assert record.format in {"mat", "tsv"}
@@ -67,7 +63,7 @@ def test_a_measured_record_can_be_fetched_and_converted(record):
     assert all(SHA256.fullmatch(file.source_sha256) for file in record.files.values())
 
 
-@pytest.mark.parametrize("record", MEASURED, ids=name_of)
+@for_all(MEASURED)
 def test_columns_are_quantities_of_a_measurement_each_once(record):
     quantities = [column.quantity for column in record.columns if column.quantity]
     assert {name.partition(".")[0] for name in quantities} <= {"time", *QUANTITIES}
@@ -75,8 +71,8 @@ def test_columns_are_quantities_of_a_measurement_each_once(record):
     assert len(quantities) == len(set(quantities)) >= 2
 
 
-@pytest.mark.parametrize(("record", "file"), FILES, ids=name_of)
-def test_a_part_says_how_many_rows_it_has(record, file):
+@for_all(file for record in RECORDS for file in record.files.values())
+def test_a_part_says_how_many_rows_it_has(file):
     assert file.about
     assert file.rows is not None or not file.part
     assert not file.sha256 or SHA256.fullmatch(file.sha256)

@@ -8,7 +8,7 @@ import re
 
 import pytest
 from latex2mathml.converter import convert
-from tests.support import SEVERAL, SHOWN, example_of
+from tests.support import SEVERAL, SHOWN, example_of, for_all
 
 from stickslip.errors import ParameterError
 from stickslip.friction import LAWS, PRINTED_FORMS, SOURCES, laws
@@ -43,10 +43,6 @@ UNITS = {
 }
 
 
-def called(kind):
-    return kind.__name__
-
-
 def written_docstrings(kind):
     """Return the names of a class body that are followed by a string."""
     (body,) = ast.parse(inspect.getsource(kind)).body
@@ -60,21 +56,21 @@ def written_docstrings(kind):
     }
 
 
-@pytest.mark.parametrize("kind", ALL, ids=called)
+@for_all(ALL)
 def test_every_class_is_a_frozen_keyword_only_dataclass(kind):
     assert dataclasses.is_dataclass(kind)
     assert kind.__dataclass_params__.frozen
     assert all(field.kw_only for field in dataclasses.fields(kind))
 
 
-@pytest.mark.parametrize("kind", ALL, ids=called)
+@for_all(ALL)
 def test_every_class_is_final_and_has_a_docstring_of_its_own(kind):
     assert kind.__final__
     assert (kind.__doc__ or "").strip()
     assert not kind.__doc__.startswith(f"{kind.__name__}(")  # what dataclasses write by themselves
 
 
-@pytest.mark.parametrize("kind", FIRST, ids=called)
+@for_all(FIRST)
 def test_every_field_of_a_class_is_explained(kind):
     own = inspect.get_annotations(kind)
     fields = {field.name for field in dataclasses.fields(kind)} & set(own)
@@ -85,20 +81,20 @@ def test_every_field_of_a_class_is_explained(kind):
         assert fields <= set(section)
 
 
-@pytest.mark.parametrize("kind", ALL, ids=called)
+@for_all(ALL)
 def test_every_number_has_a_symbol_and_a_unit(kind):
     for name, quantity in fields_of(kind).items():
         assert quantity.symbol, name
         assert quantity.unit in UNITS, f"{name}: add {quantity.unit} to UNITS, if it is SI"
 
 
-@pytest.mark.parametrize("kind", ALL, ids=called)
+@for_all(ALL)
 def test_symbols_tell_the_parameters_of_a_class_apart(kind):
     symbols = [quantity.symbol for quantity in fields_of(kind).values()]
     assert len(symbols) == len(set(symbols))
 
 
-@pytest.mark.parametrize("kind", ALL, ids=called)
+@for_all(ALL)
 def test_names_are_kebab_case(kind):
     assert KEBAB.fullmatch(kind.name)
 
@@ -113,14 +109,14 @@ def test_registries_with_installed_packages_hold_at_least_our_own():
     assert MECHANISMS.items() <= mechanisms().items()
 
 
-@pytest.mark.parametrize("kind", [*LAWS.values(), *PRINTED_FORMS.values()], ids=called)
+@for_all([*LAWS.values(), *PRINTED_FORMS.values()])
 def test_every_formula_renders_as_mathml(kind):
     rendered = convert(kind.formula)
     assert rendered.startswith("<math")
     assert "\\" not in re.sub(r"<[^>]*>", "", rendered)  # no command was left unrendered
 
 
-@pytest.mark.parametrize("law", LAWS.values(), ids=called)
+@for_all(LAWS.values())
 def test_every_law_names_sources_that_are_known(law):
     assert law.sources
     assert set(law.sources) <= set(SOURCES)
@@ -138,14 +134,14 @@ def test_citations_are_read_from_the_bibliography():
         assert not re.search(r"[{}\\]|, ,|\. \.", text)
 
 
-@pytest.mark.parametrize("law", LAWS.values(), ids=called)
+@for_all(LAWS.values())
 def test_the_order_of_fitting_names_real_parameters_once(law):
     assert law.fit_order
     assert len(set(law.fit_order)) == len(law.fit_order)
     assert set(law.fit_order) <= set(fields_of(law))
 
 
-@pytest.mark.parametrize("form", PRINTED_FORMS.values(), ids=called)
+@for_all(PRINTED_FORMS.values())
 def test_every_printed_form_says_what_is_wrong_and_how_to_mend_it(form):
     assert form.defect
     assert form.cure
@@ -153,7 +149,7 @@ def test_every_printed_form_says_what_is_wrong_and_how_to_mend_it(form):
     assert form.corrected in LAWS.values()
 
 
-@pytest.mark.parametrize("mechanism", {**SHOWN, **SEVERAL}.values(), ids=lambda one: one.name)
+@for_all({**SHOWN, **SEVERAL}.values())
 def test_a_mechanism_has_one_rate_and_one_unit_for_each_coordinate(mechanism):
     assert len(mechanism.coordinates) == len(mechanism.rates) == len(mechanism.units)
     names = (*mechanism.coordinates, *mechanism.rates)
@@ -163,25 +159,25 @@ def test_a_mechanism_has_one_rate_and_one_unit_for_each_coordinate(mechanism):
 SPECIMENS = [*map(example_of, LAWS.values()), *SHOWN.values()]
 
 
-@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+@for_all(SPECIMENS)
 def test_objects_survive_pickling(specimen):
     assert pickle.loads(pickle.dumps(specimen)) == specimen
 
 
-@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+@for_all(SPECIMENS)
 def test_objects_cannot_be_changed(specimen):
     name = next(iter(fields_of(type(specimen))))
     with pytest.raises(dataclasses.FrozenInstanceError):
         setattr(specimen, name, 1.0)
 
 
-@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+@for_all(SPECIMENS)
 def test_parameters_are_given_by_keyword(specimen):
     with pytest.raises(TypeError, match="positional"):
         type(specimen)(1.0)
 
 
-@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+@for_all(SPECIMENS)
 def test_a_copy_with_one_parameter_changed_is_checked_like_any_other(specimen):
     name = next(iter(fields_of(type(specimen))))
     doubled = dataclasses.replace(specimen, **{name: getattr(specimen, name) * 1.25})
@@ -191,6 +187,6 @@ def test_a_copy_with_one_parameter_changed_is_checked_like_any_other(specimen):
         dataclasses.replace(specimen, **{name: float("nan")})
 
 
-@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+@for_all(SPECIMENS)
 def test_equal_objects_have_equal_hashes(specimen):
     assert hash(dataclasses.replace(specimen)) == hash(specimen)

@@ -4,8 +4,8 @@ import pydoc
 import re
 from pathlib import Path
 
-import pytest
 import typer.main
+from tests.support import for_all
 
 from stickslip.cli.app import app
 from stickslip.friction import LAW_MODULES
@@ -15,7 +15,7 @@ TEXT = (Path(__file__).parents[2] / "CHANGELOG.md").read_text(encoding="utf-8")
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("name", [*LAW_MODULES, *MECHANISM_MODULES, *COMMANDS])
+@for_all([*LAW_MODULES, *MECHANISM_MODULES, *COMMANDS])
 def test_every_law_mechanism_and_command_is_named(name: str) -> None:
     assert f"`{name}`" in TEXT or f"`stickslip {name}`" in TEXT
 

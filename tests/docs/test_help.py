@@ -9,6 +9,7 @@ import types
 
 import pytest
 from tests.docs.test_reference import ENTRIES
+from tests.support import for_all
 
 import stickslip
 from stickslip.described import texts_below
@@ -21,10 +22,10 @@ def _public_classes():
         for part in name.split(".")[1:]:
             found = getattr(found, part)
         if dataclasses.is_dataclass(found):
-            yield pytest.param(found, id=f"{module}.{name}")
+            yield found
 
 
-@pytest.mark.parametrize("kind", [*_public_classes()])
+@for_all(_public_classes())
 def test_each_parameter_is_explained_and_no_type_fills_a_page(kind):
     assert "Annotated" not in str(inspect.signature(kind))
     text = inspect.getdoc(kind)

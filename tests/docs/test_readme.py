@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from tests.support import module_at, sketched
+from tests.support import for_all, module_at, sketched
 
 from stickslip import load_rig
 from stickslip.cli import main
@@ -134,6 +134,6 @@ def test_the_record_is_the_one_that_the_script_of_the_figures_makes() -> None:
     np.testing.assert_allclose(stored, expected, rtol=0, atol=1.5e-3)
 
 
-@pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))
+@for_all(sorted(set(LINK.findall(README))))
 def test_a_link_of_the_readme_leads_to_a_file(target: str) -> None:
     assert (ROOT / target).is_file()

@@ -5,7 +5,7 @@ import re
 from functools import reduce
 from pathlib import Path
 
-import pytest
+from tests.support import for_all
 
 import stickslip
 import stickslip.adapters
@@ -36,12 +36,12 @@ NAMES += [
 ]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_all(NAMES)
 def test_a_public_name_stands_in_the_reference(name: str) -> None:
     assert name in REFERENCE, f"{name} is missing in docs/reference/api.md"
 
 
-@pytest.mark.parametrize("name", PARTS)
+@for_all(PARTS)
 def test_a_part_of_laws_stands_in_the_table_of_how_to_compose_them(name):
     page = (PAGE.parents[1] / "howto/compose-law.md").read_text(encoding="utf-8")
     rows = [row for row in page.splitlines() if row.startswith("|")]

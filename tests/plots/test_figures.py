@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from tests.support import quick, wide_only
+from tests.support import for_all, quick, wide_only
 
 from stickslip import (
     Axis,
@@ -213,7 +213,7 @@ def test_names_of_events_stand_above_the_panel_and_not_on_its_curve():
     assert {"break-away", "stop"} <= set(named)
 
 
-@pytest.mark.parametrize("name", plots.__all__)
+@for_all(plots.__all__)
 def test_a_figure_can_be_imported_from_its_room(name):
     assert getattr(plots, name) is not None
 

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from tests.support import for_all
 
 from stickslip.friction import PRINTED_EQUATIONS, laws
 from stickslip.report import Math, Page, Section, render
@@ -43,7 +44,7 @@ def test_a_brace_has_its_rows_below_each_other_and_its_conditions_in_a_column():
     ]
 
 
-@pytest.mark.parametrize("latex", LATEX)
+@for_all(LATEX)
 def test_no_command_of_latex_is_left_in_the_text(latex):
     assert re.findall(r"[\\{}$]", formula_text(latex)) == []
 
@@ -58,7 +59,7 @@ def test_rows_of_unlike_length_and_a_last_break_are_no_error():
     assert branches(r"\begin{cases} a \& b & c \end{cases}").rows == ((r"a \& b", "c"),)
 
 
-@pytest.mark.parametrize("latex", LATEX)
+@for_all(LATEX)
 def test_the_page_sets_a_brace_that_needs_no_font_with_tall_glyphs(latex):
     section = Section(id="a", nav="A", heading="A", blocks=(Math(latex=latex, tag="(1)"),))
     page = render(Page(title="A", subject="", kicker="", sections=(section,), footer=""))
