@@ -53,7 +53,6 @@ def run(tree: Tree, *arguments: str, expected: int = 0) -> str:
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
     )
     assert done.returncode == expected, done.stdout + done.stderr
     return done.stdout
@@ -147,7 +146,6 @@ def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(t
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
     )
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()

@@ -502,9 +502,7 @@ def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_pa
 def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
     def module(*arguments):
         command = [sys.executable, "-m", "stickslip", *arguments]
-        return subprocess.run(
-            command, capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path
-        )
+        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
 
     good, bad = module("--version"), module("fit", "no-such-rig.toml")
     assert (good.returncode, bad.returncode) == (0, 2)

@@ -73,7 +73,7 @@ def test_a_worker_that_dies_is_a_clear_error():
 
 
 def test_what_workers_print_is_no_part_of_the_output(start):
-    out, err = start(0.0).communicate(timeout=60)
+    out, err = start(0.0).communicate()
     assert out.strip().isdigit()
     assert err.count("printed by a worker") == 2
 
@@ -86,7 +86,7 @@ def test_workers_end_with_the_process_that_waits_for_them(start, cause):
         process.kill()
     else:
         os.killpg(process.pid, signal.SIGINT)
-    process.wait(timeout=60)
+    process.wait()
     assert ended(worker)
 
 

@@ -106,7 +106,6 @@ def stickslip(tmp_path):
             capture_output=True,
             text=True,
             check=False,
-            timeout=120,
         )
 
     return run

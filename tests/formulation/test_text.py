@@ -45,7 +45,6 @@ def printed_with(seed):
         capture_output=True,
         text=True,
         check=True,
-        timeout=120,
     )
     return run.stdout.strip()
 
