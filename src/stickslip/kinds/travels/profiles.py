@@ -22,6 +22,9 @@ NEAR = 1.25
 """Height beyond the end, of which 1 is the height, from which the end is interpolated."""
 HALVINGS = 6
 """Times that a step is halved before what it leads to counts as a jump."""
+CLOSER = 2
+"""Times that a point is tried where the end is expected: else it would depend on the steps of the
+walk, which rounding may change."""
 
 
 def profile_ends(
@@ -67,7 +70,7 @@ def profile_ends(
     """
     count = len(starts)
     inside, outside, step = starts.copy(), starts.copy(), FIRST * along
-    height, share = np.zeros(count), np.zeros(count)
+    height, beyond, share = np.zeros(count), np.full(count, np.inf), np.zeros(count)
     halved = np.zeros(count, dtype=int)
     moving = np.arange(starts.shape[1]) != at[:, None]
     live = np.ones(count, dtype=bool)
@@ -92,8 +95,7 @@ def profile_ends(
         for walk, point, reached in zip(walks.tolist(), found, heights.tolist(), strict=True):
             if reached > 1.0:
                 if reached <= NEAR or halved[walk] >= HALVINGS:
-                    share[walk] = (1.0 - height[walk]) / (reached - height[walk])
-                    outside[walk], live[walk] = point, False
+                    outside[walk], beyond[walk], live[walk] = point, reached, False
                 else:
                     step[walk] *= 0.5
                     halved[walk] += 1
@@ -107,4 +109,17 @@ def profile_ends(
             if way > max(FAR * abs(along[walk, at[walk]]), size):
                 break_off = np.copysign(np.inf, along[walk, at[walk]])
                 outside[walk, at[walk]], share[walk], live[walk] = break_off, 1.0, False
+    met = np.isfinite(beyond)
+    share[met] = (1.0 - height[met]) / (beyond[met] - height[met])
+    for _ in range(CLOSER):
+        walks = np.flatnonzero(beyond <= NEAR)
+        if not len(walks):
+            break
+        way = outside[walks] - inside[walks]
+        found, costs = descend(inside[walks] + share[walks, None] * way, moving[walks])
+        reached = np.sqrt(np.maximum(costs - least, 0.0) / (target - least))
+        short, far = reached <= 1.0, (reached > 1.0) & (reached <= NEAR)
+        inside[walks[short]], height[walks[short]] = found[short], reached[short]
+        outside[walks[far]], beyond[walks[far]] = found[far], reached[far]
+        share[walks] = (1.0 - height[walks]) / (beyond[walks] - height[walks])
     return inside, outside, share

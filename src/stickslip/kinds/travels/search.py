@@ -71,6 +71,9 @@ STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 it should, which its third derivatives change."""
 OUTWARDS = 1e-3
 """Least length of an interval by which its ends are looked for, over the size of the value."""
+OTHER_SPEEDS = (1 / 16, 1 / 4, 4.0, 16.0)
+"""Speeds from which descents are tried where the end of an interval seems to be met, over that
+there."""
 BESIDE = 6.0
 """Standard errors from the best values at which searches begin again: mean speeds and travels rise
 and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
@@ -103,8 +106,12 @@ LOWER = 0.05
 """Share of that room by which a point beside the best one has to explain more to be the best."""
 ALIKE = 1e-3
 """Share by which the sums of squares of two points differ at most that are one and the same."""
-FLAT = 1e-8
-"""Singular value over the largest, columns scaled, below which a direction is not identified."""
+CLOSE = 1e-6
+"""Distance from a bound, over the size of a parameter, at which it counts as met."""
+FLAT = 1e-6
+"""Singular value over the largest, columns scaled, below which a direction is not identified, and
+influence of a parameter over the largest below which it has none. Travels are rounded to some 1e-12
+of their size, and their differences, which `descent.STEP` divides, to 1e-8."""
 
 
 def fit_readings(
@@ -209,8 +216,10 @@ def _freed(
     elif thorough:
         found = wide.with_free(found, FREED)
     least = wide.cost(found[0])
+    found = wide.nearest_first(found, ends[0])
     whole = replace(model, law=wide.model.with_values((wide.matrix @ found[0]).tolist()))
-    problem = _Problem(whole, trials)
+    # a slope that a search ended beside 0 says nothing of its size
+    problem = _Problem(whole, trials, wide.scale[:count])
     problem.spent, problem.plain = len(nuisances), float(min(plainest))
     limit = least + problem.room(least)
     reached = [(wide.matrix @ one).tolist() for one in found if wide.cost(one) <= limit]
@@ -275,7 +284,9 @@ class _Problem:
     must not fall below.
     """
 
-    def __init__(self, model: TravelModel, trials: Sequence[Trial]) -> None:
+    def __init__(
+        self, model: TravelModel, trials: Sequence[Trial], scale: Array | None = None
+    ) -> None:
         self.model, self.trials = model, trials
         self.rig = any(map(is_rig, model.free))
         """Whether parameters of the mechanism are unknown too."""
@@ -292,7 +303,8 @@ class _Problem:
         """Makes uncorrelated residuals of variance 1 (n, n)."""
         known = *parameters(model.law, "friction"), *parameters(trials[0].mechanism, "mechanism")
         self.known: dict[str, tuple[Quantity, float]] = {p: (q, v) for p, q, v in known}
-        self.scale = np.array([self.known[path][1] or 0.1 for path in model.free])
+        values = [self.known[path][1] or 0.1 for path in model.free]
+        self.scale = np.array(values) if scale is None else scale
         self.matrix = np.eye(len(model.free))
         """Values from unknowns."""
         room = []
@@ -479,6 +491,21 @@ class _Problem:
         limit = least + SAME * self.room(least)
         alike = [end for end in ends if self.cost(end) <= limit]
         return min(alike, key=lambda end: abs(float((self.matrix @ end)[0]) - start))
+
+    def nearest_first(self, found: Sequence[Array], level: Start) -> list[Array]:
+        """Return unknowns, the best first; of those that explain alike, that nearest to a level.
+
+        Which of these leaves least is rounding, and so is which of those with one level is nearest.
+        """
+        least = self.cost(found[0])
+        limit = least + SAME * self.room(least)
+
+        def order(one: Array) -> tuple[float, ...]:
+            off = np.array([abs(one[0] - level[0]), *one[1:]]) / self.scale
+            return tuple(np.round(off / APART).tolist())
+
+        first = min((one for one in found if self.cost(one) <= limit), key=order)
+        return [first, *(one for one in found if one is not first)]
 
     def with_free(self, found: Sequence[Array], most: int) -> list[Array]:
         """Return unknowns with where descents from the best of them end, the best first.
@@ -862,13 +889,22 @@ class _Problem:
         return float(brentq(excess, inside, outside, rtol=1e-10, xtol=1e-300))
 
     def _turned(self, there: Array) -> Array:
-        """Return unknowns, and the same with other powers of the speed."""
+        """Return unknowns, and the same with other powers of the speed and other speeds.
+
+        On these travels do not depend as on a level or a slope: descents end in the valley where
+        they begin.
+        """
         rows = [there]
         for i, path in enumerate(self.model.free):
-            if self.known[path][0].scale == "none":
-                for value in (self.least[i], self.high[i]):
-                    rows.append(there.copy())
-                    rows[-1][i] = value
+            scale = self.known[path][0].scale
+            others: Sequence[float] = ()
+            if scale == "none":
+                others = (self.least[i], self.high[i])
+            elif scale == "speed":
+                others = there[i] * np.array(OTHER_SPEEDS)
+            for value in others:
+                rows.append(there.copy())
+                rows[-1][i] = np.clip(value, self.least[i], self.high[i])
         return np.array(rows)
 
     def _local(self, i: int, there: Array) -> tuple[float, float]:
@@ -956,7 +992,9 @@ class _Problem:
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
         slopes = -np.linalg.solve(self.whitening, self.slopes_at(best))
-        free = np.isfinite(slopes).all(axis=0) & (best > self.least) & (best < self.high)
+        margin = CLOSE * self.scale
+        inside = (best > self.least + margin) & (best < self.high - margin)
+        free = np.isfinite(slopes).all(axis=0) & inside
         return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
     def _gain(self, best: Array) -> tuple[Array, float]:
@@ -969,7 +1007,9 @@ class _Problem:
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.any(sizes > 0.0):
             return gain, math.inf
-        seen = sizes > 0.0  # what travels do not depend on at all bears on nothing else
+        # what travels do not depend on bears on nothing else: its differences are rounding
+        moved = sizes * np.maximum(np.abs(self.matrix @ best), self.scale)
+        seen = moved > FLAT * np.max(moved)
         left, singular, rows = np.linalg.svd(jacobian[:, seen] / sizes[seen], full_matrices=False)
         condition = float(singular[0] / max(singular[-1], 1e-300)) if seen.all() else math.inf
         inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
