@@ -36,6 +36,8 @@ Fit_co = TypeVar("Fit_co", bound=Fit[Any], covariant=True)
 
 FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
+DIGITS = 6
+"""Significant digits of a score."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
 
@@ -94,8 +96,12 @@ class CrossValidation:
 
     @property
     def score(self) -> float:
-        """Root mean square over blocks."""
-        return math.sqrt(sum(self.losses) / len(self.losses))
+        """Root mean square over blocks.
+
+        It has no more digits than another kernel of linear algebra gives, so that laws that do the
+        same have the same score, and the order of the candidates decides.
+        """
+        return float(f"{math.sqrt(sum(self.losses) / len(self.losses)):.{DIGITS}g}")
 
     @property
     def error(self) -> float:

@@ -104,18 +104,20 @@ def widened_by_starts(
     least, limit = min(found.costs), float(scipy.stats.chi2.ppf(0.95, len(free_parameters)))
     share = min(limit / inference.effective, RIVALS)
     values, log = found.best.values, np.array([item.log for item in free_parameters.items])
-    costs = [cost for cost in found.costs if math.isfinite(cost)]  # others have no values
+    ends = []
+    for cost, end in zip(found.costs, found.values, strict=True):
+        if cost <= (1.0 + share) * least:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                off = np.where(log, values * np.log(end / values), end - values)
+            ends.append((off, end.tolist(), cost))
+    # the farthest end comes first: which of several leaves least may be rounding
+    ends.sort(key=lambda end: -float(_errors_off(end[0], inference).max()))
     said = ""
-    for cost, end in sorted(zip(costs, found.values.tolist(), strict=True)):
-        errors = inference.errors
-        known = np.isfinite(errors) & (errors > 0.0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            off = np.where(log, values * np.log(np.array(end) / values), np.array(end) - values)
-            far = np.where(known, np.abs(off) / errors, 0.0)
-        far[~np.isfinite(off)] = 0.0
-        if cost > (1.0 + share) * least or not far.max() > math.sqrt(limit):
+    for off, end, cost in ends:
+        far = _errors_off(off, inference)
+        if not far.max() > math.sqrt(limit):
             continue
-        inference = inference.including(np.where(known & np.isfinite(off), off, 0.0))
+        inference = inference.including(np.where(far > 0.0, off, 0.0))
         if not said:
             worst = int(far.argmax())
             item = free_parameters.items[worst]
@@ -127,6 +129,13 @@ def widened_by_starts(
                 f" residual is {larger}. The intervals were widened to include both."
             )
     return inference, said
+
+
+def _errors_off(off: Array, inference: Inference) -> Array:
+    """Return distances (p,) over the errors of what has any; 0 for the rest."""
+    errors = inference.errors
+    known = np.isfinite(errors) & (errors > 0.0) & np.isfinite(off)
+    return np.asarray(np.where(known, np.abs(off), 0.0) / np.where(known, errors, 1.0))
 
 
 def _sources(inference: Inference, index: int) -> dict[str, float]:
