@@ -187,6 +187,14 @@ def test_ends_of_starts_widen_intervals_where_they_fit_as_closely_and_lie_apart(
     assert wide.half_widths[1] > 2.0 * math.log(10.0)
 
 
+@pytest.mark.parametrize("last", [-1e-13, 1e-13])
+def test_intervals_include_ends_whatever_the_order_of_equal_residuals(last):
+    near, far = (1.02, [1.5, 2.0]), (1.02 + last, [9.0, 2.0])
+    wide, said = line_fit(near, far)
+    assert np.array_equal(wide.covariance, line_fit(far)[0].covariance)
+    assert "with a = 9 N" in said
+
+
 def test_a_written_power_has_its_exponent_fitted_where_the_law_of_that_name_holds_it():
     assert specification("lugre(level + stribeck) + power").free is not None
     assert "viscous_exponent" in specification("lugre(level + stribeck) + power").free

@@ -28,6 +28,7 @@ def read(curve, v, *, noise=0.02, seed=5, wrong=(0, 0.0)):
     return Measurement(velocity=v, friction=f)
 
 
+@pytest.mark.rounding
 def test_a_wrong_reading_is_named_and_left_out():
     # every law is bent by it: Coulomb friction alone was named
     table = read(stribeck, BOTH, wrong=(4, -1.2))
@@ -87,6 +88,7 @@ def test_no_row_of_a_sound_table_is_left_out(seed):
     assert len(verdict.measurement.velocity) == len(BOTH)
 
 
+@pytest.mark.rounding
 def test_a_law_says_that_others_are_possible_where_readings_leave_a_gap_in_a_dip():
     # a film that takes over the load from dry contact; no reading where friction falls
     speeds = np.array([0.028, 0.109, 0.154, 0.226, 0.230, 0.241, 0.289, 0.536])
@@ -121,6 +123,7 @@ def test_no_other_shape_is_said_where_readings_tell_the_law():
     assert verdict.closest.curve is None
 
 
+@pytest.mark.rounding
 def test_rounding_makes_no_row_suspicious():
     table = Measurement(velocity=SPEEDS, friction=2.0 + 3.0 * SPEEDS)
     verdict = select(AXIS, ["coulomb", "coulomb-viscous"], table)

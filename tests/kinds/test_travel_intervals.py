@@ -15,6 +15,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Pulse
+from stickslip.identification import TravelModel
 from stickslip.kinds.travels.profiles import profile_ends
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import vary
@@ -42,6 +43,60 @@ def readings(rig, law, path, settings, errors, *, stated=True):
         for setting, read in zip(settings, true, strict=True)
     )
     return Measurement(trials=trials), true
+
+
+THREE = Measurement(
+    trials=tuple(
+        Measurement(
+            travel=travel,
+            uncertainty=0.0005,
+            uncertainty_kind="rounding",
+            overrides={"mechanism.compression": compression},
+        )
+        for travel, compression in ((0.030, 0.04), (0.201, 0.1), (0.452, 0.15))
+    )
+)
+
+
+@pytest.mark.rounding
+@pytest.mark.parametrize(
+    "seed", [pytest.param(seed, marks=[pytest.mark.slow] * (seed > 0)) for seed in range(8)]
+)
+def test_intervals_do_not_turn_on_the_last_bits_of_travels(seed, monkeypatch):
+    """These readings gave mu_k .2483 to .2554 or .127 to .2554, by the kernel of linear algebra.
+
+    With friction at rest up to the largest speeds, half of the level explains them as well.
+    """
+    table, noise = TravelModel.table, np.random.default_rng(seed)
+
+    def rounded(self, trials, rows):
+        found = table(self, trials, rows)
+        return found * (1.0 + 1e-12 * noise.standard_normal(found.shape))
+
+    monkeypatch.setattr(TravelModel, "table", rounded)
+    found = fit(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), Stribeck, THREE)
+    level, slope = found.estimates
+    assert (f"{level.low:.3g}", f"{level.high:.3g}") == ("0.127", "0.255")
+    assert level.range == "0.13 to 0.26"
+    assert not slope.bounded
+
+
+def test_an_end_is_looked_for_from_other_valleys_at_the_value_that_is_followed():
+    """Where a power of the speed was followed itself, its ends were those of other powers."""
+
+    def descend(points, moving):
+        # beside x, y goes to the nearer of two values, of which one explains no more
+        points = np.where(moving, np.where(points > 3.0, 5.0, 1.0), points)
+        x, y = points.T
+        return points, x**2 * np.where(y > 3.0, 1.0, 4.0)
+
+    inside, outside, share = profile_ends(
+        descend, np.array([[0.0, 1.0]]), np.array([0]), np.array([[1.0, 0.0]]),
+        low=np.full(2, -90.0), high=np.full(2, 90.0), least=0.0, target=4.0,
+        again=lambda point: np.array([point, [0.1, 5.0], [7.0, 5.0]]),
+    )  # fmt: skip
+    end = inside + share[:, None] * (outside - inside)
+    np.testing.assert_allclose(end, [[2.0, 5.0]], rtol=1e-6)  # the profile is straight in x
 
 
 @pytest.mark.slow

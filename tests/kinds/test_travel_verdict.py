@@ -57,12 +57,14 @@ def verdict():
     return select(RIG, [COULOMB, VISCOUS, STRIBECK], READINGS)
 
 
+@pytest.mark.rounding
 def test_no_law_with_a_parameter_at_its_limit_is_chosen(verdict):
     assert verdict.best.name == "coulomb"
     assert doubts(verdict.best) == {}
     assert "sigma_2" not in verdict.sentence
 
 
+@pytest.mark.rounding
 def test_a_law_whose_viscous_part_may_be_zero_stays_in_the_ranking_with_the_reason(verdict):
     assert len([c for c in verdict.candidates if not c.beside]) == 3
     viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
@@ -99,6 +101,7 @@ def test_travels_without_motion_are_refused_by_a_fit_as_by_a_selection():
         fit(RIG, "coulomb", still)
 
 
+@pytest.mark.rounding
 def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():
     verdict = select(RIG, [VISCOUS], READINGS)
     assert verdict.sentence.startswith("Use Coulomb + viscous friction with mu_k = 0.25; ")
@@ -148,6 +151,7 @@ def test_a_given_value_is_compared_with_the_interval_by_its_name(verdict):
     )
 
 
+@pytest.mark.rounding
 def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
     for part in (
         verdict,
@@ -164,6 +168,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
     assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.254 (0.217 to 0.259)"
 
 
+@pytest.mark.rounding
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     table = verdict.to_dataframe()
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]

@@ -63,6 +63,15 @@ def test_the_most_usual_law_is_named_of_those_that_predict_as_well_as_the_best(g
     assert choose([rich(*gains), SIMPLE]).name == named
 
 
+@pytest.mark.parametrize("last", [-1e-12, 1e-12])
+def test_the_order_of_laws_that_predict_alike_is_that_in_which_they_were_tried(last):
+    """A law at its bound is the one beside it, up to the last bits of another kernel."""
+    losses = np.array([1.0, 1.1, 0.9, 1.0])
+    first, second = law("first", losses), law("second", losses * (1.0 + last))
+    assert first.score == second.score
+    assert choose([first, second]).name == "first"
+
+
 def test_a_block_that_is_bad_for_both_laws_does_not_hide_which_one_is_better():
     simple = law("simple", [4.0, 4.2, 3.8, 4.1, 300.0], parameters=1)
     better = law("rich", [1.0, 1.1, 0.9, 1.0, 310.0])

@@ -104,8 +104,9 @@ def widened_by_starts(
     least, limit = min(found.costs), float(scipy.stats.chi2.ppf(0.95, len(free_parameters)))
     share = min(limit / inference.effective, RIVALS)
     values, log = found.best.values, np.array([item.log for item in free_parameters.items])
+    costs = [cost for cost in found.costs if math.isfinite(cost)]  # others have no values
     ends = []
-    for cost, end in zip(found.costs, found.values, strict=True):
+    for cost, end in zip(costs, found.values, strict=True):
         if cost <= (1.0 + share) * least:
             with np.errstate(invalid="ignore", divide="ignore"):
                 off = np.where(log, values * np.log(end / values), end - values)

@@ -88,6 +88,8 @@ def profile_ends(
             plain = inside[walks[i]].copy()
             plain[at[walks[i]]] = there[i, at[walks[i]]]
             rows = again(plain)
+            rows[:, at[walks[i]]] = plain[at[walks[i]]]  # the value that is followed is held
+            rows = np.unique(rows, axis=0)
             others, those = descend(rows, np.repeat(moving[walks[i]][None], len(rows), axis=0))
             if those.min() < costs[i]:
                 found[i], costs[i] = others[np.argmin(those)], those.min()
