@@ -45,6 +45,9 @@ def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float
     return max(1.0, chi_square / freedom) if freedom > 0 else 1.0, float(max(freedom, 0))
 
 
+COLLINEAR = 1e-6
+"""Singular value over the largest below which slopes, columns scaled, have no direction of their
+own: travels have differences of rounding along it."""
 LONG = 10.0
 """Time in which a body that comes to rest has had its largest speed [s]."""
 SAMPLES = 2001
@@ -242,7 +245,9 @@ class TravelFit(Fit[Law_co]):
         root = np.linalg.cholesky(self.travel_covariance(scale))
         left = np.linalg.solve(root, np.array(self.residuals))
         slopes = np.linalg.solve(root, np.array(self.slopes))
-        left = left - slopes @ np.linalg.lstsq(slopes, left, rcond=None)[0]
+        sizes = np.linalg.norm(slopes, axis=0)
+        slopes = slopes[:, sizes > 0.0] / sizes[sizes > 0.0]
+        left = left - slopes @ np.linalg.lstsq(slopes, left, rcond=COLLINEAR)[0]
         return float(left @ left + 2.0 * np.sum(np.log(1e6 * np.diag(root))))
 
     @property

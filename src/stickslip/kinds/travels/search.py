@@ -995,6 +995,7 @@ class _Problem:
         margin = CLOSE * self.scale
         inside = (best > self.least + margin) & (best < self.high - margin)
         free = np.isfinite(slopes).all(axis=0) & inside
+        free[free] = _moving(slopes[:, free], np.maximum(np.abs(best), self.scale)[free])
         return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
     def _gain(self, best: Array) -> tuple[Array, float]:
@@ -1007,9 +1008,8 @@ class _Problem:
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.any(sizes > 0.0):
             return gain, math.inf
-        # what travels do not depend on bears on nothing else: its differences are rounding
-        moved = sizes * np.maximum(np.abs(self.matrix @ best), self.scale)
-        seen = moved > FLAT * np.max(moved)
+        # what travels do not depend on at all bears on nothing else
+        seen = _moving(jacobian, np.maximum(np.abs(self.matrix @ best), self.scale))
         left, singular, rows = np.linalg.svd(jacobian[:, seen] / sizes[seen], full_matrices=False)
         condition = float(singular[0] / max(singular[-1], 1e-300)) if seen.all() else math.inf
         inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
@@ -1067,6 +1067,12 @@ class _Problem:
             reason=reason,
             sources=sources if stated and not reason else {},
         )
+
+
+def _moving(slopes: Array, sizes: Array) -> NDArray[np.bool_]:
+    """Return which unknowns of some sizes move travels by more than these are rounded."""
+    moved = np.linalg.norm(slopes, axis=0) * sizes
+    return np.asarray(moved > FLAT * np.max(moved, initial=0.0))
 
 
 def _correlation(gain: Array, covariance: Array) -> tuple[tuple[float, ...], ...]:
