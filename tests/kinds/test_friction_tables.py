@@ -9,6 +9,7 @@ from tools.structure import TABLE, watched
 from stickslip import Axis, CoulombViscous, Measurement, Stribeck, fit, select
 from stickslip.errors import InputError
 from stickslip.experiments.slicing import without_row
+from stickslip.identification import ResidualJacobian
 from stickslip.kinds.friction_tables.selection import row_losses, suspects
 from stickslip.kinds.registry import kind_of
 from stickslip.selection import UNMEASURED
@@ -121,6 +122,37 @@ def test_no_other_shape_is_said_where_readings_tell_the_law():
     verdict = select(AXIS, ["coulomb-viscous", "stribeck", "power-viscous"], table)
     assert verdict.closest.name == "stribeck"
     assert verdict.closest.curve is None
+
+
+def shown(verdict):
+    ranges = [estimate.range for estimate in verdict.best.fit.estimates]
+    return verdict.sentence, [c.name for c in verdict.candidates], ranges
+
+
+@pytest.fixture(scope="module")
+def at_bound():
+    """Coulomb + viscous friction ends at its bound: it is Coulomb friction, but for rounding."""
+    table, laws = read(stribeck, BOTH), ["coulomb", "coulomb-viscous", "stribeck"]
+    return lambda: shown(select(AXIS, laws, table)), shown(select(AXIS, laws, table))
+
+
+@pytest.mark.rounding
+@pytest.mark.parametrize(
+    "seed", [pytest.param(seed, marks=[pytest.mark.slow] * (seed != 3)) for seed in range(8)]
+)
+def test_a_verdict_does_not_turn_on_the_last_bits_of_residuals(seed, at_bound, monkeypatch):
+    again, first = at_bound
+    noise, init = np.random.default_rng(seed), ResidualJacobian.__init__
+
+    def rounded(self, *, residual, slopes, **others):
+        made = slopes() if callable(slopes) else slopes
+        residual, slopes = (
+            one * (1.0 + 1e-12 * noise.standard_normal(one.shape)) for one in (residual, made)
+        )
+        init(self, residual=residual, slopes=slopes, **others)
+
+    monkeypatch.setattr(ResidualJacobian, "__init__", rounded)
+    assert again() == first
 
 
 @pytest.mark.rounding
