@@ -991,11 +991,12 @@ class _Problem:
 
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
-        slopes = -np.linalg.solve(self.whitening, self.slopes_at(best))
+        slopes: Array = -np.linalg.solve(self.whitening, self.slopes_at(best))
         margin = CLOSE * self.scale
         inside = (best > self.least + margin) & (best < self.high - margin)
         free = np.isfinite(slopes).all(axis=0) & inside
-        free[free] = _moving(slopes[:, free], np.maximum(np.abs(best), self.scale)[free])
+        sizes: Array = np.maximum(np.abs(best), self.scale)
+        free[free] = _moving(slopes[:, free], sizes[free])
         return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
     def _gain(self, best: Array) -> tuple[Array, float]:
