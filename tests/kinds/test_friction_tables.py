@@ -89,7 +89,6 @@ def test_no_row_of_a_sound_table_is_left_out(seed):
     assert len(verdict.measurement.velocity) == len(BOTH)
 
 
-@pytest.mark.rounding
 def test_a_law_says_that_others_are_possible_where_readings_leave_a_gap_in_a_dip():
     # a film that takes over the load from dry contact; no reading where friction falls
     speeds = np.array([0.028, 0.109, 0.154, 0.226, 0.230, 0.241, 0.289, 0.536])

@@ -151,7 +151,6 @@ def test_a_given_value_is_compared_with_the_interval_by_its_name(verdict):
     )
 
 
-@pytest.mark.rounding
 def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
     for part in (
         verdict,

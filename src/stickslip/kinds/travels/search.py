@@ -991,7 +991,7 @@ class _Problem:
 
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
-        slopes: Array = -np.linalg.solve(self.whitening, self.slopes_at(best))
+        slopes = -np.linalg.solve(self.whitening, self.slopes_at(best)).astype(float)
         margin = CLOSE * self.scale
         inside = (best > self.least + margin) & (best < self.high - margin)
         free = np.isfinite(slopes).all(axis=0) & inside
