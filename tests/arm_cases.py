@@ -21,10 +21,14 @@ TRUTH = {
 QUICK = RecordSettings(hold="first", starts=1)
 
 
-def motion(seed, span=10.0):
-    """Return times and motions of both joints: sums of sines, with their derivatives."""
+def motion(seed, span=10.0, jitter=0.0):
+    """Return times and motions of both joints: sums of sines, with their derivatives.
+
+    Times have a jitter, over a step.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, span, 0.002)
+    t += 0.002 * jitter * np.random.default_rng(seed + 2000).uniform(-1.0, 1.0, len(t))
     places, rates, accelerations = np.zeros((3, len(t), 2))
     for i in range(2):
         for w in rng.uniform(2.0, 12.0, 5):

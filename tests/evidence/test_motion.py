@@ -1,6 +1,7 @@
 """What a measured motion shows: resolution, band, direction, rests."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,6 +31,28 @@ def test_the_resolution_is_the_rounding_or_the_noise_whichever_is_larger():
     x = np.sin(T)
     assert resolution(np.round(x / 1e-3) * 1e-3) == pytest.approx(1e-3 / math.sqrt(12.0), rel=1e-6)
     assert resolution(noisy(x, 1e-4)) == pytest.approx(1e-4, rel=0.1)  # of a thousand samples
+
+
+@pytest.mark.parametrize("jitter", [0.02, 0.1, 0.45])
+@pytest.mark.parametrize("sigma", [1e-6, 1e-4])
+def test_jitter_of_the_times_changes_neither_the_resolution_nor_the_band(jitter, sigma):
+    random, found = np.random.default_rng(4), []
+    for t in (T, T + jitter * H * random.uniform(-1.0, 1.0, len(T))):
+        x = np.sin(3.0 * t) + sigma * random.normal(size=len(t))
+        series = Series(t, x, -9.0 * np.sin(3.0 * t) + 5.0 * np.sign(np.cos(3.0 * t)))
+        found.append((resolution(x, t), band(series)))
+    assert found[0][0] == pytest.approx(sigma, rel=0.1)
+    assert found[1] == pytest.approx(found[0], rel=0.1)  # the sixth root of the share of noise
+
+
+def test_a_resolution_that_is_given_sets_the_band_of_interpolated_positions():
+    x, at = 1e-4 * np.round(1e4 * np.sin(T)), T[1:-1] + 0.3 * H
+    force = 5.0 * np.sign(np.cos(T))
+    recorded = Series(T, x, force, mass=1.0)
+    between = Series(at, np.interp(at, T, x), force[1:-1], mass=1.0)
+    assert band(between) > 1.1 * band(recorded)
+    given = replace(between, resolution=resolution(x))
+    assert band(given) == pytest.approx(band(recorded), rel=1e-3)
 
 
 @pytest.mark.parametrize("shape", [(64,), (500, 1), (500, 3)])

@@ -33,8 +33,10 @@ from stickslip.friction import LAWS, BristleLaw, FrictionLaw
 from stickslip.identification.estimation.bristle_integration import Path as Motion
 from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, search
+from stickslip.identification.force_map.data import stretches_of
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import force_map
+from stickslip.identification.settings import SensorResponse
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -519,6 +521,19 @@ def test_a_table_may_have_rows_at_rest():
     friction = 2.0 * np.sign(v) + v + np.where(v == 0.0, np.linspace(-1.9, 1.9, 60), 0.0)
     found = stickslip.fit(AXIS, CoulombViscous, Measurement(velocity=v, friction=friction))
     assert [e.value for e in found.estimates] == pytest.approx([2.0, 1.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.5e-3, 0.7e-3])
+def test_an_encoder_that_flickers_at_rest_is_at_rest_for_a_delayed_force_too(delay):
+    t, x, v = strokes_and_rests(1000.0, 0.0)
+    count = 1e-5
+    flicker = (v == 0.0) & (np.random.default_rng(3).random(len(t)) < 0.3)
+    position = count * (np.rint(x / count) + flicker)
+    record = Measurement(time=t, position=position, friction=2.0 * np.sign(v))
+    response = SensorResponse(delay=delay)
+    (own,) = stretches_of(AXIS, record, response=response)
+    resting = np.interp(own.path.time - delay, t, v == 0.0) == 1.0
+    assert np.mean(own.path.velocity[resting] == 0.0) > 0.99
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from stickslip.evidence.explanation import Explanation, begin, explain, predict
 from stickslip.evidence.faults import Fault
 from stickslip.evidence.fits import Fit, acceleration_noise, fit
 from stickslip.evidence.intervals import Interval
-from stickslip.evidence.motion import LowPass, derivative, low_pass, resolution
+from stickslip.evidence.motion import LowPass, derivative, low_pass, resolution, unit_differences
 from stickslip.evidence.rule import Rule
 from stickslip.evidence.series import Series, outliers, pieces
 from stickslip.evidence.structure import GEARS, GROWN, LATE_OR_ELASTIC, SHOWN_LATE, Structure, fades
@@ -51,6 +51,7 @@ __all__ = [
     "polished",
     "predict",
     "resolution",
+    "unit_differences",
     "usual_band",
     "vocabulary",
 ]

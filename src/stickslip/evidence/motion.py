@@ -1,5 +1,6 @@
 """What a measured motion shows: its resolution, the band of the balance, directions and rests."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import final
@@ -75,8 +76,8 @@ def derivative(x: Array, h: float) -> Array:
     return np.asarray(found)
 
 
-def resolution(q: Array) -> float:
-    """Return the standard deviation of what positions (n,) do not resolve.
+def resolution(q: Array, t: Array | None = None) -> float:
+    """Return the standard deviation of what positions (n,) do not resolve, at even times or t.
 
     The larger of the rounding, where many samples differ by one step of an encoder, and of the
     third differences in the quietest fifth of the record.
@@ -96,11 +97,40 @@ def resolution(q: Array) -> float:
     moved = steps[steps > unit]
     share = float(np.mean(moved < 1.5 * step)) if moved.size else 0.0
     rounded = share > 0.02 or len(levels) < len(q) / 3
-    third = np.diff(q, 3)
+    third = np.diff(q, 3) / math.sqrt(20.0) if t is None else unit_differences(q, t, 3)
     n = max(len(third) // 20, 1)
     blocks = [third[i * n : (i + 1) * n] for i in range(20)]
-    quiet = float(np.quantile([one.std() for one in blocks if one.size], 0.2)) / math.sqrt(20.0)
+    quiet = float(np.quantile([one.std() for one in blocks if one.size], 0.2))
     return max(step / math.sqrt(12.0) if rounded else 0.0, quiet)
+
+
+def resolution_of(series: Series) -> float:
+    """Return the resolution that a series is given, or that its positions show."""
+    return resolution(series.q, series.t) if series.resolution is None else series.resolution
+
+
+def unit_differences(values: Array, time: Array, order: int) -> Array:
+    """Return divided differences of values (n,) in which white noise 1 is 1, whatever the times.
+
+    Polynomials of a lower order are 0 in them, while plain differences of uneven samples have the
+    jitter of the times in them.
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 1.0, 1.5, 4.0])
+    >>> unit_differences(t**2, t, 3).round(12).tolist()
+    [0.0]
+    >>> unit_differences(np.array([0.0, 0.0, 1.0]), np.arange(3.0), 2).round(3).tolist()
+    [0.408]
+    """
+    columns = [np.arange(i, max(len(values) - order, 0) + i) for i in range(order + 1)]
+    weights = np.ones((order + 1, len(columns[0])))
+    for i, j in itertools.permutations(range(order + 1), 2):
+        weights[i] /= time[columns[i]] - time[columns[j]]
+    weights /= np.linalg.norm(weights, axis=0)
+    return np.asarray(
+        np.sum([w * values[rows] for w, rows in zip(weights, columns, strict=True)], axis=0)
+    )
 
 
 def top_speed(v: Array) -> float:
@@ -114,13 +144,13 @@ def band(series: Series) -> float:
     White noise s of the position, sampled every h, has an acceleration of variance
     2 h s^2 (2 pi)^4 fc^5 / 5 up to fc; the inertia comes from a first regression.
     """
-    h = float(series.t[1] - series.t[0])
+    h = float(np.median(np.diff(series.t)))  # pieces may be uneven yet
     top = min(RATE / h, HIGHEST)
     if not series.driven:
         return top
     rest = series.force if series.taken is None else series.force - series.taken
     if series.mass is not None:
-        noise = series.mass * resolution(series.q)
+        noise = series.mass * resolution_of(series)
         allowed = SHARE * float((series.force if series.force.any() else rest).std())
         if series.taken is not None or series.extra:  # friction may be a small part of the force
             low = low_pass(h, min(10.0, top / 2.0))
@@ -140,7 +170,7 @@ def band(series: Series) -> float:
     columns = np.column_stack([a, np.tanh(v / slow), np.ones_like(a), *known])
     size = np.maximum(np.sqrt((columns * columns).sum(axis=0)), 1e-300)
     values = np.linalg.lstsq(columns / size, f, rcond=None)[0] / size
-    noise = abs(float(values[0])) * resolution(series.q)
+    noise = abs(float(values[0])) * resolution_of(series)
     allowed = SHARE * float(f.std())
     if series.taken is not None or series.extra:
         friction = values[1] * columns[:, 1] + f - columns @ values

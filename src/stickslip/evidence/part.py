@@ -17,7 +17,7 @@ from stickslip.evidence.motion import (
     low_pass,
     near_rest,
     open_rows,
-    resolution,
+    resolution_of,
 )
 from stickslip.evidence.series import Series, even
 
@@ -143,7 +143,7 @@ def part_of(
     q, slow = wide.passed(s.q), own.passed(s.q)
     v = derivative(q, h) if s.velocity is None else wide.passed(s.velocity)
     speed = derivative(slow, h) if s.velocity is None else own.passed(s.velocity)
-    sigma = max(resolution(piece.q), 1e-6 * float(np.ptp(q)))
+    sigma = max(resolution_of(piece), 1e-6 * float(np.ptp(q)))
     direction = directions(s, v, sigma, fc)
     rest = open_rows(q, direction, RESOLVED * sigma, fc, h)[::every]
     acting = np.interp(s.t - 0.5 * h, s.t, s.force) if s.hold else s.force

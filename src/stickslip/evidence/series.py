@@ -63,6 +63,9 @@ class Series:
     of several channels may share."""
     velocity: Array | None = None
     """Measured velocities (n,) [m/s] or [rad/s], if there are any."""
+    resolution: float | None = None
+    """Standard deviation of what the positions do not resolve; None if they show it, as positions
+    on lines between recorded ones do not."""
     hold: bool = False
     """Whether each force holds until the next sample: it then acts half a sample later."""
 

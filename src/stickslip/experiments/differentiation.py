@@ -255,17 +255,27 @@ def usual_top_speed(velocity: Array) -> float:
     return float(np.percentile(np.abs(velocity), USUAL))
 
 
-def noise_of(values: Array, step: float = 0.0, order: int = 3) -> float:
+def noise_of(values: Array, step: float = 0.0, order: int = 3, time: Array | None = None) -> float:
     """Return the standard deviation of the noise of samples, from what no smooth motion explains.
+
+    Without times, samples are taken as even.
 
     Examples
     --------
     >>> noise_of(np.arange(10.0)), round(noise_of(np.arange(10.0), step=1.0), 3)
     (0.0, 0.289)
+    >>> uneven = np.arange(100.0) + 0.25 * (np.arange(100) % 2)
+    >>> noise_of(uneven**2, time=uneven) < 1e-9 < noise_of(uneven**2)
+    True
     """
-    differences = np.diff(values, order)
-    growth = math.sqrt(math.comb(2 * order, order))  # of white noise: its weights are binomials
+    if time is None:
+        growth = math.sqrt(math.comb(2 * order, order))  # of white noise: its weights are binomials
+        differences = np.diff(values, order) / growth
+    else:
+        from stickslip.evidence import unit_differences
+
+        differences = unit_differences(values, time, order)
     middle = float(np.median(np.abs(differences))) if differences.size else 0.0
-    spread = middle / QUARTILE / growth
+    spread = middle / QUARTILE
     rounding = 1e-15 * float(np.abs(values).max())  # what differences of floats leave
     return max(spread if spread > 20 * rounding else 0.0, step / float(np.sqrt(12.0)))

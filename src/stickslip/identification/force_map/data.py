@@ -445,22 +445,26 @@ def _motion(
     known, times = record.quantities(), time[rows]
     t = times[response.known(times)]
     if "velocity" in known:
-        velocity = response.moved(times, np.asarray(record.values("velocity"), dtype=float)[rows])
-        doubt = _noise_beside_motion(velocity)
+        recorded = np.asarray(record.values("velocity"), dtype=float)[rows]
+        doubt = _noise_beside_motion(recorded)
+        velocity = response.moved(times, recorded)
         fast = usual_top_speed(velocity)
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
         position = np.concatenate([[0.0], np.cumsum(steps)])
         unsure = min(BEYOND * doubt, SLOWEST * fast)
         return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
-    position = response.moved(times, np.asarray(record.values("position"), dtype=float)[rows])
+    recorded = np.asarray(record.values("position"), dtype=float)[rows]
+    step = step_of(recorded)  # between samples, where a delay may lead, there are no steps
+    reach = reach_of(recorded, _noise_beside_motion(recorded, step))
+    position = response.moved(times, recorded)
     derived = "velocity" not in known
     if derived:
-        velocity, doubt = _velocity(t, position)
+        velocity, doubt = _velocity(t, position, step)
         fast = usual_top_speed(velocity)
     slowness = min(max(SLOW * fast, BEYOND * doubt), SLOWEST * fast)
     unsure = slowness if derived else min(BEYOND * doubt, slowness)
-    velocity = _resolved(t, position, velocity, slowness, unsure)
+    velocity = _resolved(t, position, velocity, reach, slowness, unsure)
     # where nothing moves, the noise of positions would let bristles relax
     moving = np.append(True, (velocity[1:] != 0.0) | (velocity[:-1] != 0.0))
     last = np.maximum.accumulate(np.where(moving, np.arange(len(t)), 0))
@@ -468,19 +472,18 @@ def _motion(
 
 
 def _resolved(
-    time: Array, position: Array, velocity: Array, slowness: float, unsure: float
+    time: Array, position: Array, velocity: Array, reach: float, slowness: float, unsure: float
 ) -> Array:
     """Return velocities (n,) [m/s] that are 0 where the sensor does not resolve any.
 
-    At rest positions stay within their reach, for so long that what they may have gone meanwhile is
-    slow beside the largest speed, and velocities are below `slowness` [m/s]. Velocities whose
-    direction is not sure, below `unsure` [m/s], have that of the displacements before and after
-    them; at reversals, where these differ, it is not known.
+    At rest positions stay within their reach [m], for so long that what they may have gone
+    meanwhile is slow beside the largest speed, and velocities are below `slowness` [m/s].
+    Velocities whose direction is not sure, below `unsure` [m/s], have that of the displacements
+    before and after them; at reversals, where these differ, it is not known.
 
     Inverse dynamics has a rule of its own (`filtered_motion`): its velocities are filtered, and its
     rows see rests through a filter, whose memory decides which are too short to count.
     """
-    reach = reach_of(position, _noise_beside_motion(position, step_of(position)))
     moved, ways = _displacements(position, 2.0 * reach)
     number = np.searchsorted(moved, np.arange(len(time)), side="right")
     first, last = np.append(0, moved), np.append(moved, len(time)) - 1
@@ -527,11 +530,12 @@ def _low_pass(passed: float) -> LowPass:
     return low_pass(0.5, passed, most=1.0)
 
 
-def _velocity(time: Array, position: Array) -> tuple[Array, float]:
+def _velocity(time: Array, position: Array, step: float) -> tuple[Array, float]:
     """Return the velocity (n,) [m/s] by parabolas, which shift no phase, and its deviation.
 
-    They are as short as the noise of positions allows. White noise s leaves a standard deviation of
-    s sqrt(3 / (k (k + 1) (2 k + 1))) where k neighbours to either side count.
+    Positions were recorded in steps [m], or 0. The parabolas are as short as the noise of positions
+    allows. White noise s leaves a standard deviation of s sqrt(3 / (k (k + 1) (2 k + 1))) where k
+    neighbours to either side count.
     """
     from scipy.signal import savgol_filter
 
@@ -539,7 +543,7 @@ def _velocity(time: Array, position: Array) -> tuple[Array, float]:
     check_even_times(steps)
     even = np.linspace(time[0], time[-1], steps + 1)
     x, dt = np.interp(even, time, position), float(even[1] - even[0])
-    noise, half, most = _noise_beside_motion(x, step_of(position)), 0, max(steps // 2, 1)
+    noise, half, most = _noise_beside_motion(x, step), 0, max(steps // 2, 1)
     while half < most:
         half = min(max(half + 1, int(GROWTH * half)), most)
         v = (x[2 * half :] - x[: -2 * half]) / (2 * half * dt)  # in which noise shows least

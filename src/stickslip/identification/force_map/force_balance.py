@@ -396,22 +396,24 @@ def second_differences(x: Array, dt: float) -> Array:
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
-def positive_noise(x: Array) -> float:
+def positive_noise(x: Array, time: Array | None = None) -> float:
     """Return the standard deviation of white noise of positions (n,); at least their rounding.
 
     Between the steps of a coarse encoder most third differences are 0, and so would their median.
+    Positions are to be those that were recorded, at their times (n,) if these are uneven: on lines
+    between them, there are no steps of an encoder.
     Third differences alone, unlike for the velocities of a force map: the shares of noise that the
     filters leave (`LEAK`, `QUIET`) were chosen with them.
     """
-    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
+    return max(noise_of(x, step_of(x), time=time), 1e-12 * float(np.ptp(x)), 1e-150)
 
 
-def mean_frequency(x: Array) -> float:
-    """Return the mean frequency of a motion (n,) [rad per sample].
+def mean_frequency(x: Array, noise: float) -> float:
+    """Return the mean frequency of a motion (n,) with white noise [rad per sample].
 
     That of the sine with the same mean squares of position, seen from its mean, and of steps.
     """
-    steps = float(np.var(np.diff(x))) - 2.0 * positive_noise(x) ** 2
+    steps = float(np.var(np.diff(x))) - 2.0 * noise**2
     return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
 
 
@@ -424,7 +426,8 @@ def passed_by_balance(x: Array, *, resolved: bool = False) -> float:
     allows: of an axis that sticks and slips a filter of 2 Hz left 23 N of 39 N at the true law, one
     of 70 Hz the noise of the force, 0.06 N.
     """
-    noise, spread, mean = positive_noise(x), float(np.std(x)), mean_frequency(x)
+    noise, spread = positive_noise(x), float(np.std(x))
+    mean = mean_frequency(x, noise)
     share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
@@ -432,13 +435,13 @@ def passed_by_balance(x: Array, *, resolved: bool = False) -> float:
     return float(min(max(min(max(quiet, least), most), 2.0 * RIPPLES / len(x)), HIGHEST))
 
 
-def _passed_of_motion(x: Array, least: float) -> float:
+def _passed_of_motion(x: Array, noise: float, least: float) -> float:
     """Return what the filter of the motion passes: as much as the noise of positions allows.
 
     White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
     """
     speed = usual_top_speed(np.diff(x))
-    share = (3.0 * np.pi * (QUIET * speed / positive_noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
+    share = (3.0 * np.pi * (QUIET * speed / noise) ** 2) ** (1.0 / 3.0) / np.pi
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 
@@ -467,9 +470,15 @@ class FilteredMotion:
 
 
 def filtered_motion(
-    raw: Array, dt: float, passed: float, *, tracked: bool, resolved: bool = False
+    raw: Array,
+    dt: float,
+    passed: float,
+    *,
+    tracked: bool,
+    resolved: bool = False,
+    noise: float | None = None,
 ) -> FilteredMotion:
-    """Return the motion that positions (n,) show.
+    """Return the motion that positions (n,) show, whose noise is given if they are interpolated.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
@@ -477,12 +486,12 @@ def filtered_motion(
     all motion: a heavy body that swings on bristles by 10 um after a stop does not. Its velocities
     are those of the fourth order, which overshoot where others break away.
     """
-    x = smoothed(raw, _passed_of_motion(raw, passed))
+    noise = positive_noise(raw) if noise is None else noise
+    x = smoothed(raw, _passed_of_motion(raw, noise, passed))
     v = derivative(x, dt) if resolved else np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        noise = positive_noise(raw)
         reach = BEYOND * noise if resolved else reach_of(raw, noise)
         steps = np.diff(play(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
@@ -503,13 +512,13 @@ def filtered_motion(
     )
 
 
-def resting_motion(raw: Array) -> FilteredMotion:
-    """Return positions (n,) as those of a body at rest throughout, which at most drifts."""
+def resting_motion(raw: Array, noise: float) -> FilteredMotion:
+    """Return positions (n,) with noise as those of a body at rest, which at most drifts."""
     return FilteredMotion(
         position=smoothed(raw, min(2.0 * RIPPLES / len(raw), HIGHEST)),
         velocity=np.zeros_like(raw),
         resting=np.ones(len(raw), dtype=bool),
-        resolution=2.0 * reach_of(raw, positive_noise(raw)),
+        resolution=2.0 * reach_of(raw, noise),
     )
 
 

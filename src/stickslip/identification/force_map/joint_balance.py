@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.evidence import Series, play, usual_band
+from stickslip.evidence import Series, play, resolution, usual_band
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
@@ -283,7 +283,9 @@ class JointPiece:
     time: Array
     """Even times (n,) [s]."""
     raw: Array
-    """Positions (n, m) as they were measured."""
+    """Positions (n, m) at these times, not filtered."""
+    resolutions: Sequence[float]
+    """What each joint's sensor does not resolve, by the positions as they were recorded."""
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
     accelerations: Array
@@ -326,21 +328,21 @@ class JointPiece:
     ) -> "JointPiece":
         """Return one stretch of a record without a gap."""
         joints = [record.joints[name] for name in torques.coordinates]
-        time, columns = _on_even_times(
-            np.asarray(record.time, dtype=float),
-            [positions_of(one) for one in joints],
-            [np.asarray(one.values("force")) for one in joints],
-        )
+        times, rows = np.asarray(record.time, dtype=float), [positions_of(one) for one in joints]
+        forces = [np.asarray(one.values("force")) for one in joints]
+        # steps of encoders, noise and rests show in the rows as they were recorded
+        noises = [positive_noise(x, times) for x in rows]
+        passed, moving = _cut_off(rows, noises, wider)
         count = len(joints)
+        time, columns = _on_even_times(times, [*rows, *forces])
         raw, forces = columns[:count], columns[count:]
         dt = float(time[1] - time[0])
         applied = np.column_stack([mean_force(u, joined=hold == "first") for u in forces])
-        passed, moving = _cut_off(raw, wider)
         motions = tuple(
-            filtered_motion(x, dt, passed, tracked="position" in one.quantities())
+            filtered_motion(x, dt, passed, tracked="position" in one.quantities(), noise=noise)
             if moves
-            else resting_motion(x)
-            for x, one, moves in zip(raw, joints, moving, strict=True)
+            else resting_motion(x, noise)
+            for x, one, noise, moves in zip(raw, joints, noises, moving, strict=True)
         )
         places = np.column_stack([one.position for one in motions])
         rates = np.column_stack([one.velocity for one in motions])
@@ -369,6 +371,7 @@ class JointPiece:
             record=number,
             time=time,
             raw=np.column_stack(raw)[inside],
+            resolutions=[resolution(x, times) for x in rows],
             motions=motions,
             accelerations=accelerations,
             passed=passed,
@@ -442,6 +445,7 @@ class JointPiece:
             taken=self.taken[:, i] - inertia * a,
             covariates={"load": self.loads[:, i], **self.recorded[i], **self._gear(i)},
             extra=columns,
+            resolution=self.resolutions[i],
         )
 
     def _gear(self, i: int) -> dict[str, Array]:
@@ -490,20 +494,23 @@ class JointPiece:
         )
 
 
-def _cut_off(raw: Sequence[Array], wider: float) -> tuple[float, list[bool]]:
-    """Return what the common filter passes, and which joints move.
+def _cut_off(
+    raw: Sequence[Array], noises: Sequence[float], wider: float
+) -> tuple[float, list[bool]]:
+    """Return what the common filter passes, and which joints move, from recorded positions (n,).
 
     The filter is that of the joints that move: of one at rest, jitter of its encoder would be the
     fastest. A joint moves if it is displaced within the memory of the filter by more than its
     sensor may miss, or in all by many times that.
     """
-    reaches = [reach_of(x, positive_noise(x)) for x in raw]
+    reaches = [reach_of(x, noise) for x, noise in zip(raw, noises, strict=True)]
     followed = [play(x, reach) for x, reach in zip(raw, reaches, strict=True)]
     ranges = [float(np.ptp(x)) / (2.0 * reach) for x, reach in zip(followed, reaches, strict=True)]
     moving = [one > 1.0 and np.unique(x).size > LEVELS for x, one in zip(raw, ranges, strict=True)]
 
     def passed() -> float:
-        speeds = (mean_frequency(x) for x, moves in zip(raw, moving, strict=True) if moves)
+        found = zip(raw, noises, moving, strict=True)
+        speeds = (mean_frequency(x, noise) for x, noise, moves in found if moves)
         least = FEWEST * max(speeds, default=0.0) / np.pi
         return float(max(least, 2.0 * RIPPLES / len(raw[0])))
 
@@ -514,13 +521,10 @@ def _cut_off(raw: Sequence[Array], wider: float) -> tuple[float, list[bool]]:
     return min(wider * passed(), HIGHEST), moving
 
 
-def _on_even_times(
-    time: Array, raw: Sequence[Array], forces: Sequence[Array]
-) -> tuple[Array, list[Array]]:
+def _on_even_times(time: Array, columns: list[Array]) -> tuple[Array, list[Array]]:
     """Return signals at even times, joined by lines where they were sampled at others."""
     dt = check_even(time)
     even = np.linspace(time[0], time[-1], len(time))
-    columns = [*raw, *forces]
     if float(np.max(np.abs(time - even))) <= JITTER * dt:
         return even, columns
     return even, [np.interp(even, time, column) for column in columns]
