@@ -19,6 +19,7 @@ from typing import get_args
 import pytest
 from tests.support import for_all
 from tools import stubs
+from tools.lowest import lowest
 
 import stickslip
 import stickslip.plots
@@ -438,6 +439,13 @@ def test_the_wheel_has_the_stubs_and_the_mark_of_a_typed_package(tmp_path: Path)
     names = set(zipfile.ZipFile(path).namelist())
     stubbed = {f"{package.replace('.', '/')}/__init__.pyi" for package in stubs.PACKAGES}
     assert {"stickslip/py.typed", *stubbed} <= names
+
+
+def test_every_dependency_of_the_package_and_its_extras_names_its_lowest_version() -> None:
+    extras = "bayes benchmark control dask gym logs mdf mujoco ros sensitivity xarray bench docs"
+    assert all(re.match(r"[\w.\[\]-]+==\d", line) for line in lowest(extras.split()))
+    with pytest.raises(SystemExit, match=r"must be NAME>=VERSION"):
+        lowest(["dev"])  # names the package itself
 
 
 def test_registered_laws_and_mechanisms_are_public() -> None:
