@@ -37,8 +37,9 @@ class Status(enum.Enum):
     STEP_TOO_SMALL = "The step size fell below rounding error: the equations are singular here."
     NOT_FINITE = "The state diverged: it is no longer finite."
     HELD = (
-        "A coordinate without slip is pressed against its hard stop: the solver does not"
-        " continue from there."
+        "A coordinate without slip is pressed against its hard stop: the solver does not continue"
+        " from there. A restitution nearer to 1, a faster drive or a stop farther away may avoid"
+        " that."
     )
     ZENO = "Zeno behaviour: events accumulate at one instant, and the run cannot be continued."
     CANCELLED = "The run was cancelled."
@@ -47,6 +48,11 @@ class Status(enum.Enum):
     def complete(self) -> bool:
         """Whether the run covers all the time asked for."""
         return self in (Status.END_TIME, Status.AT_REST)
+
+    @property
+    def label(self) -> str:
+        """The first words, up to the colon or the full stop, as figures show them."""
+        return self.value.partition(":")[0].rstrip(".")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from scipy.io import loadmat
 from tests.commands import commands
 
 from stickslip.errors import InputError
@@ -134,6 +135,65 @@ def test_simulate_exports_what_it_ran(run, tmp_path, suffix):
     headers = [f"{name} [{unit}]" for name, unit in names.items()] if suffix == "csv" else names
     assert list(frame.columns) == [*headers, "mode"]
     assert len(frame) == 11
+
+
+def test_a_run_for_matlab_has_a_variable_for_each_column_and_their_units(run, tmp_path):
+    def written(name):
+        code, _, err = run("simulate", "demo", "-o", name, "--samples", "11")
+        assert code == 0, err
+        return (tmp_path / name).read_bytes()
+
+    assert written("run.mat") == written("other.mat")
+    content = loadmat(tmp_path / "run.mat", simplify_cells=True)
+    assert content["x"].shape == content["t"].shape == (11,)
+    assert content["units"] == {
+        "t": "s", "x": "m", "v": "m/s", "friction": "N", "normal_force": "N", "mode": "1",
+    }  # fmt: skip
+    assert content["x"][-1] == pytest.approx(0.203874, abs=1e-6)
+
+
+CAPSULE = """
+[mechanism]
+type = "capsule"
+capsule_mass = 0.08
+inner_mass = 0.02
+stiffness = 60.0
+damping = 0.03
+upper_stop = 0.002
+restitution = 0.6
+[mechanism.drive]
+type = "torque"
+drive = {type = "sine", amplitude = 0.2, frequency = 13.0}
+[friction.coulomb]
+kinetic_coefficient = 0.2
+static_coefficient = 0.25
+"""
+
+
+def test_a_periodic_run_says_its_mean_velocity(run, tmp_path):
+    (tmp_path / "capsule.toml").write_text(CAPSULE)
+    code, out, _ = run("simulate", "capsule.toml", "--t-end", "4", "-q")
+    assert code == 0
+    # two independent codes give 16.679 mm/s
+    assert "Travel per cycle, once the motion has settled: 1.28 mm; mean velocity 16.68 mm/s" in out
+
+
+def test_a_sweep_says_where_and_why_it_has_no_velocity(run, tmp_path):
+    (tmp_path / "capsule.toml").write_text(CAPSULE)
+    vary = "mechanism.drive.drive.frequency=2:14:3"
+    settings = ("--settle", "10", "--cycles", "2", "--force")
+    code, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings)
+    assert code == 0
+    sentence = "At 1 of 3 points (frequency 2 Hz) the run stopped: A coordinate without slip is"
+    assert sentence in out
+    table = pd.read_csv(tmp_path / "stickslip-sweep.csv")
+    assert table["reason"].notna().tolist() == [True, False, False]
+    assert "No value: A coordinate without" in (tmp_path / "stickslip-sweep.svg").read_text()
+    _, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings, "--json")
+    content = json.loads(out)
+    assert content["velocity"][0] is None
+    assert content["status"] == ["HELD", "END_TIME", "END_TIME"]
+    assert content["early_ends"][0].startswith(sentence)
 
 
 def test_an_export_is_never_overwritten_without_force(run, tmp_path):
@@ -278,7 +338,7 @@ BAD = [
         ["simulate", "demo", "--fixed-step", "0.1", "--method", "leapfrog"],
         "euler, semi-implicit, heun, rk4",
     ),
-    (["simulate", "demo", "-o", "run.txt"], ".csv or .parquet"),
+    (["simulate", "demo", "-o", "run.txt"], ".csv, .parquet or .mat"),
     (["models", "coulombs"], "Did you mean 'coulomb'"),
     (["cite", "newton"], "unknown friction law"),
 ]

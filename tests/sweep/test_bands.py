@@ -4,9 +4,11 @@ import dataclasses
 
 import pytest
 
-from stickslip import Coulomb, SpringBlock
-from stickslip.errors import InputError
+from stickslip import Capsule, Coulomb, EventDriven, SpringBlock
+from stickslip.drives import Sine
+from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
+from stickslip.mechanisms import Torque
 from stickslip.report.runs.appendix import explained
 from stickslip.sweep import band_of
 
@@ -78,9 +80,30 @@ def test_a_known_correlation_is_heeded_however_few_runs_show_it(seed):
 
 
 def test_runs_that_lasted_do_not_stand_for_those_that_did_not():
-    own = dataclasses.replace(band(mass=0.02, compression=0.002), ended_early=3)
-    with pytest.raises(InputError, match="3 of 1000 runs ended early"):
+    own = dataclasses.replace(
+        band(mass=0.02, compression=0.002), ended_early=3, reasons=("3 of 1000 stopped: why.",)
+    )
+    with pytest.raises(InputError, match=r"3 of 1000 stopped: why\. The runs that lasted"):
         own.shares()
+    assert "3 of 1000 stopped: why." in str(own)
+
+
+def test_a_band_says_why_runs_stopped():
+    slow = Torque(drive=Sine(amplitude=1.0, frequency=0.5))
+    capsule = Capsule(
+        capsule_mass=0.8, inner_mass=0.2, stiffness=100.0, upper_stop=0.01, restitution=0.0,
+        drive=slow,
+    )  # fmt: skip
+    settings = {"t_end": 0.8, "count": 12, "solver": EventDriven(tier="python")}
+    law = Coulomb(kinetic_coefficient=0.2)
+    own = band_of(capsule, law, None, parameter_uncertainties={"upper_stop": 1e-3}, **settings)
+    assert 0 < own.ended_early < 12
+    (sentence,) = own.reasons
+    assert sentence.startswith(f"At {own.ended_early} of 12 draws the run stopped: A coordinate")
+    assert own.to_dict()["reasons"] == [sentence]
+    tight = dataclasses.replace(capsule, upper_stop=0.005)
+    with pytest.raises(SimulationError, match="At 12 of 12 draws the run stopped: A coordinate"):
+        band_of(tight, law, None, parameter_uncertainties={"upper_stop": 1e-4}, **settings)
 
 
 def test_few_runs_have_no_shares():

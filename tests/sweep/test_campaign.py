@@ -22,6 +22,7 @@ from stickslip import Axis, Coulomb, SpringBlock, ensemble
 from stickslip.errors import InputError
 from stickslip.executors import Inline
 from stickslip.outputs import EventTimes, Final, Max
+from stickslip.results import Status
 from stickslip.sweep import Campaign, Case, Design, Levels, Normal, Uniform, campaign
 from stickslip.sweep.sensitivity_indices import indices_of
 
@@ -393,6 +394,24 @@ def test_sobol_indices_are_the_shares_of_the_variance(tmp_path):
         assert (np.abs(found.indices[name] - known) < 2.0 * found.half_widths[name]).all()
     assert found.used == 1024
     assert found.sentence == "Sobol indices of x from 1024 base points."
+
+
+def test_runs_that_ended_early_have_no_share_in_indices_and_a_reason(tmp_path):
+    axis, law = Axis(inertia=2.0), Coulomb(kinetic_coefficient=5.0)
+    factors = {"initial.x": Uniform(low=0.0, high=0.5), "initial.v": Uniform(low=1.0, high=2.0)}
+    case = Case(mechanism=axis, law=law, t_end=10.0)
+    settings = {"design": "morris", "runs": 60, "outputs": ["x"]}
+    found = Campaign(cases=(case,), factors=factors, **settings).run(tmp_path / "runs")
+    part = tmp_path / "runs" / found.parts[0].file
+    table = pd.read_parquet(part)
+    table.loc[4, "status"] = "HELD"  # what a run had where it stopped is still there
+    table.to_parquet(part, index=False)
+    indices = found.sensitivity("x")
+    assert (indices.used, indices.left_out) == (19, 1)
+    assert indices.sentence.endswith(
+        "1 left out, with runs that have no value. At 1 of 60 runs the run stopped:"
+        f" {Status.HELD.value} They are left out."
+    )
 
 
 @pytest.mark.slow

@@ -22,8 +22,10 @@ from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
+from stickslip.selection import criteria_of
 from stickslip.sweep import VelocityMap, average_velocity, basins, bifurcation, cycle_of
-from stickslip.sweep.cycles import period_of
+from stickslip.sweep.cycles import cycles_in, period_of
+from stickslip.sweep.parameter_grid import early_ends
 
 PLAIN = EventDriven(tier="python")
 """Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""
@@ -97,6 +99,22 @@ def test_without_a_stop_a_symmetric_drive_carries_nothing_anywhere():
     assert (np.abs(found.velocity) < 1e-4 * with_stop).all()
 
 
+def test_back_slip_is_motion_against_the_travel_whichever_way_that_goes():
+    law, seen = Coulomb(kinetic_coefficient=0.05), []
+    for side in (1.0, -1.0):
+        stop = {"upper_stop": 0.02} if side > 0 else {"lower_stop": -0.02}
+        drive = Torque(drive=Sine(amplitude=side, frequency=4.0))
+        one = capsule(drive=drive, **stop)
+        run = simulate(one, law, t_end=1.5)
+        seen.append((cycles_in(run, one, 0.25)[-1], criteria_of(run, one)))
+    (there, whole), (back, mirrored) = seen
+    assert back.travel == pytest.approx(-there.travel, rel=1e-6)
+    # mirrored equations round alike, but for the events
+    assert back.back_slip == pytest.approx(there.back_slip, rel=1e-6)
+    assert mirrored.largest_return == pytest.approx(whole.largest_return, rel=1e-6)
+    assert not mirrored.displacement_never_decreases
+
+
 def test_runs_that_end_early_have_no_mean_velocity():
     stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     weak = Prescribed(profile=stroke, limit=1.0)
@@ -106,6 +124,69 @@ def test_runs_that_end_early_have_no_mean_velocity():
     )  # fmt: skip
     assert np.isnan(found.velocity).tolist() == [True, False]
     assert found.status[0] is Status.LIMIT
+    (sentence,) = found.early_ends()
+    assert sentence == (
+        "At 1 of 2 points (limit 1 N m) the run stopped: The mechanism reached one of its limits."
+        " No mean velocity there."
+    )
+    assert sentence in str(found)
+    assert found.to_dataframe()["reason"].tolist() == [Status.LIMIT.value, ""]
+
+
+def pressed(**changes):
+    """Return a capsule whose inner mass a slow force presses against its stop in the end."""
+    slow = Torque(drive=Sine(amplitude=1.0, frequency=0.5))
+    settings = {"stiffness": 10.0, "upper_stop": 0.01, "restitution": 0.0, "drive": slow}
+    return capsule(**settings | changes)
+
+
+@pytest.mark.parametrize(
+    ("sample", "settings", "lacks"),
+    [("period", {"settle": 1}, "No samples there."), ("stop", {"t_end": 4.0}, "No samples after")],
+)
+def test_a_bifurcation_says_why_it_lacks_samples(sample, settings, lacks):
+    found = bifurcation(
+        pressed(), Coulomb(kinetic_coefficient=0.2), FREQUENCY, [0.5, 0.6], state="v",
+        sample=sample, keep=2, solver=PLAIN, **settings,
+    )  # fmt: skip
+    (sentence,) = found.early_ends()
+    assert sentence.startswith("At 2 of 2 runs (frequency 0.5 to 0.6 Hz) the run stopped: A coord")
+    assert lacks in sentence
+    assert set(found.to_dataframe()["reason"]) == {Status.HELD.value}
+
+
+def test_events_that_are_rarer_than_samples_are_the_reason_for_missing_ones():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    found = bifurcation(
+        block, law, "stiffness", [2.0], state="x", sample="stop", keep=9, t_end=30.0, solver=PLAIN
+    )
+    assert found.early_ends() == ('At 1 of 1 runs the event "stop" came fewer than 9 times.',)
+    assert found.early_ends()[0] in str(found)
+
+
+def test_starts_that_lead_to_no_attractor_have_a_reason():
+    found = basins(
+        pressed(), Coulomb(kinetic_coefficient=0.2), {"xi": [0.0, 0.001], "xi_dot": [0.0, 0.1]},
+        settle=1, keep=2, solver=PLAIN,
+    )  # fmt: skip
+    assert (found.index == -1).all()
+    assert str(found).startswith("0 of 4 starts lead to 0 attractors.\nAt 4 of 4 starts (xi within")
+    assert found.to_dataframe()["reason"].tolist() == 4 * [Status.HELD.value]
+
+
+def test_ranges_without_a_value_are_named_one_by_one_where_they_are_few():
+    ends = {True: Status.END_TIME, False: Status.ZENO}
+
+    def places(*complete):
+        status = np.array([ends[bool(one)] for one in complete], dtype=object)
+        axes = {"a.frequency": np.arange(1.0, 1.0 + len(complete))[::-1]}
+        (sentence,) = early_ends(status, "", axes, {"a.frequency": "Hz"})
+        return sentence.partition(" the run")[0]
+
+    assert places(0, 0, 1) == "At 2 of 3 points (frequency 2 to 3 Hz)"
+    assert places(0, 1, 0) == "At 2 of 3 points (frequency 1 Hz, 3 Hz)"
+    assert places(0, 1, 0, 1, 0, 1, 0) == "At 4 of 7 points (frequency within 1 to 7 Hz)"
 
 
 def line(values, velocity):

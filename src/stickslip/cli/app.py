@@ -410,8 +410,8 @@ def sweep(
         typer.Option(
             "-o",
             "--output",
-            help="CSV or Parquet file, with a figure (SVG) beside it; of a campaign, its folder."
-            " Default: stickslip-sweep.csv, or stickslip-campaign.",
+            help="CSV, Parquet or MATLAB file, with a figure (SVG) beside it; of a campaign, its"
+            " folder. Default: stickslip-sweep.csv, or stickslip-campaign.",
         ),
     ] = None,
     force: Force = False,

@@ -43,6 +43,7 @@ from stickslip.sweep import (
     SensitivityIndices,
     Uniform,
 )
+from stickslip.trajectory import Status
 
 CANCELLED: Final = 130
 KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
@@ -62,6 +63,9 @@ FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, 
 TIMES: Final = ("since", "last", "times")
 TIME: Final = Quantity("t", "s")
 SIZE: Final = (700, 320)
+CUT_SHORT: Final = (
+    "Outputs of runs that ended early are those of the time up to then, or empty: see their status."
+)
 
 
 def run(
@@ -108,6 +112,7 @@ def run(
             "runs": len(found),
             "certified": found.certified,
             "status": found.status,
+            "meaning": {name: Status[name].value for name in found.status},
             "files": len(found.parts),
             "bytes": found.size,
             "made": found.made,
@@ -184,7 +189,9 @@ def _show(
         markup=False,
     )
     for name, runs in found.status.items():
-        console.print(f"  {name}: {runs:,}", markup=False)
+        console.print(f"  {name}: {runs:,}. {Status[name].value}", markup=False)
+    if any(not Status[name].complete for name in found.status):
+        console.print(CUT_SHORT, markup=False)
     if found.made:
         console.print(
             f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"

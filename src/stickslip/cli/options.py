@@ -419,7 +419,7 @@ class RunOptions:
     t_end: EndTime = None
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Write the run to this CSV or Parquet file."),
+        typer.Option("-o", "--output", help="Write the run to this CSV, Parquet or MATLAB file."),
     ] = None
     samples: Annotated[
         int, typer.Option("--samples", min=2, help="Number of evenly spaced rows of the run.")

@@ -188,8 +188,8 @@ def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> l
 
 def _broken(judged: ScoredMotion) -> str:
     """Say what a motion breaks."""
-    if any(cycle.lasted < 1.0 for cycle in judged.cycles):
-        return "its run ended early"
+    if judged.early_end:
+        return judged.early_end
     if not all(cycle.repeats for cycle in judged.cycles):
         return "its cycles are not periodic"
     names = [m.name.replace("_", " ") for m in judged.margins if m.margin < 0.0]

@@ -1,6 +1,7 @@
 """``stickslip simulate``."""
 
 import io
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -50,7 +51,7 @@ from stickslip.formatting import (
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
 from stickslip.kinds import PAGE, fit
-from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names, slip_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names, slipping
 from stickslip.quantities import fields_of, named
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -86,6 +87,10 @@ NO_ESTIMATES = (
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
 """Events of which the terminal shows the first and the last."""
+MATLAB_NAME = 63
+"""Characters of a name in MATLAB."""
+MATLAB_HEADER = b"MATLAB 5.0 MAT-file, written by stickslip".ljust(116)
+"""Text at the start of a MATLAB file."""
 MOST_STATES = 12
 """Final states, and contacts, that the terminal shows."""
 
@@ -510,9 +515,9 @@ def _solver(settings: RunOptions) -> Solver | None:
 
 
 def check_table(output: Path) -> None:
-    """Refuse what is neither CSV nor Parquet."""
-    if output.suffix not in (".csv", ".parquet"):
-        raise InputError(f"--output takes a .csv or .parquet file, got {output}.")
+    """Refuse what is no table by its ending."""
+    if output.suffix not in (".csv", ".parquet", ".mat"):
+        raise InputError(f"--output takes a .csv, .parquet or .mat file, got {output}.")
 
 
 def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
@@ -525,15 +530,41 @@ def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
 
 
 def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -> bytes:
-    """Return a table as the file's kind asks for; headers of CSV have units in brackets."""
+    """Return a table as the file's kind asks for, with units; in CSV they stand in the header."""
     if output.suffix == ".csv":
         headers = {
             name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")
         }
         return frame.rename(columns=headers).to_csv(index=False).encode()
+    if output.suffix == ".mat":
+        return _mat_bytes(frame, units)
     buffer = io.BytesIO()
     frame.to_parquet(buffer, index=False)
     return buffer.getvalue()
+
+
+def _mat_bytes(frame: "pd.DataFrame", units: Mapping[str, str]) -> bytes:
+    """Return a table as a MATLAB file: a variable for each column, and their units in `units`."""
+    from scipy.io import savemat
+
+    names: dict[str, str] = {}
+    for column in map(str, frame):
+        name = re.sub(r"\W", "_", column, flags=re.ASCII)[:MATLAB_NAME]
+        name = name if name[0].isalpha() else f"c{name}"[:MATLAB_NAME]
+        while name in (*names.values(), "units"):
+            name = f"{name[: MATLAB_NAME - 1]}_"
+        names[column] = name
+    content: dict[str, Any] = {
+        name: frame[column].to_numpy()
+        if frame[column].dtype.kind in "fiub"
+        else frame[column].to_numpy(dtype=object)
+        for column, name in names.items()
+    }
+    content["units"] = {name: units.get(column, "") for column, name in names.items()}
+    buffer = io.BytesIO()
+    savemat(buffer, content, long_field_names=True, oned_as="column")
+    # its header has the time of writing, and equal runs would give different files
+    return MATLAB_HEADER + buffer.getvalue()[len(MATLAB_HEADER) :]
 
 
 def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
@@ -586,7 +617,7 @@ def _show(ran: Ran, settings: RunOptions) -> None:
         for name in shown[:MOST_STATES]
     )
     final += f", and {left} further states; --json lists all" if left > 0 else ""
-    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_line(ran)}", markup=False)
+    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}", markup=False)
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
         held = run.contact(name).stick_time()
@@ -619,16 +650,30 @@ def _show(ran: Ran, settings: RunOptions) -> None:
             console.print(f"  {line}", markup=False)
 
 
-def _cycles_line(ran: Ran) -> str:
-    """Return a line on what the body travels in a cycle of its drives, if there is one."""
-    cycles = _cycles(ran.rig.mechanism, ran.run)
+def _cycles_lines(ran: Ran) -> str:
+    """Return what moves in a cycle of the drives, and how fast on average, a line each."""
+    mechanism = ran.rig.mechanism
+    period = cycle_or_none(mechanism)
+    if period is None:
+        return ""
+    names = slipping(mechanism)[:MOST_STATES]
+    return "".join(_cycles_line(ran, period, name, alone=len(names) == 1) for name in names)
+
+
+def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
+    cycles = cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
     if not cycles:
         return ""
-    last = quantity(cycles[-1].advance, ran.run.units[slip_names(ran.rig.mechanism)[0]], 3)
-    if len(cycles) > 1 and cycles[-1].repeats(cycles[-2]):
-        return f"\nTravel per cycle, once the motion has settled: {last}"
+    one, unit = cycles[-1], ran.run.units[name]
+    settled = len(cycles) > 1 and one.repeats(cycles[-2])
     which = "the only cycle" if len(cycles) == 1 else f"the last of {len(cycles)} cycles"
-    return f"\nTravel in {which}: {last}"
+    when = " per cycle, once the motion has settled" if settled else f" in {which}"
+    of = "" if alone else f" of {name}"
+    mean = quantity(one.advance / one.period, f"{unit}/s", 4)
+    return (
+        f"\nTravel{of}{when}: {quantity(one.advance, unit, 3)}; mean velocity {mean}, back-slip"
+        f" {quantity(one.back_slip, unit, 3)}"
+    )
 
 
 def _show_twin(found: "Twin") -> None:
@@ -690,9 +735,8 @@ def _show_band(band: Band) -> None:
     stdout().print()
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
     show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
-    if band.ended_early:
-        early = f"{band.ended_early} of {band.count} runs ended early and are excluded."
-        stdout().print(early, markup=False)
+    for reason in band.reasons:
+        stdout().print(reason, markup=False)
 
 
 def _cells(spread: Spread, unit: str) -> list[str]:

@@ -80,6 +80,8 @@ def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
         **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
         "velocity": found.velocity.tolist(),
+        "status": np.reshape([one.name for one in found.status.flat], found.status.shape).tolist(),
+        "early_ends": list(found.early_ends()),
         "reversals": list(turns),
     }
 
@@ -109,9 +111,8 @@ def _show(found: VelocityMap, turns: Sequence[float]) -> None:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
         console.print(f"The mean velocity changes sign at {number(turn, 6)}.", markup=False)
-    short = int(np.sum(~np.isfinite(found.velocity)))
-    if short:
-        console.print(f"{short} of {found.velocity.size} runs ended early.", markup=False)
+    for reason in found.early_ends():
+        console.print(reason, markup=False)
 
 
 def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:

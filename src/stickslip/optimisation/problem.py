@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.described import Described
 from stickslip.drives import Profile
+from stickslip.formatting import quantity
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import SAMPLES, Cycle, fitted, measure, units_of_limits
 from stickslip.optimisation.scenarios import Scenarios
@@ -170,6 +171,22 @@ class ScoredMotion(metaclass=Described):
     """What is left of each limit; none where the run ended early."""
     cycles: tuple[Cycle, ...]
     """The steady cycle of each scenario."""
+
+    @property
+    def early_end(self) -> str:
+        """When a run ended early, and why, in words; empty where all lasted."""
+        run = self._cut_short
+        if run is None:
+            return ""
+        return f"its run stopped at {quantity(run.run.span[1], 's')}: {run.run.ending}"
+
+    @property
+    def _cut_short(self) -> Cycle | None:
+        return next((cycle for cycle in self.cycles if cycle.lasted < 1.0), None)
+
+    def shown(self, goal: Goal) -> Cycle:
+        """Return the cycle of the scenario that does worst, or of the first that ended early."""
+        return self._cut_short or min(self.cycles, key=goal.value)
 
     @property
     def violation(self) -> float:

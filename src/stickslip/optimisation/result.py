@@ -147,7 +147,8 @@ class Optimum(Tabular):
                 "motion": name,
                 self.goal.name: motion.value,
                 "feasible": motion.feasible,
-                **(_cycle(min(motion.cycles, key=self.goal.value)) if motion.cycles else {}),
+                **(_cycle(motion.shown(self.goal)) if motion.cycles else {}),
+                "reason": motion.early_end,
             }
             for name, motion in motions.items()
             if motion is not None
@@ -217,6 +218,7 @@ def _judged(judged: ScoredMotion | None) -> dict[str, Any] | None:
         "value": judged.value,
         "feasible": judged.feasible,
         "repeats": all(cycle.repeats for cycle in judged.cycles),
+        "reason": judged.early_end,
         "profile": profile_values(judged.profile),
         "margins": [_margin(margin) for margin in judged.margins],
     }

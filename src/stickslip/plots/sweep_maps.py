@@ -1,12 +1,15 @@
 """Figures of campaigns: mean velocities, bifurcation diagrams, basins of attraction."""
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
@@ -36,6 +39,13 @@ POINT_COLOURS: Final = (C1, C2, C3, C4, INK, MUTED)
 DIVERGING: Final = LinearSegmentedColormap.from_list("direction", [C2, SURFACE, C1])
 """Backward, nowhere, forward."""
 
+STOPPED: Final[Mapping[str, Any]] = MappingProxyType(
+    {"facecolor": "none", "edgecolor": DATA, "hatch": "////", "linewidth": 0.0}
+)
+"""How it is marked where runs ended early."""
+REASON_WIDTH: Final = 34
+"""Letters of a line of a reason in a legend."""
+
 SWEEP_SIZE: Final = (880, 380)
 
 
@@ -50,8 +60,8 @@ def draw_velocity_map(result: VelocityMap) -> Draw:
     Returns
     -------
     callable
-        Draws it. Backward motion has a band behind the curve, and reversals are marked; runs that
-        ended early are left out, and grey in a map of two parameters.
+        Draws it. Backward motion has a band behind the curve, and reversals are marked; where runs
+        ended early it is hatched, with the reason in a legend.
 
     Examples
     --------
@@ -102,9 +112,30 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
             color=INK,
             fontsize=11,
         )
+    _mark_early_ends(axes, values, result.status)
     axes.set_xlabel(labelled(path, result.units[path]))
     axes.set_ylabel(label)
     axes.grid(axis="y")
+
+
+def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:
+    """Hatch where runs ended early along the horizontal axis, with the reasons in a legend."""
+    early = np.array([[not one.complete for one in row] for row in status.reshape(len(values), -1)])
+    for low, high in _stretches(values, early.any(axis=1)):
+        axes.axvspan(low, high, zorder=0, **STOPPED)
+    name_early_ends(axes, status)
+
+
+def name_early_ends(axes: Axes, status: Any, **place: Any) -> None:
+    """Name in a legend what is hatched: the reasons for which runs ended early, if some did."""
+    reasons = dict.fromkeys(one.label for one in status.ravel() if not one.complete)
+    handles, _ = axes.get_legend_handles_labels()
+    handles += [
+        Patch(label="\n".join(textwrap.wrap(f"No value: {reason}", REASON_WIDTH)), **STOPPED)
+        for reason in reasons
+    ]
+    if handles:
+        axes.legend(handles=handles, **place)
 
 
 def _stretches(values: Any, chosen: Any) -> list[tuple[float, float]]:
@@ -119,11 +150,11 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
     (across, xs), (up, ys) = reversed(list(result.axes.items()))
     velocity = factor * result.velocity
     largest = float(np.nanmax(np.abs(velocity), initial=0.0)) or 1.0
-    axes.set_facecolor(DATA)
     mesh = axes.pcolormesh(
         _edges(xs), _edges(ys), velocity, cmap=DIVERGING, vmin=-largest, vmax=largest,
         rasterized=True,
     )  # fmt: skip
+    _hatch_cells(axes, xs, ys, result.status)
     moving = np.ma.masked_where(~_judged(result), velocity)
     if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
         axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
@@ -132,6 +163,16 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label(label)
     bar.outline.set_visible(False)
+    name_early_ends(axes, result.status, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+
+
+def _hatch_cells(axes: Axes, xs: Any, ys: Any, status: Any) -> None:
+    """Hatch the cells of a map whose runs ended early; what is drawn on them covers that."""
+    early = [[not one.complete for one in row] for row in status]
+    if not np.any(early):
+        return
+    x, y = _edges(np.asarray(xs)), _edges(np.asarray(ys))
+    axes.add_patch(Rectangle((x[0], y[0]), x[-1] - x[0], y[-1] - y[0], zorder=0, **STOPPED))
 
 
 def _judged(result: VelocityMap) -> Any:
@@ -179,6 +220,7 @@ def draw_bifurcation(result: Bifurcation) -> Draw:
             places = np.repeat(result.values, points.shape[1])
             colour = POINT_COLOURS[start % len(POINT_COLOURS)]
             axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
+        _mark_early_ends(axes, result.values, result.status)
         axes.margins(x=0.01, y=0.06)
         when = "once per cycle" if result.sample == "period" else f'at "{result.sample}"'
         axes.set_xlabel(labelled(result.path, result.path_unit))
@@ -194,7 +236,7 @@ def draw_basins(result: Basins) -> Draw:
     Parameters
     ----------
     result : Basins
-        The basins. White are starts whose runs ended early.
+        The basins. Hatched are starts whose runs ended early, with the reason in the legend.
 
     Returns
     -------
@@ -221,6 +263,7 @@ def draw_basins(result: Basins) -> Draw:
             _edges(xs), _edges(ys), np.ma.masked_less(result.index.T, 0),
             cmap=ListedColormap(fills), vmin=-0.5, vmax=count - 0.5, rasterized=True,
         )  # fmt: skip
+        _hatch_cells(axes, xs, ys, result.status.T)
         axes.set_xlim(xs.min(), xs.max())
         axes.set_ylim(ys.min(), ys.max())
         axes.set_xlabel(labelled(f"initial {across}", result.units[across]))
@@ -234,8 +277,7 @@ def draw_basins(result: Basins) -> Draw:
                 )
             kind = f"period {motion.period}" if motion.period else "not periodic"
             axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
-        if result.attractors:
-            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        name_early_ends(axes, result.status, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
     return draw
 

@@ -1,5 +1,6 @@
 """The criteria of the source paper, evaluated on a run."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ class Criteria(metaclass=Described):
     least_velocity: float
     """Lowest velocity [m/s]."""
     largest_return: float
-    """Largest back-slip from the farthest point so far [m]."""
+    """Largest back-slip from the farthest point so far in the direction of the travel [m]."""
     velocity_never_negative: bool
     """Criterion 1. A law with elastic presliding fails it rightly: the body springs back."""
     displacement_never_decreases: bool
@@ -70,7 +71,9 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     seen = run.at(times)
     x, v = seen[slip], seen[rate]
     travel = float(x[-1] - x[0])
-    back = float(np.max(np.maximum.accumulate(x) - x))
+    way = math.copysign(1.0, travel) * x
+    back = float(np.max(np.maximum.accumulate(way) - way))
+    fall = float(np.max(np.maximum.accumulate(x) - x))
     least = float(v.min())
     book = run.certificate
     still = v[-1] == 0.0 and run.events
@@ -79,7 +82,7 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
         least_velocity=least,
         largest_return=back,
         velocity_never_negative=bool(least >= -NOISE * np.abs(v).max()),
-        displacement_never_decreases=bool(back <= NOISE * np.abs(x - x[0]).max()),
+        displacement_never_decreases=bool(fall <= NOISE * np.abs(x - x[0]).max()),
         relative_error=None if not measured else (travel - measured) / measured,
         work_in=book.energy_start + book.work_supplied,
         work_friction=book.work_friction,

@@ -25,6 +25,7 @@ from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, 
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
+from stickslip.sweep.parameter_grid import early_ends
 from stickslip.sweep.sensitivity_indices import (
     NEARLY_INDEPENDENT,
     SensitivityIndices,
@@ -69,6 +70,8 @@ class Band(OnAxes, Tabular):
     """Runs that were made."""
     ended_early: int
     """Runs that did not last, which the band leaves out."""
+    reasons: tuple[str, ...] = ()
+    """Why they did not: a sentence for each reason."""
     seed: int
     """Of the draws."""
     t: Array
@@ -137,8 +140,8 @@ class Band(OnAxes, Tabular):
             raise UnknownNameError("coordinate of the band", name, self.travels)
         if self.ended_early:
             raise InputError(
-                f"{self.ended_early} of {self.count} runs ended early, and those that lasted do not"
-                " tell what spreads all of them."
+                f"{' '.join(self.reasons)} The runs that lasted do not tell what spreads all of"
+                " them."
             )
         if self.correlated is not None:
             refuse_correlated(*self.correlated, NEARLY_INDEPENDENT)
@@ -194,6 +197,7 @@ class Band(OnAxes, Tabular):
             sentence=completed(lasted, self.count),
             head=("", "2.5 %", "median", "97.5 %", "unit"),
             rows=rows,
+            notes=self.reasons,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -207,6 +211,7 @@ class Band(OnAxes, Tabular):
         return {
             "runs": self.count,
             "ended_early": self.ended_early,
+            "reasons": list(self.reasons),
             "seed": self.seed,
             "parameters": {path: _spread(values)._asdict() for path, values in self.draws.items()},
             "travel": _only("travel", travels) if alone else travels,
@@ -275,10 +280,11 @@ def band_of(
         progress=progress,
     )
     kept = np.array([status.complete for status in runs.status])
+    reasons = early_ends(runs.status, "The band leaves them out.", noun="draws")
     if not kept.any():
         raise SimulationError(
             f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
-            f" s: {runs.status[0].value}"
+            f" s. {' '.join(early_ends(runs.status, '', noun='draws'))}"
         )
     travels, means, cycles = {}, {}, {}
     for name in pairs:
@@ -292,6 +298,7 @@ def band_of(
         draws={path: values[kept] for path, values in draws.items()},
         count=count,
         ended_early=int((~kept).sum()),
+        reasons=reasons,
         seed=seed,
         t=grid,
         states={

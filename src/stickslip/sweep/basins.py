@@ -24,8 +24,10 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    early_ends,
     names_of,
     product,
+    reasons_of,
     whole_run,
 )
 from stickslip.trajectory import Ensemble
@@ -69,12 +71,16 @@ class Basins(OnAxes):
     """SI unit of each axis of the grid."""
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each start: its two states, the number of its attractor, its status."""
+        """Return a row for each start: two states, attractor, status, and the reason if none."""
         import pandas as pd
 
         columns: dict[str, object] = dict(product(self.starts))
         columns |= {"attractor": self.index.ravel(), "status": names_of(self.status).ravel()}
-        return pd.DataFrame(columns)
+        return pd.DataFrame(columns | {"reason": reasons_of(self.status)})
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return which starts lead to no attractor, and why: a sentence for each reason."""
+        return early_ends(self.status, "No attractor there.", self.starts, self.units, "starts")
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the number of the attractor and the status over the starts as an xarray Dataset.
@@ -100,11 +106,13 @@ class Basins(OnAxes):
     def _summary(self) -> Summary:
         rows = [(one.share, one.period or "not closed", one.velocity) for one in self.attractors]
         count = len(rows)
+        lead = int(np.sum(self.index >= 0))
         return Summary(
-            sentence=f"{self.index.size} starts lead to {count}"
+            sentence=f"{lead} of {self.index.size} starts lead to {count}"
             f" attractor{'' if count == 1 else 's'}.",
-            head=("share of starts", "period", "mean velocity"),
+            head=("share of starts", "period", "mean velocity") if rows else (),
             rows=rows,
+            notes=self.early_ends(),
         )
 
 

@@ -30,7 +30,9 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    early_ends,
     names_of,
+    reasons_of,
     states_of,
     unit_of,
     whole_run,
@@ -64,14 +66,14 @@ class Bifurcation(OnAxes):
     sample: str
     """``"period"``, or the event at which it is sampled."""
     samples: Array
-    """Samples (n, starts, keep); NaN where there are fewer."""
+    """Samples (n, starts, keep); NaN where there are fewer, as `early_ends` says."""
     period: NDArray[np.int64]
     """After how many samples the orbit closes (n, starts), 0 if it does not."""
     status: NDArray[np.object_]
     """How each run ended, a `Status` each (n, starts)."""
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each sample."""
+        """Return a row for each sample, with the reason where there is none."""
         import pandas as pd
 
         n, starts, keep = self.samples.shape
@@ -80,6 +82,8 @@ class Bifurcation(OnAxes):
             "start": np.tile(np.repeat(np.arange(starts), keep), n),
             self.state: self.samples.ravel(),
             "period": np.repeat(self.period.ravel(), keep),
+            "status": np.repeat(names_of(self.status).ravel(), keep),
+            "reason": np.repeat(self._reasons(), keep),
         }
         return pd.DataFrame(columns)
 
@@ -103,6 +107,33 @@ class Bifurcation(OnAxes):
         values = {self.path: (self.path, self.values, {"units": self.path_unit})}
         return xr.Dataset(columns, values)
 
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where samples are missing, and why: a sentence for each reason."""
+        axes, units = {self.path: self.values}, {self.path: self.path_unit}
+        lacks = "No samples there." if self.sample == "period" else "No samples after that."
+        ended = early_ends(self.status, lacks, axes, units, noun="runs")
+        few = int(self._few().sum())
+        if not few:
+            return ended
+        return *ended, f"At {few} of {self.status.size} runs {self._rarely}."
+
+    @property
+    def _rarely(self) -> str:
+        return f'the event "{self.sample}" came fewer than {self.samples.shape[2]} times'
+
+    def _few(self) -> NDArray[np.bool_]:
+        """Return which runs were completed, and lack samples (n, starts)."""
+        complete = np.array([[one.complete for one in row] for row in self.status], dtype=np.bool_)
+        found: NDArray[np.bool_] = complete & ~np.isfinite(self.samples).all(axis=2)
+        return found
+
+    def _reasons(self) -> list[str]:
+        few = self._few().ravel()
+        return [
+            self._rarely if lacks else reason
+            for lacks, reason in zip(few, reasons_of(self.status), strict=True)
+        ]
+
     @override
     def _summary(self) -> Summary:
         closed = int((self.period > 0).sum())
@@ -116,7 +147,11 @@ class Bifurcation(OnAxes):
             ("starts", self.samples.shape[1]),
             ("largest period", int(self.period.max(initial=0))),
         )
-        return Summary(sentence=f"{closed} of {self.period.size} orbits close.", rows=rows)
+        return Summary(
+            sentence=f"{closed} of {self.period.size} orbits close.",
+            rows=rows,
+            notes=self.early_ends(),
+        )
 
 
 def bifurcation(

@@ -32,8 +32,10 @@ from stickslip.mechanisms import Mechanism
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, check_columns
 from stickslip.sweep.design import OF_INDICES, Design, DesignName, Factor, Levels
+from stickslip.sweep.parameter_grid import early_ends
 from stickslip.sweep.sensitivity_indices import SensitivityIndices, indices_of
 from stickslip.tables import Tabular
+from stickslip.trajectory import Status
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -210,7 +212,7 @@ class CampaignRuns(Tabular):
         -------
         SensitivityIndices
             Those of Sobol for the design ``"saltelli"``, those of Morris for ``"morris"``. Base
-            points and trajectories with a run that has no value are left out.
+            points and trajectories with a run that has no value, or that ended early, are left out.
 
         Raises
         ------
@@ -226,13 +228,22 @@ class CampaignRuns(Tabular):
             raise InputError(f"{self.folder} lacks runs: start the campaign again first.")
         if len({Path(part.file).parent for part in self.parts}) > 1:
             raise InputError("sensitivity indices are of one case: make a campaign of each.")
-        values = self.to_dataframe([output])[output].to_numpy(dtype=np.float64)
-        return indices_of(self.design, output, self.units.get(output, "1"), values)
+        table = self.to_dataframe([output, "status"])
+        values = table[output].to_numpy(dtype=np.float64)
+        status = np.array([Status[name] for name in table["status"]], dtype=object)
+        complete = np.array([one.complete for one in status], dtype=np.bool_)
+        reasons = early_ends(status, "They are left out.", noun="runs")
+        rarely = int(np.sum(complete & ~np.isfinite(values)))
+        if rarely:
+            reasons += (f"At {rarely} of {len(values)} runs {output} has no value up to the end.",)
+        # what a run had where it stopped is another output
+        values = np.where(complete, values, np.nan)
+        return indices_of(self.design, output, self.units.get(output, "1"), values, reasons)
 
     def _summary(self) -> Summary:
         rows = [("folder", str(self.folder)), ("files", str(len(self.parts)))]
         rows += [("size", quantity(self.size / 1e6, "MB"))]
-        rows += [(name, f"{count} runs") for name, count in self.status.items()]
+        rows += [(Status[name].value, f"{count} runs") for name, count in self.status.items()]
         return Summary(sentence=f"{len(self)} runs, {self.certified} certified.", rows=rows)
 
 

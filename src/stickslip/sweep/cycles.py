@@ -6,7 +6,7 @@ from typing import Self, final
 
 import numpy as np
 
-from stickslip.mechanisms import WHOLE, Mechanism, slip_names
+from stickslip.mechanisms import WHOLE, Mechanism, slip_among
 from stickslip.sweep.parameter_grid import Array
 from stickslip.trajectory import Trajectory
 
@@ -34,11 +34,11 @@ class DrivenCycle:
     travel: float
     """Last position less the first [m] or [rad]."""
     back_slip: float
-    """All motion in the negative direction [m] or [rad]."""
+    """All motion against the direction of the travel [m] or [rad]."""
     least_velocity: float
     """Lowest velocity [m/s] or [rad/s]."""
     least_normal_force: float
-    """Lowest normal force [N]."""
+    """Lowest normal force of any contact [N]."""
 
     @property
     def advance(self) -> float:
@@ -60,8 +60,10 @@ class DrivenCycle:
         return abs(self.travel - before.travel) <= STEADY * abs(self.travel)
 
 
-def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[DrivenCycle, ...]:
-    """Return what a run does in each whole cycle from its start on.
+def cycles_in(
+    run: Trajectory, mechanism: Mechanism, period: float, coordinate: str | None = None
+) -> tuple[DrivenCycle, ...]:
+    """Return what a run does in each whole cycle from its start on, along one coordinate.
 
     Examples
     --------
@@ -77,7 +79,8 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
     >>> [round(one.travel, 7) for one in cycles_in(run, cart, swing.period)]
     [0.0248596, 0.0634659]
     """
-    slip, rate = slip_names(mechanism)
+    slip, rate = slip_among(mechanism, coordinate, "cycles_in")
+    loads = [name for name in run.names if name.partition(":")[0] == "normal_force"]
     first, last = run.span
     count = math.floor((last - first) / period * (1.0 + WHOLE))
     found = []
@@ -88,14 +91,15 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
         own = run.t[(run.t > begin) & (run.t < end)]
         seen = run.at(np.union1d(np.linspace(begin, end, samples), own))
         x = seen[slip]
+        travel = float(x[-1] - x[0])
         found.append(
             DrivenCycle(
                 begin=begin,
                 period=period,
-                travel=float(x[-1] - x[0]),
-                back_slip=float(np.maximum(-np.diff(x), 0.0).sum()),
+                travel=travel,
+                back_slip=float(np.maximum(-math.copysign(1.0, travel) * np.diff(x), 0.0).sum()),
                 least_velocity=float(seen[rate].min()),
-                least_normal_force=float(seen["normal_force"].min()),
+                least_normal_force=min(float(seen[name].min()) for name in loads),
             )
         )
     return tuple(found)

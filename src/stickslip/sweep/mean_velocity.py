@@ -24,9 +24,11 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    early_ends,
     names_of,
     near,
     product,
+    reasons_of,
     unit_of,
     whole_run,
 )
@@ -53,7 +55,7 @@ class VelocityMap(OnAxes):
     unit: str
     """SI unit of the velocity."""
     velocity: Array
-    """Mean velocity over whole cycles; NaN where a run ended early."""
+    """Mean velocity over whole cycles; NaN where a run ended early, as `early_ends` says."""
     unsettled: Array
     """How far the second half of these cycles differs from all of them: 0 in a steady motion."""
     period: Array
@@ -84,6 +86,10 @@ class VelocityMap(OnAxes):
         found: Array = x[turns] + share * (x[turns + 1] - x[turns])
         return found
 
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where there is no velocity, and why: a sentence for each reason."""
+        return early_ends(self.status, "No mean velocity there.", self.axes, self.units)
+
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
         least = STILL * float(np.nanmax(np.abs(self.velocity), initial=0.0))
@@ -94,13 +100,14 @@ class VelocityMap(OnAxes):
         return found
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each point of the grid."""
+        """Return a row for each point of the grid, with the reason where it has no velocity."""
         import pandas as pd
 
         columns: dict[str, object] = dict(product(self.axes))
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
         columns |= {"unsettled": self.unsettled.ravel()}
         columns["status"] = names_of(self.status).ravel()
+        columns["reason"] = reasons_of(self.status)
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
 
     def to_xarray(self) -> "xr.Dataset":
@@ -143,7 +150,9 @@ class VelocityMap(OnAxes):
                 )
             )
         return Summary(
-            sentence=f"{known.size} of {self.velocity.size} runs have a velocity.", rows=rows
+            sentence=f"{known.size} of {self.velocity.size} runs have a velocity.",
+            rows=rows,
+            notes=self.early_ends(),
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.formatting import span
 from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
@@ -19,6 +20,8 @@ Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
 PERIOD = Quantity("T", "s", above=0)
+MOST_RANGES = 3
+"""Ranges of a parameter that a sentence lists; of more it gives the ends."""
 MOST_CYCLES = 1_000_000
 """Cycles of a run; more are a slip of the pen."""
 
@@ -212,6 +215,60 @@ def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
         together = periods[order] <= ratio * periods[order[0]]
         yield np.sort(order[together])
         order = order[~together]
+
+
+def early_ends(
+    status: NDArray[np.object_],
+    lacks: str,
+    axes: Mapping[str, Array] | None = None,
+    units: Mapping[str, str] | None = None,
+    noun: str = "points",
+) -> tuple[str, ...]:
+    """Return where runs ended early, why, and what there is none of: a sentence for each reason.
+
+    The last dimension of `status` may be of several runs at each point of the `axes`.
+
+    Examples
+    --------
+    >>> from stickslip.trajectory import Status
+    >>> status = np.array([Status.ZENO, Status.END_TIME, Status.LIFT_OFF])
+    >>> frequency = {"mechanism.drive.frequency": np.array([1.0, 2.0, 3.0])}
+    >>> early_ends(status[1:], "No value there.", {"f": np.array([2.0, 3.0])}, {"f": "Hz"})
+    ('At 1 of 2 points (f 3 Hz) the run stopped: Lift-off: the normal force fell to zero. No value
+    there.',)
+    """
+    sentences = []
+    for reason in dict.fromkeys(one for one in status.ravel() if not one.complete):
+        here = status == reason
+        where = _where(here, axes or {}, units or {})
+        sentences.append(
+            f"At {int(here.sum())} of {here.size} {noun}{where} the run stopped: {reason.value}"
+            f" {lacks}".rstrip()
+        )
+    return tuple(sentences)
+
+
+def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
+    """Return where in a grid points lie: their ranges on one axis, on several what holds all."""
+    places = []
+    for dimension, (path, values) in enumerate(axes.items()):
+        others = tuple(i for i in range(here.ndim) if i != dimension)
+        order = np.argsort(values, kind="stable")
+        chosen, sorted_values = here.any(axis=others)[order], values[order].tolist()
+        edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
+        pairs = [(sorted_values[a], sorted_values[b - 1]) for a, b in edges.reshape(-1, 2)]
+        scattered = len(axes) > 1 or len(pairs) > MOST_RANGES
+        if scattered:
+            pairs = [(pairs[0][0], pairs[-1][1])]
+        word = path.rpartition(".")[2].replace("_", " ")
+        ranges = ", ".join(span(low, high, units.get(path, "1"), 4) for low, high in pairs)
+        places.append(f"{word} {'within ' if scattered else ''}{ranges}")
+    return f" ({'; '.join(places)})" if places else ""
+
+
+def reasons_of(status: NDArray[np.object_]) -> list[str]:
+    """Return why each run ended early, in words; empty where it is complete."""
+    return ["" if one.complete else one.value for one in status.ravel()]
 
 
 def names_of(status: NDArray[np.object_]) -> NDArray[np.str_]:

@@ -60,6 +60,8 @@ class SensitivityIndices(OnAxes, Tabular):
     """Base points, or trajectories, all of whose runs have a value."""
     left_out: int
     """Those with a run that has none."""
+    reasons: tuple[str, ...] = ()
+    """Why runs have none: a sentence for each reason."""
 
     @override
     def to_dataframe(self) -> "pd.DataFrame":
@@ -92,7 +94,7 @@ class SensitivityIndices(OnAxes, Tabular):
         left = f"; {self.left_out} left out, with runs that have no value" if self.left_out else ""
         names = {"sobol": "Sobol indices", "morris": "Morris indices"}
         name = names.get(self.method, "Sobol indices of first order (RBD-FAST)")
-        return f"{name} of {self.output} from {self.used} {what}{left}."
+        return " ".join([f"{name} of {self.output} from {self.used} {what}{left}.", *self.reasons])
 
     def text_of(self, name: str, place: int) -> str:
         """Return an index of a factor with its interval.
@@ -115,7 +117,9 @@ class SensitivityIndices(OnAxes, Tabular):
         return f"{value} ± {number(float(self.half_widths[name][place]), 2)}"
 
 
-def indices_of(design: Design, output: str, unit: str, values: Array) -> SensitivityIndices:
+def indices_of(
+    design: Design, output: str, unit: str, values: Array, reasons: tuple[str, ...] = ()
+) -> SensitivityIndices:
     """Return the indices of an output (runs,) of a campaign.
 
     Source: A. Saltelli et al., Comput. Phys. Commun. 181, 2010; M. D. Morris, Technometrics 33,
@@ -127,6 +131,7 @@ def indices_of(design: Design, output: str, unit: str, values: Array) -> Sensiti
         raise InputError(
             f"{output}: {int(good.sum())} of {len(good)} base points or trajectories have a value"
             f" in all their runs, {FEWEST} are needed: ask for more runs, or narrow the factors."
+            + "".join(f" {reason}" for reason in reasons)
         )
     left = blocks[good].ravel()
     _refuse_constant(output, left)
@@ -156,6 +161,7 @@ def indices_of(design: Design, output: str, unit: str, values: Array) -> Sensiti
         },
         used=int(good.sum()),
         left_out=int((~good).sum()),
+        reasons=reasons,
     )
 
 

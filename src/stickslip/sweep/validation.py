@@ -16,7 +16,7 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.display import InPanels, Summary
 from stickslip.drives import SampledSwing
-from stickslip.errors import InputError
+from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import QUANTITIES, LawEstimates, Measurement, noise_of, step_of
 from stickslip.formatting import joined, number, parameter_words, percent, quantity
 from stickslip.formatting import scale_of as shown_in
@@ -33,7 +33,8 @@ from stickslip.quantities import turned, vary
 from stickslip.simulation import ensemble, event_driven_law, simulate
 from stickslip.solver import Samples
 from stickslip.sweep.bands import QUANTILES, draws_of
-from stickslip.trajectory import Trajectory
+from stickslip.sweep.parameter_grid import early_ends
+from stickslip.trajectory import Ensemble, Trajectory
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -271,6 +272,8 @@ class Validation(InPanels):
     """Number of draws."""
     seed: int = 0
     """Of the draws."""
+    reasons: tuple[str, ...] = ()
+    """Why runs with draws ended early, if some did: a sentence for each reason."""
 
     @property
     def agrees(self) -> bool | None:
@@ -358,7 +361,7 @@ class Validation(InPanels):
                 f"The band includes the uncertainty of {names} ({self.count} draws, seed"
                 f" {self.seed}) and no {no}.{left}"
             )
-        return tuple(said)
+        return (*said, *self.reasons)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -373,6 +376,7 @@ class Validation(InPanels):
             "kept": list(self.kept),
             "draws": self.count,
             "seed": self.seed,
+            "reasons": list(self.reasons),
         }
 
     @override
@@ -500,6 +504,7 @@ class _Uncertain:
         if known is not None:
             self.kept = known.kept
         self.paths: dict[str, None] = {}
+        self.reasons: dict[str, None] = {}
         self.random = np.random.default_rng([seed, 2])  # of the noise
 
     def draws(
@@ -519,6 +524,21 @@ class _Uncertain:
         self.paths |= dict.fromkeys(found)
         return found
 
+    def lasted(self, runs: Ensemble) -> NDArray[np.bool_]:
+        """Return which runs with draws lasted (n,), and note why others did not.
+
+        Raises
+        ------
+        SimulationError
+            If none lasted: there is no prediction then.
+        """
+        reasons = early_ends(runs.status, "The band leaves them out.", noun="draws")
+        self.reasons |= dict.fromkeys(reasons)
+        complete = np.array([status.complete for status in runs.status], dtype=np.bool_)
+        if not complete.any():
+            raise SimulationError(" ".join(early_ends(runs.status, "", noun="draws")))
+        return complete
+
     def said(self) -> dict[str, Any]:
         """Return what a `Validation` says of the draws."""
         drawn = tuple(self.paths)
@@ -527,6 +547,7 @@ class _Uncertain:
             "kept": self.kept,
             "count": self.count if drawn else 0,
             "seed": self.seed,
+            "reasons": tuple(self.reasons),
         }
 
 
@@ -585,8 +606,7 @@ def _record(
             y0=start,
             executor=uncertain.executor,
         )
-        lasted = np.array([status.complete for status in seen.status])
-        others = seen["seen"][lasted] - predicted
+        others = seen["seen"][uncertain.lasted(seen)] - predicted
         others -= origin(others)
         with_noise = others + uncertain.random.normal(0.0, noise, others.shape)
         with_noise -= origin(with_noise)
@@ -705,6 +725,8 @@ def _travels(
     as_large = None
     if others.size:
         others = others[:, np.all(np.isfinite(others), axis=0)]
+        if not others.size:
+            raise SimulationError(f"no draw lasted in all trials. {' '.join(uncertain.reasons)}")
         low, high = np.quantile(others, (QUANTILES[0], QUANTILES[-1]), axis=1)
         ends = list(
             zip((low / _scales(trials)).tolist(), (high / _scales(trials)).tolist(), strict=True)
@@ -761,9 +783,8 @@ def _drawn_travels(
         y0=trial.start(law),
         executor=uncertain.executor,
     )
-    lasted = np.array([status.complete for status in runs.status])
     travel = runs["x"][:, 1] - runs["x"][:, 0]
-    return np.where(lasted, travel, np.nan)
+    return np.where(uncertain.lasted(runs), travel, np.nan)
 
 
 def _judged(share: float | None) -> bool | None:

@@ -60,13 +60,6 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
     return interval(*known.intervals[name]), "stated" if name in known.stated else "fitted"
 
 
-def left_out(band: Band) -> list[str]:
-    """Return how many runs of a band ended early, as a sentence; none if all lasted."""
-    if not band.ended_early:
-        return []
-    return [f"{band.ended_early} of them ended early and were left out."]
-
-
 def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     """Return how the runs of a band were drawn, in words; nothing where there is no band."""
     if band is None:

@@ -22,7 +22,7 @@ from stickslip.report.core.documents import Opening, Origin, Page, Section, colo
 from stickslip.report.core.page import render
 from stickslip.report.core.shared_sections import ended_early, reproduce
 from stickslip.report.core.tables import Column, Row, Table
-from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
+from stickslip.report.runs.appendix import certificate_of, drawn, how_known
 from stickslip.report.runs.motion import event_table
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
@@ -159,7 +159,7 @@ def _spread(about: ContactsReport) -> list[str]:
     return [
         "With uncertain parameters drawn, over the whole run"
         f" {shown} in 95 % of {band.count} runs.",
-        *left_out(band),
+        *band.reasons,
     ]
 
 

@@ -279,7 +279,9 @@ def criteria_section(about: RunReport) -> Section:
             key="2. The displacement never decreases",
             value=_held(
                 seen.displacement_never_decreases,
-                f"largest back-slip {about.of(seen.largest_return)}",
+                f"largest back-slip {about.of(seen.largest_return)}"
+                if seen.travel >= 0.0
+                else f"travel {about.of(seen.travel)}",
             ),
             mark="ok" if seen.displacement_never_decreases else "warn",
         ),

@@ -13,7 +13,6 @@ from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.appendix import (
     certificate_section,
     law_section,
-    left_out,
     reproduce_section,
 )
 from stickslip.report.runs.motion import (
@@ -129,7 +128,7 @@ def _lede(about: RunReport) -> str:
             f"With uncertain parameters drawn, the travel of the whole run is"
             f" {travels} in 95 % of {band.count} runs."
         )
-        said += left_out(band)
+        said += band.reasons
     return " ".join(said)
 
 
