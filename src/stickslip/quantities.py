@@ -722,6 +722,32 @@ def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
     return dataclasses.replace(root, **own)
 
 
+def beginning(root: T, prefix: str, varied: Mapping[str, Any]) -> T:
+    """Return `root` with the first values of what varies, where it has none of its own yet.
+
+    Paths and last names of parameters that are given, or are none of `root`, change nothing.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> beginning(law, "friction", {"static_coefficient": [0.3, 0.4]}).static_coefficient
+    0.3
+    """
+    given = {path for path, _, _ in parameters(root, prefix)}
+    names = {path.rpartition(".")[2] for path in given}
+    missing = [path for path in all_paths(root, prefix) if path not in given]
+    changes = {}
+    for path, values in varied.items():
+        places = [full for full in missing if path in (full, full.rpartition(".")[2])]
+        if len(places) == 1 and path not in given | names:
+            first = values
+            while hasattr(first, "__len__") and len(first) and not isinstance(first, str):
+                first = first[0]
+            changes[places[0]] = first
+    return vary(root, prefix, changes) if changes else root
+
+
 def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) -> Any:
     if isinstance(member, Parametrised):
         return vary(member, prefix, changes)

@@ -16,7 +16,7 @@ from stickslip.friction import (
     is_bound,
 )
 from stickslip.mechanisms import Mechanism, checked_contacts, input_names, slip_of
-from stickslip.quantities import Quantity
+from stickslip.quantities import Quantity, beginning
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
 
@@ -183,6 +183,8 @@ def ensemble(
     (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
     """
     laws = check_pair(mechanism, law)
+    if not isinstance(laws, PrintedForm):
+        mechanism, laws = beginning_pair(mechanism, laws, parameters)
     if isinstance(laws, PrintedForm):
         raise InputError(
             f"ensembles run with EventDriven only, which cannot solve {law!r}: give"
@@ -207,6 +209,15 @@ def ensemble(
         executor=executor,
         progress=progress,
     )
+
+
+def beginning_pair(
+    mechanism: Mechanism, law: FrictionLaw | Laws, varied: object
+) -> tuple[Mechanism, FrictionLaw | Laws]:
+    """Return mechanism and law with first values of what varies and was not given, if any."""
+    if not isinstance(varied, Mapping):
+        return mechanism, law
+    return beginning(mechanism, "mechanism", varied), beginning(law, "friction", varied)
 
 
 def _numbers(run: Trajectory) -> str:

@@ -249,6 +249,16 @@ def test_select_prints_one_json_document(run, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_select_writes_the_folder_that_is_given_beside_the_document(run, rig, tmp_path):
+    code, out, _ = run("select", rig(), "--laws", "coulomb", "--json", "-o", "own")
+    assert code == 0
+    assert json.loads((tmp_path / "own" / "verdict.json").read_text()) == json.loads(out)
+    assert (tmp_path / "own" / "index.html").exists()
+    code, out, err = run("select", rig(), "--laws", "coulomb", "--json", "-o", "own")
+    assert (code, out) == (2, "")
+    assert "own already exists" in err
+
+
 def test_select_writes_a_report_and_refuses_to_overwrite_it(run, rig, tmp_path):
     # not of the bundled rig, whose page has the audit of its paper too
     code, out, _ = run("select", rig(), "--laws", "coulomb,viscous")

@@ -57,6 +57,50 @@ def test_json_is_one_document_and_nothing_is_written(run):
     assert list(Path().iterdir()) == []
 
 
+def test_a_folder_that_is_given_is_written_beside_the_document(run):
+    code, out, _ = run(*LIMITS, *QUICK, "--json", "-o", "best")
+    assert code == 0
+    assert json.loads(Path("best/optimum.json").read_text()) == json.loads(out)
+    code, out, err = run(*LIMITS, *QUICK, "--json", "-o", "best")
+    assert (code, out) == (2, "")
+    assert "best already exists" in err
+
+
+CAPSULE = """
+[mechanism]
+type = "capsule"
+capsule_mass = 0.8
+inner_mass = 0.2
+drive = {type = "prescribed", profile = {type = "three-phase", amplitude = 0.01, fast = 50.0, slow = 9.81, first = "slow"}}
+[friction.coulomb]
+kinetic_coefficient = 0.2
+"""  # noqa: E501  # TOML has a table in a line
+
+
+@pytest.fixture
+def run_capsule(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    Path("capsule.toml").write_text(CAPSULE)
+    return commands(capsys, "profile", "optimise", "capsule.toml")
+
+
+def test_the_stroke_of_an_inner_mass_is_from_end_to_end(run_capsule):
+    code, out, _ = run_capsule("--stroke", "20 mm", "--rate", "0.5 m/s", *QUICK, "--json")
+    assert code == 0
+    found = json.loads(out)
+    assert found["limits"]["position"] == 0.01
+    assert found["profile"]["amplitude"] <= 0.01
+
+
+@pytest.mark.parametrize(
+    "given", [("--angle", "10 mm"), (), ("--stroke", "2 mm", "--angle", "1 mm")]
+)
+def test_a_way_along_a_line_is_given_as_a_stroke(run_capsule, given):
+    code, _, err = run_capsule(*given, "--rate", "0.5 m/s")
+    assert code == 2
+    assert "give --stroke: the inner body of this rig moves along a line" in " ".join(err.split())
+
+
 def test_kinds_are_called_as_in_rig_files_too(run):
     ask = (*LIMITS, "--evaluations", "1", "--json")
     documents = [json.loads(run(*ask, "--kind", kind)[1]) for kind in ("sine", "sine-swing")]
@@ -76,6 +120,7 @@ def test_an_interval_takes_paths_and_two_ends(run):
     ("arguments", "message"),
     [
         (("--angle", "60 mm", "--rate", "12 rad/s"), "--angle (q_max)"),
+        (("--stroke", "60 mm", "--rate", "12 rad/s"), "give --angle: the inner body of this rig t"),
         (("--angle", "60 deg", "--rate", "12"), "has no unit"),
         ((*LIMITS, "--goal", "travl"), "Did you mean 'travel'"),
         ((*LIMITS, "--interval", "kinetic_coefficient=0.2"), "PATH=LOW..HIGH"),

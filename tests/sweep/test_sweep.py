@@ -16,9 +16,10 @@ from stickslip import (
     PendulumCart,
     TowedBlock,
     Viscous,
+    ensemble,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, ThreePhase
+from stickslip.drives import Pulse, Sine, ThreePhase, TimedThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
@@ -60,6 +61,35 @@ def test_three_phase_capsule_moves_on_as_its_closed_form_says():
     assert (found.unsettled < 1e-9).all()
     assert found.certified.all()
     assert found.period == pytest.approx(float(stroke.period))
+
+
+@pytest.mark.parametrize(
+    "stroke",
+    [
+        ThreePhase(amplitude=0.01, fast=5.0, slow=1.0, first="slow"),
+        TimedThreePhase(
+            amplitude=0.01, first_duration=0.3, middle_duration=0.12, last_duration=0.3
+        ),
+    ],
+)
+def test_the_frequency_of_three_phases_is_swept_though_none_was_given(stroke):
+    frequencies, law = [6.0, 9.0], Coulomb(kinetic_coefficient=0.2)
+    one = capsule(drive=Prescribed(profile=stroke), stiffness=0.0, damping=0.0)
+    found = average_velocity(one, law, {"frequency": frequencies}, settle=2, cycles=2, solver=PLAIN)
+    assert [*found.axes] == ["mechanism.drive.profile.frequency"]
+    assert found.units == {"mechanism.drive.profile.frequency": "Hz"}
+    np.testing.assert_allclose(found.period, 1 / np.array(frequencies))
+    for f, velocity in zip(frequencies, found.velocity, strict=True):
+        # the same way in another time: accelerations go with the square of the frequency
+        s = f * stroke.period
+        first, middle, _ = (s * s * size for size in stroke.accelerations)
+        own = ThreePhase(amplitude=0.01, fast=middle, slow=first, first="slow")
+        assert own.period == pytest.approx(1 / f, rel=1e-12)
+        run = simulate(dataclasses.replace(one, drive=Prescribed(profile=own)), law, t_end=4 / f)
+        x = run.at([2 / f, 4 / f])["x"]
+        assert velocity == pytest.approx((x[1] - x[0]) / (2 / f), rel=1e-9)
+    runs = ensemble(one, law, {"frequency": frequencies}, t_end=0.5, solver=PLAIN)
+    assert [status.complete for status in runs.status] == [True, True]
 
 
 def test_pendulum_cart_moves_on_as_published_checks_say():

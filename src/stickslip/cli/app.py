@@ -89,7 +89,7 @@ def select(
     estimation: EstimationOptions,
     count: Workers = None,
     executor: ExecutorAt = None,
-    output: Folder = Path("stickslip-report"),
+    output: Folder = None,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
@@ -117,7 +117,7 @@ def demo(
     laws: Laws = None,
     count: Workers = None,
     executor: ExecutorAt = None,
-    output: Folder = Path("stickslip-report"),
+    output: Folder = None,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
@@ -577,7 +577,7 @@ def characterize(
 @command(app, "paper")
 def paper(
     rig: Rig = DEMO,
-    output: Folder = Path("stickslip-paper"),
+    output: Folder = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -726,7 +726,7 @@ def profile_optimise(
     *,
     rig: Annotated[Path, typer.Argument(help="Rig file (TOML) with a prescribed motion.")],
     settings: ProfileOptions,
-    output: Folder = Path("stickslip-profile"),
+    output: Folder = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:

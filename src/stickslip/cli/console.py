@@ -152,6 +152,11 @@ def check_rig_file(output: Path) -> None:
         raise InputError(f"--output takes a .toml file, got {output}.")
 
 
+def folder_of(output: Path | None, default: str, *, as_json: bool) -> Path | None:
+    """Return the folder to write: the one given or the default, none for a document alone."""
+    return output if output is not None or as_json else Path(default)
+
+
 def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
     """Refuse to replace what the command reads, whatever may be replaced."""
     for one in map(Path, inputs):

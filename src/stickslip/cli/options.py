@@ -87,7 +87,15 @@ Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
 EndTime = Annotated[
     float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
 ]
-Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        help="Folder for the report. Default: stickslip- and the name of what is written, such as"
+        " stickslip-report; with --json, nothing is written unless a folder is given.",
+    ),
+]
 Record = Annotated[str, typer.Argument(metavar="NAME", help="Name of a record, see `data list`.")]
 Enforce = Annotated[
     bool, typer.Option("--enforce", help="Exit with code 4 if a criterion of the paper fails.")
@@ -304,10 +312,14 @@ Kind = Annotated[
         "--kind", help="Kind of motion: three-phase, seven-step, sine(-swing) or spline(-swing)."
     ),
 ]
-Position = Annotated[
-    str,
+Angle = Annotated[
+    str | None,
+    typer.Option("--angle", help='Largest angle of a pendulum from its middle, e.g. "60 deg".'),
+]
+Stroke = Annotated[
+    str | None,
     typer.Option(
-        "--angle", "--stroke", help='Largest angle or half stroke, e.g. "60 deg" or "10 mm".'
+        "--stroke", help='Largest stroke of an inner mass, from end to end, e.g. "20 mm".'
     ),
 ]
 Rate = Annotated[
@@ -677,8 +689,9 @@ class AnimationOptions:
 class ProfileOptions:
     """What motion to look for and how."""
 
-    position: Position
     rate: Rate
+    angle: Angle = None
+    stroke: Stroke = None
     effort: Effort = None
     load_share: LoadShare = "0 %"
     back_slip: BackSlip = None

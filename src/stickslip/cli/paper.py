@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stickslip.cli.console import (
     command_line,
+    folder_of,
     plain,
     print_json,
     refuse_inputs,
@@ -25,12 +26,14 @@ from stickslip.paper.values import check_form
 DOCUMENT = "paper.json"
 
 
-def run(path: Path | None, output: Path, *, force: bool, as_json: bool) -> None:
+def run(path: Path | None, output: Path | None, *, force: bool, as_json: bool) -> None:
     """Recompute the paper, write the page, print Table II."""
-    if not as_json:
-        refuse_overwriting(output, output, force=force, files=(PAGE, DOCUMENT))
+    folder = folder_of(output, "stickslip-paper", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=(PAGE, DOCUMENT))
     rig = load_rig(path)
-    refuse_inputs(output / PAGE, rig.files)
+    if folder is not None:
+        refuse_inputs(folder / PAGE, rig.files)
     check_form(rig)
     doing = "Recomputing the paper:" if path is None else "Recomputing:"
     with Watching(list(rig.laws or load_rig().laws), doing) as watch:
@@ -38,16 +41,18 @@ def run(path: Path | None, output: Path, *, force: bool, as_json: bool) -> None:
     content = document("paper", found.to_dict())
     if as_json:
         print_json(content)
+    else:
+        _show(found)
+    if folder is None:
         return
-    _show(found)
     files = {DOCUMENT: json_text(content)}
-    kept = f"The numbers are in {output / DOCUMENT}."
+    kept = f"The numbers are in {folder / DOCUMENT}."
     page = partial(paper_report, found, command=command_line())
 
     def write(text: str | None) -> None:
-        write_folder(output, files if text is None else {PAGE: text} | files, stale=[PAGE])
+        write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
 
-    leave_unless_drawn(draw_page(output, page, write, kept=kept))
+    leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=as_json))
 
 
 def _show(found: PaperAudit) -> None:

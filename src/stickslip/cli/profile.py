@@ -4,7 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from stickslip.cli.console import note, print_json, refuse_overwriting, show_table, stdout
+from stickslip.cli.console import (
+    folder_of,
+    note,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+)
 from stickslip.cli.law_choice import friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
 from stickslip.cli.options import LawOptions, ProfileOptions
@@ -19,6 +26,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
     GOALS,
     Limits,
+    Margin,
     Optimum,
     ScoredMotion,
     optimise_profile,
@@ -30,7 +38,6 @@ if TYPE_CHECKING:
     from stickslip.optimisation import GoalName, KindName
 
 OPTIONS = {
-    "position": "--angle",
     "rate": "--rate",
     "effort": "--torque",
     "load_share": "--load-share",
@@ -43,26 +50,28 @@ FILES = {"rig.toml", "profile.svg", "optimum.json"}
 def run(
     path: Path,
     settings: ProfileOptions,
-    output: Path,
+    output: Path | None,
     *,
     force: bool,
     as_json: bool,
 ) -> None:
     """Search, write rig file, figure and numbers, print what was found."""
-    if not as_json:
-        refuse_overwriting(output, output, force=force, files=FILES)
+    folder = folder_of(output, "stickslip-profile", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=FILES)
     asked = LawOptions(law=settings.law, load=settings.load)
     rig, chosen = rig_and_friction(path, settings.changes or [], asked)
     found = _found(rig, friction_of(chosen), settings)
     head = {"rig": rig.heading, "digest": rig.digest}
     head |= friction_content(chosen, rig.mechanism)
     content = document("profile", head | found.to_dict())
+    if folder is not None:
+        write_folder(folder, _files(found, content))
     if as_json:
         print_json(content)
     else:
-        write_folder(output, _files(found, content))
         _show(found)
-        stdout().print(f"\nWritten: {output} ({', '.join(sorted(FILES))})", markup=False)
+        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})", markup=False)
     if found.cancelled:
         note("The search was stopped early; this is the best motion so far.")
 
@@ -96,7 +105,9 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optim
 def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:
     """Read the limits, each in its unit."""
     units, values = units_of_limits(mechanism), {}
-    for name, quantity in fields_of(Limits).items():
+    quantities = dict(fields_of(Limits))
+    values["position"] = _position(settings, quantities.pop("position"), units["position"])
+    for name, quantity in quantities.items():
         text: str | None = getattr(settings, name)
         if text is None:
             continue
@@ -108,6 +119,24 @@ def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:
         except ParameterError as error:
             raise ParameterError(f"{OPTIONS[name]} {error}") from None
     return Limits(**values)
+
+
+def _position(settings: ProfileOptions, quantity: Quantity, unit: str) -> float:
+    """Return the largest distance from the middle, by the option of its kind of motion."""
+    of_angle = unit == "rad"
+    option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
+    text, other = settings.angle, settings.stroke
+    if not of_angle:
+        text, other = other, text
+    if text is None or other is not None:
+        what = "turns" if of_angle else "moves along a line, from end to end"
+        got = "none of the two" if other is None else f"{wrong} {other}"
+        raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
+    try:
+        value = read_number(text, Quantity(quantity.symbol, unit, above=0))
+    except ParameterError as error:
+        raise ParameterError(f"{option} {error}") from None
+    return value if of_angle else 0.5 * value
 
 
 def _interval(
@@ -150,7 +179,7 @@ def _show(found: Optimum) -> None:
     console.print()
     rows = [
         [
-            m.name.replace("_", " "),
+            _limit_word(m),
             f"{number(m.reached, 5)}",
             f"{number(m.allowed, 5)}",
             f"{number(m.margin)}",
@@ -192,5 +221,12 @@ def _broken(judged: ScoredMotion) -> str:
         return judged.early_end
     if not all(cycle.repeats for cycle in judged.cycles):
         return "its cycles are not periodic"
-    names = [m.name.replace("_", " ") for m in judged.margins if m.margin < 0.0]
+    names = [_limit_word(m) for m in judged.margins if m.margin < 0.0]
     return f"violates {', '.join(names)}"
+
+
+def _limit_word(margin: Margin) -> str:
+    """Return what a limit is of; the place of an inner mass is counted from its middle."""
+    if margin.name == "position":
+        return "angle" if margin.unit == "rad" else "half the stroke"
+    return margin.name.replace("_", " ")

@@ -11,6 +11,7 @@ import typer
 
 from stickslip.cli.console import (
     command_line,
+    folder_of,
     note,
     overrides,
     plain,
@@ -64,7 +65,7 @@ def run(
     ask: Ask,
     changes: Sequence[str],
     laws: str | None,
-    output: Path,
+    output: Path | None,
     *,
     count: int | None,
     executor: str | None,
@@ -73,9 +74,10 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Select, write the verdict, print it, draw its page; as JSON print only the verdict."""
-    if not as_json:
-        refuse_overwriting(output, output, force=force, files=VERDICT_FILES)
+    """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
+    folder = folder_of(output, "stickslip-report", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=VERDICT_FILES)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     kind, request, files = ask(rig, given=path is not None)
     rig = replace(rig, digest=with_files(rig.digest, files))
@@ -88,20 +90,22 @@ def run(
     verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), count or 1, executor)
     content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
     page_code = 0
-    if as_json:
-        print_json(content)
-    else:
-        if not (output / DOCUMENT).exists():  # an earlier report stays until all of this is there
-            write_verdict(output, verdict, content)
-        with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
+    # an earlier report stays until all of this is there
+    if folder is not None and not (folder / DOCUMENT).exists():
+        write_verdict(folder, verdict, content)
+    with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
+        if as_json:
+            print_json(content)
+        else:
             show_verdict(verdict)
-        kept = f"The verdict is in {output / DOCUMENT}."
+    if folder is not None:
         own = path is None  # the bundled rig
         page_code = draw_page(
-            output,
+            folder,
             lambda: render(_page(verdict, rig, files, of_paper=own)),
-            lambda text: write_verdict(output, verdict, content, page=text),
-            kept=kept,
+            lambda text: write_verdict(folder, verdict, content, page=text),
+            kept=f"The verdict is in {folder / DOCUMENT}.",
+            quiet=as_json,
         )
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:

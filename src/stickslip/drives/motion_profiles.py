@@ -127,7 +127,8 @@ class ThreePhase(Stepped):
     From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
     amplitude, and comes back to rest where it began. With ``first="fast"`` the outer phases are the
     fast ones: ``+fast``, ``-slow``, ``+fast``; with ``first="slow"`` the middle one is. The last
-    phase may have an acceleration of its own.
+    phase may have an acceleration of its own. With a `frequency` the motion keeps its way and its
+    shape: of the accelerations the ratios count, and all are scaled to that many cycles a second.
 
     Examples
     --------
@@ -135,6 +136,9 @@ class ThreePhase(Stepped):
     >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     >>> round(float(swing.period), 5)
     0.7236
+    >>> quicker = ThreePhase(amplitude=0.8, fast=4.0, slow=1.0, frequency=2.0)
+    >>> [round(one, 6) for one in quicker.accelerations]
+    [256.0, 64.0, 256.0]
     """
 
     amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
@@ -147,6 +151,8 @@ class ThreePhase(Stepped):
     """What the outer phases are."""
     last: Annotated[float, Quantity("A_3", "rad/s^2", above=0, or_unit="m/s^2")] | None = None
     """Size of the acceleration of the last phase; that of the first one if not given."""
+    frequency: Annotated[float, Quantity("f", "Hz", above=0)] | None = None
+    """Cycles per second; those that the accelerations make if not given."""
 
     @override
     def __post_init__(self) -> None:
@@ -159,28 +165,38 @@ class ThreePhase(Stepped):
     def accelerations(self) -> tuple[float, float, float]:
         """Sizes of the accelerations of the three phases; that of the middle one is a braking."""
         outer, middle = (self.fast, self.slow) if self.first == "fast" else (self.slow, self.fast)
-        return outer, middle, outer if self.last is None else self.last
+        sizes = outer, middle, outer if self.last is None else self.last
+        if self.frequency is None:
+            return sizes
+        quicker = self.frequency * self._duration(sizes)
+        first, middle, last = (quicker * quicker * size for size in sizes)
+        return first, middle, last
 
-    @property
-    def _rates(self) -> tuple[float, float]:
-        """Largest rates on the way there and on the way back."""
-        first, middle, last = self.accelerations
+    def _rates_of(self, sizes: tuple[float, float, float]) -> tuple[float, float]:
+        """Return the largest rates on the way there and on the way back."""
+        first, middle, last = sizes
         there: float = sqrt(4.0 * self.amplitude / (1.0 / first + 1.0 / middle))
         back: float = sqrt(4.0 * self.amplitude / (1.0 / middle + 1.0 / last))
         return there, back
 
+    def _duration(self, sizes: tuple[float, float, float]) -> float:
+        """Return how long a cycle with these accelerations lasts [s]."""
+        first, middle, last = sizes
+        there, back = self._rates_of(sizes)
+        return there * (1.0 / first + 1.0 / middle) + back * (1.0 / middle + 1.0 / last)
+
     @property
     def peak_rate(self) -> float:
         """Largest rate, on the way there or on the way back."""
-        there, back = self._rates
+        there, back = self._rates_of(self.accelerations)
         return there if self.last is None else max(there, back)
 
     @property
     @override
     def period(self) -> float:
-        first, middle, last = self.accelerations
-        there, back = self._rates
-        return there * (1.0 / first + 1.0 / middle) + back * (1.0 / middle + 1.0 / last)
+        if self.frequency is not None:
+            return 1.0 / self.frequency
+        return self._duration(self.accelerations)
 
     @property
     @override
@@ -190,7 +206,7 @@ class ThreePhase(Stepped):
     @override
     def cycle(self) -> tuple[Piece, ...]:
         first, middle, last = self.accelerations
-        there, back = self._rates
+        there, back = self._rates_of(self.accelerations)
         times = (there / first, (there + back) / middle, back / last)
         return _steps(times, (first, -middle, last))
 
@@ -202,7 +218,8 @@ class TimedThreePhase(Stepped):
 
     From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
     amplitude, and comes back to rest where it began. Any three durations make such a motion; where
-    the outer ones are equal, so are their accelerations, and it is a `ThreePhase`.
+    the outer ones are equal, so are their accelerations, and it is a `ThreePhase`. With a
+    `frequency` the durations count as shares of a cycle.
 
     Examples
     --------
@@ -224,6 +241,18 @@ class TimedThreePhase(Stepped):
     """Duration of the phase that brakes and turns back."""
     last_duration: Annotated[float, Quantity("t_3", "s", above=0)]
     """Duration of the last phase."""
+    frequency: Annotated[float, Quantity("f", "Hz", above=0)] | None = None
+    """Cycles per second; those that the durations make if not given."""
+
+    @property
+    def durations(self) -> tuple[float, float, float]:
+        """Durations of the three phases [s]."""
+        given = self.first_duration, self.middle_duration, self.last_duration
+        if self.frequency is None:
+            return given
+        slower = 1.0 / (self.frequency * sum(given))
+        first, middle, last = (slower * one for one in given)
+        return first, middle, last
 
     @property
     def _rates(self) -> tuple[Scalar, Scalar]:
@@ -232,7 +261,7 @@ class TimedThreePhase(Stepped):
         Their ratio is that of the times in which they change, ``(t_2 + t_3) / (t_1 + t_2)``, since
         both ways are as long.
         """
-        t_1, t_2, t_3 = self.first_duration, self.middle_duration, self.last_duration
+        t_1, t_2, t_3 = self.durations
         share = (t_2 + t_3) / (t_1 + 2.0 * t_2 + t_3)  # of the middle phase, until it turns back
         there = 4.0 * self.amplitude / (t_1 + t_2 * share)
         return there, there * (t_1 + t_2) / (t_2 + t_3)
@@ -241,16 +270,13 @@ class TimedThreePhase(Stepped):
     def accelerations(self) -> tuple[float, float, float]:
         """Sizes of the accelerations of the three phases; that of the middle one is a braking."""
         there, back = self._rates
-        return (
-            there / self.first_duration,
-            (there + back) / self.middle_duration,
-            back / self.last_duration,
-        )
+        first, middle, last = self.durations
+        return there / first, (there + back) / middle, back / last
 
     @property
     @override
     def period(self) -> float:
-        return self.first_duration + self.middle_duration + self.last_duration
+        return sum(self.durations) if self.frequency is None else 1.0 / self.frequency
 
     @property
     @override
@@ -260,8 +286,7 @@ class TimedThreePhase(Stepped):
     @override
     def cycle(self) -> tuple[Piece, ...]:
         first, middle, last = self.accelerations
-        times = (self.first_duration, self.middle_duration, self.last_duration)
-        return _steps(times, (first, -middle, last))
+        return _steps(self.durations, (first, -middle, last))
 
 
 @final

@@ -108,8 +108,7 @@ class ThreePhases(Space):
         if not isinstance(profile, ThreePhase) or profile.last is not None:
             return None
         share = profile.amplitude / self.limits.position
-        pair = (profile.fast, profile.slow)
-        outer, middle = pair if profile.first == "fast" else pair[::-1]
+        outer, middle, _ = profile.accelerations
         return self.inside(
             [
                 (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
@@ -154,8 +153,7 @@ class SevenSteps(Space):
     @override
     def place(self, profile: Profile) -> Array | None:
         if isinstance(profile, ThreePhase) and profile.last is None:
-            pair = (profile.fast, profile.slow)
-            fast, slow = pair if profile.first == "fast" else pair[::-1]
+            fast, slow, _ = profile.accelerations
             top, pause = profile.peak_rate, 0.0
         elif isinstance(profile, SevenStep):
             fast, slow, top, pause = profile.fast, profile.slow, profile.top_rate, profile.pause

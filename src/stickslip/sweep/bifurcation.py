@@ -19,7 +19,7 @@ from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import BlockChain, Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
-from stickslip.simulation import check_pair, ensemble, simulate
+from stickslip.simulation import beginning_pair, check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, EventTimes, Final, Output, Samples, column_units
 from stickslip.sweep.cycles import period_of
 from stickslip.sweep.parameter_grid import (
@@ -242,6 +242,7 @@ def bifurcation(
     check_executor(executor)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
+    mechanism, found = beginning_pair(mechanism, found, {path: values})
     full, array = axis_of(mechanism, found, path, values)
     if full.startswith("initial."):
         raise InputError(f"bifurcation: {full} is not a parameter; give `starts`, or use basins.")

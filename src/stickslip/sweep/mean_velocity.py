@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import span
 from stickslip.friction import Friction
 from stickslip.mechanisms import Mechanism, slip_among
-from stickslip.simulation import ensemble, event_driven_law
+from stickslip.simulation import beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Mean, Output
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -224,6 +224,7 @@ def average_velocity(
     law = event_driven_law(mechanism, law)
     slip, rate = slip_among(mechanism, coordinate, "average_velocity")
     _check(parameters, cycles, settle)
+    mechanism, law = beginning_pair(mechanism, law, parameters)
     if period is None:
         whole_run("average_velocity", mechanism, settle + cycles)
     axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
