@@ -1,6 +1,7 @@
 """Plots on axes: those of the user, or new ones; settings of matplotlib stay as they are."""
 
 import inspect
+import itertools
 import sys
 import threading
 import warnings
@@ -292,14 +293,47 @@ def test_a_plot_fills_a_subfigure_and_leaves_its_neighbour_alone(results):
     figure.canvas.draw()
 
 
-def test_the_readers_own_resolution_and_style_hold_where_they_are_theirs(results):
-    with mpl.rc_context({"figure.dpi": 137.0, "font.size": 30.0}):
+def test_what_the_reader_set_of_letters_size_colours_and_lines_holds(results):
+    cycle = mpl.cycler(color=["#d62728", "#2ca02c"])
+    own = {"figure.dpi": 137.0, "font.size": 23.0, "figure.figsize": (7.0, 5.0)}
+    with mpl.rc_context(own | {"axes.prop_cycle": cycle, "lines.linewidth": 3.6}):
         axes = results["loop"].plot()
         assert axes.figure.dpi == 137.0
-        assert axes.xaxis.label.get_size() == 11.5
-        assert {tick.label1.get_size() for tick in axes.xaxis.get_major_ticks()} == {11.0}
-        axes.figure.canvas.draw()
-        assert mpl.rcParams["font.size"] == 30.0
+        assert tuple(axes.figure.get_size_inches()) == (7.0, 5.0)
+        assert axes.xaxis.label.get_size() == 23.0
+        assert {tick.label1.get_size() for tick in axes.xaxis.get_major_ticks()} == {22.0}
+        first, *_ = axes.lines
+        assert first.get_color() == pytest.approx(mpl.colors.to_rgba("#d62728"))
+        assert mpl.rcParams["font.size"] == 23.0
+    plain = results["loop"].plot()
+    assert tuple(plain.figure.get_size_inches()) == (10.0, pytest.approx(4.5, abs=1.0))
+    assert plain.xaxis.label.get_size() == 11.5
+    assert plain.lines[0].get_color() == plots.C1
+    assert first.get_linewidth() == 2.0 * plain.lines[0].get_linewidth()
+
+
+@pytest.mark.parametrize("kind", ["run", "map", "basins"])
+def test_a_style_sheet_for_dark_paper_leaves_no_dark_letters_on_it(kind, results):
+    with plt.style.context("dark_background"):
+        panels = np.atleast_1d(results[kind].plot())
+        assert panels[0].figure.get_facecolor() == (0.0, 0.0, 0.0, 1.0)
+        texts = [text for axes in panels for text in axes.findobj(mpl.text.Text)]
+        shown = [text for text in texts if text.get_text()]
+        assert min(sum(mpl.colors.to_rgb(text.get_color())) for text in shown) > 1.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_in_a_column_of_a_journal_letters_are_small_and_labels_keep_apart(kind, results):
+    with mpl.rc_context({"figure.figsize": (3.5, 2.6)}):
+        panels = np.atleast_1d(results[kind].plot())
+    figure = panels[0].figure
+    figure.canvas.draw()
+    assert tuple(figure.get_size_inches()) == (3.5, 2.6)
+    sizes = {t.get_size() for t in figure.findobj(mpl.text.Text) if t.get_text()}
+    assert 6.0 <= min(sizes) <= max(sizes) < 9.0
+    boxes = [axes.yaxis.label.get_window_extent() for axes in panels]
+    column = [box for box in boxes if abs(box.x0 - boxes[0].x0) < 20.0]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(column, 2))
 
 
 def test_two_laws_share_axes():

@@ -43,6 +43,26 @@ def test_a_curve_marks_its_reversal_and_shades_backward_motion():
     assert SLIP_BACK in standalone_svg(draw_velocity_map(found))
 
 
+@pytest.mark.parametrize("axes", [{"a": [1, 2, 3]}, {"a": [1, 2, 3], "b": [1, 2]}])
+def test_where_runs_ended_early_it_is_hatched_with_the_reason(axes):
+    shape = tuple(len(values) for values in axes.values())
+    found = velocity_map(axes, np.ones(shape))
+    found.velocity[0], found.status[0] = np.nan, Status.ZENO
+    panel, *_ = drawn(draw_velocity_map(found))
+    (legend,) = panel.get_legend().get_texts()
+    assert legend.get_text() == "No value: Zeno behaviour"
+    hatched = [patch for patch in panel.patches if patch.get_hatch()]
+    assert len(hatched) == 1
+    assert hatched[0].get_x() == (1.0 if len(shape) == 1 else 0.5)
+
+
+def test_a_map_without_any_velocity_is_drawn_with_the_reason():
+    found = velocity_map({"a": [1, 2]}, [np.nan, np.nan])
+    found.status[:] = Status.HELD
+    panel, *_ = drawn(draw_velocity_map(found))
+    assert "pressed" in panel.get_legend().get_texts()[0].get_text()
+
+
 def test_a_map_has_its_colours_even_about_zero_and_units_of_small_velocities():
     found = velocity_map({"a": [1, 2], "b": [1, 2, 3]}, [[0.02, 0.01, -0.01], [0.01, 0.0, -0.01]])
     axes, bar = drawn(draw_velocity_map(found))
@@ -74,10 +94,13 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     rest = Attractor(points=np.zeros((4, 2)), period=1, velocity=0.0, share=0.75)
     found = Basins(
         starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
-        index=np.array([[0, 0], [0, -1]]), attractors=(rest,),
-        status=np.full((2, 2), Status.END_TIME, dtype=object), units={"x": "m", "v": "m/s"},
+        index=np.array([[0, 0], [0, -1]]), attractors=(rest,), units={"x": "m", "v": "m/s"},
+        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.HELD]], dtype=object),
     )  # fmt: skip
     (axes,) = drawn(draw_basins(found))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("initial x, m", "initial v, m/s")
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["75 %, period 1"]
+    first, reason = (text.get_text() for text in axes.get_legend().get_texts())
+    assert first == "75 %, period 1"
+    words = "No value: A coordinate without slip is pressed against its hard stop"
+    assert reason.split() == words.split()
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +16,7 @@ from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.helpers import labelled
+from stickslip.plots.core.label_placement import LETTER
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import (
     C1,
@@ -28,6 +29,8 @@ from stickslip.plots.core.theme import (
     SLIP_BACK,
     STICK,
     SURFACE,
+    name_size,
+    pixel_of,
     shade,
 )
 from stickslip.sweep import Basins, Bifurcation, SensitivityIndices, VelocityMap
@@ -43,9 +46,11 @@ STOPPED: Final[Mapping[str, Any]] = MappingProxyType(
     {"facecolor": "none", "edgecolor": DATA, "hatch": "////", "linewidth": 0.0}
 )
 """How it is marked where runs ended early."""
-REASON_WIDTH: Final = 34
-"""Letters of a line of a reason in a legend."""
+REASON_WIDTH: Final = 0.48
+"""Share of the width of a figure that a line of a reason takes."""
 
+COLUMN: Final = 290
+"""Width of a column of a legend above a panel [CSS px]."""
 SWEEP_SIZE: Final = (880, 380)
 
 
@@ -110,7 +115,7 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
             xytext=(7, 8),
             textcoords="offset points",
             color=INK,
-            fontsize=11,
+            fontsize=name_size(),
         )
     _mark_early_ends(axes, values, result.status)
     axes.set_xlabel(labelled(path, result.units[path]))
@@ -123,19 +128,25 @@ def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:
     early = np.array([[not one.complete for one in row] for row in status.reshape(len(values), -1)])
     for low, high in _stretches(values, early.any(axis=1)):
         axes.axvspan(low, high, zorder=0, **STOPPED)
-    name_early_ends(axes, status)
+    _name_early_ends(axes, status)
 
 
-def name_early_ends(axes: Axes, status: Any, **place: Any) -> None:
-    """Name in a legend what is hatched: the reasons for which runs ended early, if some did."""
+def _name_early_ends(axes: Axes, status: Any) -> None:
+    """Name what is hatched above the panel: the reasons for which runs ended early, if some did."""
     reasons = dict.fromkeys(one.label for one in status.ravel() if not one.complete)
     handles, _ = axes.get_legend_handles_labels()
+    figure = cast("Figure", axes.get_figure(root=True))
+    width = figure.bbox.width * pixel_of(figure)
+    letters = int(REASON_WIDTH * width / LETTER)
     handles += [
-        Patch(label="\n".join(textwrap.wrap(f"No value: {reason}", REASON_WIDTH)), **STOPPED)
+        Patch(label=textwrap.fill(f"No value: {reason}", max(letters, 20)), **STOPPED)
         for reason in reasons
     ]
     if handles:
-        axes.legend(handles=handles, **place)
+        axes.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2,
+            ncols=max(1, int(width // COLUMN)),
+        )  # fmt: skip
 
 
 def _stretches(values: Any, chosen: Any) -> list[tuple[float, float]]:
@@ -163,7 +174,7 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label(label)
     bar.outline.set_visible(False)
-    name_early_ends(axes, result.status, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    _name_early_ends(axes, result.status)
 
 
 def _hatch_cells(axes: Axes, xs: Any, ys: Any, status: Any) -> None:
@@ -254,7 +265,7 @@ def draw_basins(result: Basins) -> Draw:
     True
     """
 
-    def draw(figure: Figure, _narrow: bool) -> None:
+    def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
         (across, xs), (up, ys) = result.starts.items()
         count = max(1, len(result.attractors))
@@ -277,7 +288,9 @@ def draw_basins(result: Basins) -> Draw:
                 )
             kind = f"period {motion.period}" if motion.period else "not periodic"
             axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
-        name_early_ends(axes, result.status, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        if narrow:
+            axes.locator_params(axis="x", nbins=4)  # numbers of small starts are long
+        _name_early_ends(axes, result.status)
 
     return draw
 

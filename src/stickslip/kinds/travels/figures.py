@@ -156,7 +156,7 @@ def _where_to_measure(axes: Axes, settings: Sequence[float]) -> None:
     for at, (height, text, side, align) in zip(settings, notes, strict=False):
         axes.annotate(
             text, (at, height), xycoords=place, xytext=(side, 0), textcoords="offset points",
-            ha=align, color=MUTED, fontsize=11,
+            ha=align, color=MUTED, fontsize="medium",
         )  # fmt: skip
 
 
@@ -247,7 +247,7 @@ def _differences(
         text = ", ".join(f"{name}: up to {largest[name]:.2g} mm" for name in beyond)
         axes.annotate(
             f"{text}, off the scale", (1.0, 1.0), xycoords="axes fraction", ha="right", va="top",
-            color=look[beyond[0]].colour, fontsize=11,
+            color=look[beyond[0]].colour, fontsize="medium",
         )  # fmt: skip
     label_curves(axes, [Curve(times, d, name, look[name].colour) for name, d in shown.items()])
 

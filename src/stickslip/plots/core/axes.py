@@ -22,6 +22,10 @@ PanelTarget: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | Panels | N
 
 PER_INCH: Final = 88
 """CSS pixels of a page per inch of a new figure: the widest ones are 10 inches."""
+OVERHANG: Final = 1.15
+"""Height of a label over that of its panel, up to which it keeps off its neighbours."""
+LEAST_LABEL: Final = 6.0
+"""Size of letters to which labels of very low panels shrink [pt]."""
 NARROW_BELOW: Final = 500
 """Width of axes [CSS px] below which curves are named inside them."""
 
@@ -43,13 +47,19 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
         # loads the backend: that of a notebook sets that figures are shown after each cell, which
         # would be taken back with the style
         plt.draw_if_interactive()  # type: ignore[no-untyped-call]  # of matplotlib
-        dpi = mpl.rcParams["figure.dpi"]  # the user's: the house style counts in CSS pixels
-        with theme.house_style():
+        settings = mpl.rcParams  # the user's: the house style counts in CSS pixels
+        dpi, inches = settings["figure.dpi"], tuple(settings["figure.figsize"])
+        if inches == tuple(mpl.rcParamsDefault["figure.figsize"]):
             inches = (size[0] / PER_INCH, size[1] / PER_INCH)
-            new = plt.figure(figsize=inches, dpi=dpi, layout="constrained", facecolor=theme.SURFACE)
+        width = 72 * inches[0]
+        with theme.readers_style(width) as own:
+            paper = own.get("figure.facecolor", theme.SURFACE)
+            new = plt.figure(figsize=inches, dpi=dpi, layout="constrained", facecolor=paper)
             try:
-                panels = _drawn(draw, new, None, narrow=False)
+                panels = _drawn(draw, new, None, narrow=width < NARROW_BELOW)
                 new.draw_without_rendering()  # makes the ticks, in this style
+                theme.restyle(new.findobj(), own)
+                _fit_labels(panels)
             except BaseException:
                 plt.close(new)
                 raise
@@ -62,8 +72,13 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
         given = _axes_of(ax)
         figure = cast("Figure", given[0].get_figure(root=True))
         width = min(one.get_window_extent().width for one in given)
-    with theme.house_style():
-        return _drawn(draw, figure, given, narrow=width * 72 / figure.dpi < NARROW_BELOW)
+    before = {artist for one in given or () for artist in one.findobj()}
+    points = width * 72 / figure.dpi
+    with theme.readers_style(points if given is None else None) as own:
+        panels = _drawn(draw, figure, given, narrow=points < NARROW_BELOW)
+        after = {artist for one in (*panels, *figure.legends) for artist in one.findobj()}
+        theme.restyle(after - before, own)
+        return panels
 
 
 def on_axes(draw: Draw, ax: PanelTarget, size: Size) -> Axes:
@@ -113,6 +128,18 @@ def _drawn(
     panels = np.empty(len(shown), dtype=object)
     panels[:] = shown
     return panels
+
+
+def _fit_labels(panels: Panels) -> None:
+    """Break and shrink labels of vertical axes that are longer than their panels."""
+    for axes in panels:
+        label = axes.yaxis.label
+        room = OVERHANG * axes.get_window_extent().height
+        if label.get_window_extent().height > room:
+            label.set_text(label.get_text().replace(", ", ",\n", 1))
+        longest = label.get_window_extent().height
+        if longest > room:
+            label.set_fontsize(max(label.get_fontsize() * room / longest, LEAST_LABEL))
 
 
 def _miscounted(wanted: int, got: int) -> InputError:

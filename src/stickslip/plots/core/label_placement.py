@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stickslip.plots.core.helpers import Array
-from stickslip.plots.core.theme import label_at, label_column, lay_out
+from stickslip.plots.core.theme import label_at, label_column, lay_out, pixel_of
 
 LETTER: Final = 5.5
 """Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
@@ -62,7 +62,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
     if figure is None:
         return
     lay_out(figure)
-    pixel = 72 / figure.dpi
+    pixel = pixel_of(figure)
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
     frame = frame._replace(left=frame.left + BESIDE)  # names do not stand on the axis
     drawn = [(curve, _in_pixels(axes, curve, pixel)) for curve in curves]

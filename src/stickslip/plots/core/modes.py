@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stickslip.plots.core.label_placement import LETTER
-from stickslip.plots.core.theme import INK, MUTED
+from stickslip.plots.core.theme import INK, MUTED, name_size
 from stickslip.trajectory import Event, Trajectory
 
 MOST_NAMED: Final = 4
@@ -35,7 +35,7 @@ def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
                 ha="center",
                 va="bottom",
                 color=MUTED,
-                fontsize=11,
+                fontsize=name_size(),
             )
 
 
@@ -62,7 +62,7 @@ def name_events(axes: Axes, events: Sequence[Event], narrow: bool) -> None:
             ha="left" if fits else "right",
             va="bottom",
             color=INK,
-            fontsize=11,
+            fontsize=name_size(),
         )
 
 

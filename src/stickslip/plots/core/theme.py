@@ -6,17 +6,25 @@ or on paper as it stands; `stickslip.plots.core.svg` replaces them by CSS variab
 decides between light and dark. No two may be equal, or that replacement could not tell them apart.
 """
 
+import itertools
 import re
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
+import matplotlib as mpl
+import numpy as np
 from cycler import cycler
 from matplotlib import style
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import Collection
+from matplotlib.colors import to_hex, to_rgba, to_rgba_array
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Annotation
 
 from stickslip.errors import InputError
@@ -46,6 +54,10 @@ SURFACE: Final = "#ffffff"
 
 GAP: Final = 14.0
 """Least distance of names in a column [pt]."""
+BAND: Final = 0.25
+"""Share of the colour of a line in a band, on paper of the reader's colour."""
+COLOURED: Final = ("color", "facecolor", "edgecolor", "markerfacecolor", "markeredgecolor")
+"""Properties of artists that are colours."""
 VARIABLES: Final = MappingProxyType(
     {
         INK: "ink",
@@ -141,6 +153,112 @@ def house_style() -> Iterator[None]:
             _HELD.held = False
 
 
+FONT_SIZE: Final = float(STYLE["font.size"])
+"""Size of letters of the house style [pt]."""
+NARROW_WIDTH: Final = 358.0
+"""Width of a narrow figure at that size [pt]; below, letters shrink with the figure."""
+LEAST_FONT_SIZE: Final = 7.0
+"""Size that journals still print [pt]."""
+RELATIVE: Final = ("axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize")
+"""Sizes of the house style that go with that of letters."""
+HEEDED: Final = (
+    "axes.", "errorbar.", "figure.", "font.", "grid.", "hatch.", "image.", "legend.", "lines.",
+    "mathtext.", "patch.", "scatter.", "text.", "xtick.", "ytick.",
+)  # fmt: skip
+"""Beginnings of the names of settings that say how a figure looks."""
+
+
+@contextmanager
+def readers_style(width: float | None = None) -> Iterator[Mapping[str, Any]]:
+    """Draw in the house style, but for what the reader set; yield that.
+
+    What differs from the defaults of matplotlib was set, by a style sheet, a file or a statement.
+    Letters whose size was not set shrink with a figure whose width [pt] is less than that of a
+    phone; without a width, on axes that have letters already, they have the reader's size.
+
+    Examples
+    --------
+    >>> import matplotlib as mpl
+    >>> with mpl.rc_context({"font.size": 8.0}), readers_style() as own:
+    ...     own, mpl.rcParams["axes.labelsize"], mpl.rcParams["axes.edgecolor"] == MUTED
+    ({'font.size': 8.0}, 8.0, True)
+    """
+    with _LOCK:
+        if getattr(_HELD, "held", False):  # within a figure of ours, the reader has no say
+            yield {}
+            return
+        defaults = mpl.rcParamsDefault
+        names = [name for name in mpl.rcParams if name.startswith(HEEDED) and name in defaults]
+        own = {n: mpl.rcParams[n] for n in names if mpl.rcParams[n] != defaults[n]}
+        size = mpl.rcParams["font.size"]
+        if width is not None and "font.size" not in own:
+            size = max(min(1.0, width / NARROW_WIDTH) * FONT_SIZE, LEAST_FONT_SIZE)
+        sizes = {name: size / FONT_SIZE * STYLE[name] for name in RELATIVE}
+        _HELD.held = True
+        try:
+            looks = dict(STYLE) | {"font.size": size} | sizes | own
+            with style.context(["default", looks]):
+                yield own
+        finally:
+            _HELD.held = False
+
+
+def name_size() -> float:
+    """Return the size of names beside curves [pt], which goes with that of letters."""
+    size: float = 11.0 / FONT_SIZE * mpl.rcParams["font.size"]
+    return size
+
+
+def pixel_of(figure: Figure) -> float:
+    """Return how many CSS pixels a dot of a figure is, where letters have the house's size."""
+    pixel: float = 72.0 / figure.dpi * FONT_SIZE / mpl.rcParams["font.size"]
+    return pixel
+
+
+def restyle(artists: Iterable[Artist], own: Mapping[str, Any]) -> None:
+    """Give artists that were drawn the colours and the width of lines that the reader set."""
+    colours = _readers_palette(own)
+    thicker = own.get("lines.linewidth", STYLE["lines.linewidth"]) / STYLE["lines.linewidth"]
+    for artist in artists:
+        if isinstance(artist, Line2D) and artist.axes is not None and artist in artist.axes.lines:
+            artist.set_linewidth(thicker * artist.get_linewidth())
+        if isinstance(artist, ScalarMappable) and artist.get_array() is not None:
+            continue  # its colours are those of a map
+        for name in COLOURED if colours else ():
+            _recolour(artist, name, colours)
+
+
+def _recolour(artist: Artist, name: str, colours: Mapping[str, tuple[float, ...]]) -> None:
+    """Replace a colour of the palette; white is paper inside of shapes only."""
+    get, put = (getattr(artist, f"{verb}_{name}", None) for verb in ("get", "set"))
+    before = to_rgba_array(get()) if get is not None and put is not None else ()
+    after = [
+        (*colours[key][:3], one[3])
+        if (key := to_hex(one)) in colours and (key != SURFACE or name.endswith("facecolor"))
+        else tuple(one)
+        for one in before
+    ]
+    if put is not None and not np.array_equal(after, before):
+        put(after if isinstance(artist, Collection) else after[0])
+
+
+def _readers_palette(own: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
+    """Return what stands for each colour of the palette, as far as the reader set it."""
+    found: dict[str, Any] = {}
+    if "axes.prop_cycle" in own:
+        cycle = own["axes.prop_cycle"].by_key().get("color", [])
+        found |= dict(zip((C1, C2, C3, C4), itertools.cycle(cycle), strict=False)) if cycle else {}
+    named = {INK: "text.color", MUTED: "axes.labelcolor", LINE: "grid.color"}
+    found |= {colour: own[name] for colour, name in named.items() if name in own}
+    if "axes.facecolor" in own:
+        paper = np.array(to_rgba(own["axes.facecolor"]))
+        found |= {SURFACE: paper}
+        bands = {STICK: C2, SLIP_BACK: C1}
+        shades = {band: np.array(to_rgba(found.get(line, line))) for band, line in bands.items()}
+        found |= {band: paper + BAND * (line - paper) for band, line in shades.items()}
+    return {colour: tuple(to_rgba(value)) for colour, value in found.items()}
+
+
 def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:
     """Mark stretches of the horizontal axis, such as the times at rest, by a band behind all.
 
@@ -186,7 +304,7 @@ def label_at(
         xytext=offset,
         textcoords="offset points",
         color=colour,
-        fontsize=11,
+        fontsize=name_size(),
         ha=align,
         va="center",
         annotation_clip=False,
@@ -212,10 +330,10 @@ def label_column(axes: Axes, x: float, labels: Sequence[tuple[float, str, str]])
             "the axes were removed from their figure; label them before removing them."
         )
     lay_out(figure)
-    pixel = 72 / figure.dpi
+    pixel, point = pixel_of(figure), mpl.rcParams["font.size"] / FONT_SIZE
     wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]
     for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, GAP), strict=True):
-        label_at(axes, x, y, text, colour, offset=(6, new - old))
+        label_at(axes, x, y, text, colour, offset=(6 * point, (new - old) * point))
 
 
 def lay_out(figure: Figure) -> None:

@@ -13,7 +13,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.plots.core.helpers import Array, LineStyle, Sizes, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, LINE, MUTED, label_at
+from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, LINE, MUTED, label_at, name_size
 from stickslip.plots.laws.curves import characteristic
 
 MAP_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 500))
@@ -166,7 +166,7 @@ def draw_split_map(
             legend = axes.legend(
                 loc="lower right",
                 frameon=False,
-                fontsize=9 if narrow else 11,
+                fontsize=(9 / 11 if narrow else 1) * name_size(),
                 handletextpad=0.1,
                 labelspacing=0.2,
                 markerscale=2.5,
@@ -266,7 +266,7 @@ def _say_trend(axes: Axes) -> None:
     for text, colour, at in (("● speeding up", C3, 0.62), ("▲ slowing down", C4, 0.995)):
         axes.annotate(
             text, (at, 1.0), xycoords="axes fraction", xytext=(0, 3),
-            textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=11,
+            textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=name_size(),
         )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from stickslip.plots.core.helpers import RIVALS, Sizes, dense, horizon
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, MUTED, SLIP_BACK, label_at
+from stickslip.plots.core.theme import C1, MUTED, SLIP_BACK, label_at, name_size
 from stickslip.trajectory import Trajectory
 
 EXCITATION_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 300))
@@ -76,7 +76,7 @@ def draw_excitations(
         if any(_rest(run, last) for run in runs.values()):
             axes.annotate(
                 "dot: block at rest", (0.98, 0.06), xycoords="axes fraction",
-                ha="right", color=MUTED, fontsize=11,
+                ha="right", color=MUTED, fontsize=name_size(),
             )  # fmt: skip
         axes.set_xlabel("time, s")
         axes.set_ylabel("travel, m")

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from stickslip.formatting import scale_of
 from stickslip.plots.core.helpers import Array, Sizes, labelled, looks
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import DATA, LINE, MUTED
+from stickslip.plots.core.theme import DATA, LINE, MUTED, name_size
 
 DASHED: Final = (0, (5, 2))
 LINE_HEIGHT = 13
@@ -95,5 +95,6 @@ def _name(axes: Axes, colours: Mapping[str, str], chosen: str) -> None:
         axes.annotate(
             name, (0.99, 0.97 if above else 0.03), xycoords="axes fraction", color=colour,
             xytext=(0, 0 if above else LINE_HEIGHT * others.index(name)),
-            textcoords="offset points", fontsize=11, ha="right", va="top" if above else "bottom",
+            textcoords="offset points", fontsize=name_size(), ha="right",
+            va="top" if above else "bottom",
         )  # fmt: skip

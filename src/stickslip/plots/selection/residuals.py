@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from stickslip.plots.core.helpers import Array, Sizes, looks
 from stickslip.plots.core.label_placement import LETTER
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, DATA, LINE, MUTED
+from stickslip.plots.core.theme import C1, DATA, LINE, MUTED, name_size
 
 ERROR_SIZES: Final = Sizes(wide=(880, 330), narrow=(358, 380))
 OUTER: Final = 0.2
@@ -102,7 +102,7 @@ def _say_mean(axes: Axes) -> None:
         ha="right",
         va="bottom",
         color=C1,
-        fontsize=11,
+        fontsize=name_size(),
     )
 
 
@@ -161,6 +161,6 @@ def _name_lines(
     for index, name in enumerate(names):
         at = (0.01, 0.9) if index == 0 else (0.99, 0.9 - step)
         axes.annotate(
-            name, at, xycoords="axes fraction", color=colours[name], fontsize=11,
+            name, at, xycoords="axes fraction", color=colours[name], fontsize=name_size(),
             ha="left" if index == 0 else "right", va="center",
         )  # fmt: skip
