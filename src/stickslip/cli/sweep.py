@@ -80,7 +80,9 @@ def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
         **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
         "velocity": found.velocity.tolist(),
-        "status": np.reshape([one.name for one in found.status.flat], found.status.shape).tolist(),
+        "status": np.reshape(
+            [one.name for one in found.status.ravel().tolist()], found.status.shape
+        ).tolist(),
         "early_ends": list(found.early_ends()),
         "reversals": list(turns),
     }

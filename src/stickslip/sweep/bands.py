@@ -280,7 +280,7 @@ def band_of(
         progress=progress,
     )
     kept = np.array([status.complete for status in runs.status])
-    reasons = early_ends(runs.status, "The band leaves them out.", noun="draws")
+    reasons = left_out(runs.status)
     if not kept.any():
         raise SimulationError(
             f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
@@ -318,6 +318,11 @@ def band_of(
         correlated=None if estimates is None else _most_correlated(estimates),
         travels_by_run={name: runs[name][kept][:, -1] - runs[name][kept][:, 0] for name in pairs},
     )
+
+
+def left_out(status: NDArray[np.object_]) -> tuple[str, ...]:
+    """Return why runs with draws ended early, which a band leaves out: a sentence a reason."""
+    return early_ends(status, "The band leaves them out.", noun="draws")
 
 
 def draws_of(

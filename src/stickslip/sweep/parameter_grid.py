@@ -254,7 +254,7 @@ def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[st
     for dimension, (path, values) in enumerate(axes.items()):
         others = tuple(i for i in range(here.ndim) if i != dimension)
         order = np.argsort(values, kind="stable")
-        chosen, sorted_values = here.any(axis=others)[order], values[order].tolist()
+        chosen, sorted_values = np.asarray(here.any(axis=others))[order], values[order].tolist()
         edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
         pairs = [(sorted_values[a], sorted_values[b - 1]) for a, b in edges.reshape(-1, 2)]
         scattered = len(axes) > 1 or len(pairs) > MOST_RANGES

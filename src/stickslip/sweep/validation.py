@@ -32,7 +32,7 @@ from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
 from stickslip.quantities import turned, vary
 from stickslip.simulation import ensemble, event_driven_law, simulate
 from stickslip.solver import Samples
-from stickslip.sweep.bands import QUANTILES, draws_of
+from stickslip.sweep.bands import QUANTILES, draws_of, left_out
 from stickslip.sweep.parameter_grid import early_ends
 from stickslip.trajectory import Ensemble, Trajectory
 
@@ -532,8 +532,7 @@ class _Uncertain:
         SimulationError
             If none lasted: there is no prediction then.
         """
-        reasons = early_ends(runs.status, "The band leaves them out.", noun="draws")
-        self.reasons |= dict.fromkeys(reasons)
+        self.reasons |= dict.fromkeys(left_out(runs.status))
         complete = np.array([status.complete for status in runs.status], dtype=np.bool_)
         if not complete.any():
             raise SimulationError(" ".join(early_ends(runs.status, "", noun="draws")))

@@ -189,7 +189,9 @@ def readers_style(width: float | None = None) -> Iterator[Mapping[str, Any]]:
             return
         defaults = mpl.rcParamsDefault
         names = [name for name in mpl.rcParams if name.startswith(HEEDED) and name in defaults]
-        own = {n: mpl.rcParams[n] for n in names if mpl.rcParams[n] != defaults[n]}
+        own: dict[str, Any] = {
+            str(n): mpl.rcParams[n] for n in names if mpl.rcParams[n] != defaults[n]
+        }
         size = mpl.rcParams["font.size"]
         if width is not None and "font.size" not in own:
             size = max(min(1.0, width / NARROW_WIDTH) * FONT_SIZE, LEAST_FONT_SIZE)
