@@ -126,6 +126,7 @@ class ThreePhase(_ThreePhase):  # type: ignore[misc]  # final but for this
         slow: _Given,
         first: _Literal['fast', 'slow'] = ...,
         last: _Given | None = ...,
+        frequency: _Given | None = ...,
     ) -> None: ...
 
 @final
@@ -138,6 +139,7 @@ class TimedThreePhase(_TimedThreePhase):  # type: ignore[misc]  # final but for 
         first_duration: _Given,
         middle_duration: _Given,
         last_duration: _Given,
+        frequency: _Given | None = ...,
     ) -> None: ...
 
 __all__ = [
