@@ -22,6 +22,7 @@ from stickslip.drives import (
     SineSwing,
     SplineSwing,
     ThreePhase,
+    TimedThreePhase,
 )
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.formulation import formulate
@@ -453,6 +454,10 @@ def test_a_certificate_tells_how_near_the_cart_came_to_lifting_off():
 def test_every_number_of_every_profile_varies_alike_in_ensembles_and_in_single_runs():
     profiles = [
         replace(SWING, last=20.0),
+        replace(SWING, last=20.0, frequency=1.2),
+        TimedThreePhase(
+            amplitude=0.8, first_duration=0.1, middle_duration=0.5, last_duration=0.2, frequency=1.2
+        ),
         SineSwing(amplitude=0.8, frequency=1.2),
         SplineSwing(positions=(-0.5, 0.9, 0.5, -0.2), duration=0.6),
         SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0),
@@ -461,6 +466,7 @@ def test_every_number_of_every_profile_varies_alike_in_ensembles_and_in_single_r
         cart = replace(LIGHT, pendulum=Prescribed(profile=profile))
         for name in fields_of(type(profile)):
             own = getattr(profile, name)
+            own = 1.0 / profile.period if own is None else own  # a frequency
             values = [own + 0.01, own + 0.02] if own == 0.0 else [0.97 * own, 1.0 * own]
             found = ensemble(cart, ROUGH, {name: values}, t_end=1.0, solver=PLAIN)
             for value, x, status in zip(values, found["x"], found.status, strict=True):
