@@ -380,8 +380,9 @@ def test_runs_that_ended_early_are_told_apart_from_the_others(results):
     ax = plots.plot_ensemble(early, Figure())
     assert [len(line.get_xdata()) for line in ax.lines] == [2, 1]
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [
-        "reached the end", "ended early",
-    ]  # fmt: skip
+        "reached the end",
+        "ended early:\nReached the maximum number of\nsteps before the end time",
+    ]
     way = plots.plot_ensemble(runs, Figure(), output="way")
     assert len(way.lines[0].get_xdata()) == 2 * len(runs)
     assert (way.get_xlabel(), way.get_ylabel()) == ("kinetic coefficient", "way, m")

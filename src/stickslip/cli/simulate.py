@@ -656,7 +656,8 @@ def _cycles_lines(ran: Ran) -> str:
     period = cycle_or_none(mechanism)
     if period is None:
         return ""
-    names = slipping(mechanism)[:MOST_STATES]
+    names = [name for name in slipping(mechanism) if name not in mechanism.guided()]
+    names = names[:MOST_STATES]
     return "".join(_cycles_line(ran, period, name, alone=len(names) == 1) for name in names)
 
 

@@ -1,5 +1,6 @@
 """Plots of many runs: an output over what was varied, and the band that runs lie in."""
 
+import textwrap
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ from stickslip.sweep import Band
 from stickslip.trajectory import Ensemble
 
 SIZE: Final = (880, 320)
+REASON_WIDTH: Final = 30
+"""Letters of a line of a reason in the legend."""
 
 
 def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
@@ -27,6 +30,9 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
     places = np.arange(len(runs)) if parameter is None else runs.parameters[parameter]
     early = np.array([not status.complete for status in runs.status])
 
+    reasons = dict.fromkeys(one.label for one in runs.status if not one.complete)
+    ended = "\n".join(["ended early:", *(textwrap.fill(one, REASON_WIDTH) for one in reasons)])
+
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
         for chosen, colour, fill in ((~early, C1, C1), (early, C2, "none")):
@@ -34,7 +40,7 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
                 across = np.repeat(places[chosen], columns.shape[1])
                 axes.plot(
                     across, columns[chosen].ravel(), "o", color=colour, markerfacecolor=fill,
-                    markersize=4, label="ended early" if colour == C2 else "reached the end",
+                    markersize=4, label=ended if colour == C2 else "reached the end",
                 )  # fmt: skip
         if early.any():
             axes.legend()
