@@ -112,7 +112,7 @@ def test_without_a_rig_a_command_says_what_it_needs(run, tmp_path, command):
         (("data", "show"), "NAME", "Name of a record"),
         (("data", "path"), "NAME", "Name of a record"),
         (("profile", "optimise"), "RIG", "Rig file (TOML) with a prescribed motion"),
-        (("profile", "optimise", "rig.toml"), "--angle", "Largest "),
+        (("profile", "optimise", "rig.toml"), "--rate", "Largest "),
     ],
 )
 def test_without_what_it_needs_a_command_names_it_with_an_example(run, command, needed, meaning):

@@ -11,7 +11,7 @@ from stickslip import Axis, Coulomb
 from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, static_normal_force, static_normal_forces
-from stickslip.optimisation import Limits, measure, units_of_limits
+from stickslip.optimisation import GOALS, Limits, ScoredMotion, measure, units_of_limits
 from stickslip.optimisation.cycle_metrics import fitted
 from stickslip.plots.runs.profiles import _bounds
 
@@ -80,6 +80,10 @@ def test_a_motion_that_lifts_the_cart_off_tells_how_far_it_came(cart, law):
     cycle = measure(fitted(cart, wild), law)
     assert not cycle.repeats
     assert 0.0 < cycle.lasted < 1.0
+    scored = ScoredMotion(profile=wild, value=0.0, margins=(), cycles=(cycle,))
+    assert scored.early_end.startswith("its run stopped at ")
+    assert scored.early_end.endswith("s: Lift-off: the normal force fell to zero.")
+    assert scored.shown(GOALS["travel"]) is cycle
 
 
 def test_a_body_that_hardly_rubs_is_said_not_to_repeat_itself(cart):
