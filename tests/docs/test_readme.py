@@ -111,7 +111,7 @@ def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
     # the interval's ends move by 2 % with the rounding of a processor, the cart by ten times that
     ends = [float(one) for one in row[1:]]
     assert ends == pytest.approx([float(said[2]), float(said[3])], rel=0.3)
-    assert printed.count(f"Travel per cycle, once the motion has settled: {said[1]} mm\n") == 2
+    assert printed.count(f"Travel per cycle, once the motion has settled: {said[1]} mm; mean") == 2
     for folder in ("stickslip-report", "stickslip-run"):
         page = (tmp_path / folder / "index.html").read_text(encoding="utf-8")
         assert "This section could not be produced" not in page
