@@ -5,10 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, TowedBlock
+from stickslip import Axis, Measurement, RecordSettings, TowedBlock, fit
 from stickslip.drives import Sine
 from stickslip.errors import InputError
-from stickslip.identification.shooting.segments import measured_quantity, segments_of, with_drive
+from stickslip.friction import law
+from stickslip.identification.shooting.segments import (
+    measured_quantity,
+    segments_of,
+    with_drive,
+    with_usual_segment,
+)
 
 AXIS = Axis(inertia=2.0)
 T = np.arange(0.0, 5.0, 1e-3)
@@ -102,7 +108,7 @@ def test_a_record_that_no_run_can_be_compared_with_is_refused(record, message):
 
 def test_a_record_of_too_few_samples_is_refused():
     few = Measurement(time=T[:5], position=T[:5])
-    with pytest.raises(InputError, match="no stretch of 1 s has 8 samples"):
+    with pytest.raises(InputError, match="no segment of 1 s has 8 samples"):
         segments_of(AXIS, few, length=1.0)
 
 
@@ -127,3 +133,22 @@ def test_a_force_of_zero_is_no_drive_and_takes_the_mechanism_s_own_off():
     none = replace(SMOOTH, force=np.zeros_like(T))
     assert all(s.mechanism.drive is None for s in segments_of(driven, none, length=1.0))
     assert segments_of(driven, SMOOTH, length=1.0)[0].mechanism.drive not in (None, driven.drive)
+
+
+def test_a_coast_down_sampled_once_a_second_is_fitted_in_segments_of_its_own_length():
+    time = np.arange(0.0, 240.0)
+    falls = 2.0 * np.tan(1.2 - 0.005 * time)  # m v' = -(c v0^2 + c v^2): a level and a drag
+    record = Measurement(time=time, velocity=falls)
+    found = fit(Axis(inertia=100.0), law("level + drag"), record, settings=RecordSettings(starts=1))
+    level, drag = found.values
+    assert (level, drag) == (pytest.approx(1.0, rel=1e-2), pytest.approx(0.25, rel=1e-2))
+    assert np.all(np.ptp(found.problem.spans[:, 1:], axis=1) > 15.0)
+
+
+def test_a_segment_that_was_asked_for_is_not_made_longer():
+    time = np.arange(0.0, 60.0)
+    record = Measurement(time=time, velocity=5.0 - 0.05 * time)
+    with pytest.raises(InputError, match="give segments of at least 8 s"):
+        segments_of(AXIS, record, length=5.0)
+    settings = RecordSettings(segment=5.0)
+    assert with_usual_segment(settings, record) is settings

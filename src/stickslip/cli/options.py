@@ -236,7 +236,11 @@ Route = Annotated[
 ]
 Segment = Annotated[
     float | None,
-    typer.Option("--segment", help="Length of the simulated segments of a record [s] (default 1)."),
+    typer.Option(
+        "--segment",
+        help="Length of the simulated segments of a record [s]; default: 1, or 20 samples if that"
+        " is longer.",
+    ),
 ]
 Hold = Annotated[
     str | None,

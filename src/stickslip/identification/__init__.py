@@ -136,6 +136,7 @@ INSIDE = {
     "trials_of": "travel_model",
     "uncertainties_of": "rig_uncertainties",
     "under_cycles": "travel_model",
+    "usual_segment": "shooting.segments",
     "usual_values": "contact_inputs",
     "whole_record_error": "records.route_choice",
     "with_drive": "shooting.segments",

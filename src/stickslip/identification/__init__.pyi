@@ -100,6 +100,7 @@ from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of
+from stickslip.identification.shooting.segments import usual_segment as usual_segment
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.dense_series import loads_motor as loads_motor

@@ -115,7 +115,8 @@ class RecordSettings(metaclass=Described):
     """How records are fitted."""
 
     segment: float = SEGMENT
-    """Length of a segment [s] that is simulated."""
+    """Length of a segment [s] that is simulated; the usual second becomes 20 samples of a record
+    that has fewer in it."""
     resolution: int = RESOLUTION
     """Rows of a segment at most, 8 or more."""
     hold: Hold | None = None

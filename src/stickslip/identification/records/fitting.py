@@ -64,6 +64,7 @@ from stickslip.identification.series.applied_force import driven, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.shooting.segments import with_usual_segment
 from stickslip.identification.terms.composed_laws import Asked
 from stickslip.identification.terms.dense_series import without_outliers
 from stickslip.identification.terms.findings import asked_of
@@ -404,9 +405,10 @@ def choice_of(
     """
     if isinstance(route, RouteChoice):
         return route
-    return RouteChoice(
-        route=record_route_name(measurement, route), settings=settings or RecordSettings()
-    )
+    name, settings = record_route_name(measurement, route), settings or RecordSettings()
+    if name == "shooting":
+        settings = with_usual_segment(settings, measurement)
+    return RouteChoice(route=name, settings=settings)
 
 
 def _simpler_fits(

@@ -32,6 +32,7 @@ from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.series.measured_load import has_one_load
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.shooting.segments import usual_segment, with_usual_segment
 from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
@@ -136,6 +137,7 @@ def choose_route(
     unknown = Parameters.of(mechanism, None, vary).unknown
     if "friction" in measurement.quantities():
         return RouteChoice(route="force-map", settings=settings)
+    settings = with_usual_segment(settings, measurement)
     usual = _by_segments(settings).with_hold(mechanism, measurement)
     return replace(_chosen(mechanism, measurement, unknown, usual.settings), hold=usual.hold)
 
@@ -191,8 +193,7 @@ def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings
 
     A mechanism that drives itself runs from its start in any case: short segments would tell less.
     """
-    usual = RecordSettings()
-    if settings.segment != usual.segment:
+    if settings.segment != usual_segment(measurement):
         return settings
     longest = max(float(np.ptp(np.asarray(one.time))) for one in measurement.records())
     rows = math.ceil(settings.resolution * max(longest / settings.segment, 1.0))

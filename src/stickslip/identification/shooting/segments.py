@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import LoopSamples, Measurement, as_recorded, loop_samples
+from stickslip.experiments import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.formatting import joined, number
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.identification.series.applied_force import (
@@ -19,7 +19,7 @@ from stickslip.identification.series.applied_force import (
     inside,
 )
 from stickslip.identification.series.measured_load import loaded
-from stickslip.identification.settings import LEAST, RESOLUTION, Hold
+from stickslip.identification.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.identification.shooting.sampled_loops import LoopInSegment
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, which no segment crosses."""
+SAMPLES = 20
+"""Samples of a usual segment at least; where they are rare, a segment is longer than a second."""
 GUESSED = 20
 """Rows of a segment from whose parabola its first velocity is guessed."""
 
@@ -95,11 +97,34 @@ def segments_of(
             free = not (driven(record) or drives_itself(set_up, record))
             found.append(replace(one, zero=zeros and free and quantity == "position"))
     if not found:
+        steps = [interval_of(np.asarray(one.time)) for one in measurement.records()]
         raise InputError(
-            f"no stretch of {number(length)} s has {LEAST} samples without a gap: give longer"
-            " segments, and check that time is in seconds."
+            f"no segment of {number(length)} s has {LEAST} samples without a gap, with one every"
+            f" {number(min(steps))} s: give segments of at least"
+            f" {number(LEAST * min(steps))} s, record longer, or check that time is in seconds."
         )
     return tuple(found)
+
+
+def usual_segment(measurement: Measurement) -> float:
+    """Return the length of a segment [s] where none was asked for: longer if samples are few.
+
+    Examples
+    --------
+    >>> usual_segment(Measurement(time=[0.0, 0.01], position=[0.0, 1.0]))
+    1.0
+    >>> usual_segment(Measurement(time=[0.0, 1.0], position=[0.0, 1.0]))
+    20.0
+    """
+    times = [one.time for one in measurement.records() if one.time is not None]
+    return max([SEGMENT, *(SAMPLES * interval_of(time) for time in times if time.size > 1)])
+
+
+def with_usual_segment(settings: RecordSettings, measurement: Measurement) -> RecordSettings:
+    """Return settings with the segment of a record, unless another length was asked for."""
+    if settings.segment != SEGMENT:
+        return settings
+    return replace(settings, segment=usual_segment(measurement))
 
 
 def _stretches(time: Array, length: float) -> Iterator[tuple[int, int]]:

@@ -241,7 +241,7 @@ def select_table(request: Request) -> RecordVerdict:
         parameters=Parameters.of(
             request.mechanism, None, request.vary, request.fixed, measurement=measurement
         ),
-        horizon=aim_of(request.purpose or "simulate", request.horizon),
+        horizon=aim_of(request.purpose or "simulate", request.horizon, measurement),
         route=request.route if isinstance(request.route, RouteChoice) else given,
     )
     verdict_of = asked.judged(measurement)

@@ -34,6 +34,7 @@ from stickslip.identification import (
     serves_inverse_dynamics,
     tells_no_scale,
     to_compare,
+    usual_segment,
     whole_record_error,
     with_simulated_hold,
     without_outliers,
@@ -152,7 +153,7 @@ def select_records(
     RecordVerdict
         Candidates, the law to use and sentences.
     """
-    aim = aim_of(purpose, horizon)
+    aim = aim_of(purpose, horizon, measurement)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
     lost = tells_no_scale(mechanism, measurement, parameters.unknown)
@@ -385,12 +386,12 @@ def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | 
     return "inverse-dynamics"
 
 
-def aim_of(purpose: PurposeName, horizon: float | None) -> float:
-    """Return how far predictions go [s]."""
+def aim_of(purpose: PurposeName, horizon: float | None, measurement: Measurement) -> float:
+    """Return how far predictions go [s]: longer than usual where the usual segment is."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
     if horizon is None:
-        return PURPOSES[purpose]
+        return PURPOSES[purpose] * usual_segment(measurement) / RecordSettings().segment
     check_horizon(horizon)
     return horizon
 
