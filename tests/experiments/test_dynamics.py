@@ -16,6 +16,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Drive, Sampled
+from stickslip.experiments import refuse_faults
 from stickslip.experiments.checking.data_quality import faults
 from stickslip.mechanisms import Contact
 
@@ -172,6 +173,15 @@ def test_a_factor_of_a_thousand_is_an_error_with_its_cure(driven, name, factor, 
     assert cure in wrong[0].sentence
     # friction, noise and the filter leave the regression a few percent of the inertia
     assert wrong[0].numbers["factor"] == pytest.approx(seen, rel=0.05)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.05, 1e3])
+@pytest.mark.parametrize("vary", ["inertia", ["mechanism.inertia"]])
+def test_a_mass_that_is_fitted_is_compared_with_nothing(driven, factor, vary):
+    measured = Measurement(**{**driven, "force": factor * driven["force"]})
+    assert doubts(measured, AXIS)
+    assert not check(measured, mechanism=AXIS, vary=vary).of("units")
+    refuse_faults(measured, AXIS, vary)
 
 
 def test_a_factor_of_a_spring_is_seen_as_that_of_a_mass():

@@ -880,3 +880,89 @@ def test_a_long_file_without_a_record_is_refused_by_its_top(tmp_path, monkeypatc
         guess_data(file)
     assert len(seen) == 1
     assert seen[0] != file
+
+
+@pytest.mark.parametrize(
+    ("header", "quantity", "unit"),
+    [
+        ("pressure (bar)", "pressure", "bar"),
+        ("Öldruck [MPa]", "pressure", "MPa"),
+        ("transmitted (N)", "transmitted", "N"),
+        ("gravity force (N)", "gravity", "N"),
+        ("external force (kN)", "external", "kN"),
+        ("motor force (N)", "motor", "N"),
+    ],
+)
+def test_what_friction_may_depend_on_is_named_and_kept(tmp_path, header, quantity, unit):
+    file, beside = tmp_path / "a.csv", 1.0 + np.abs(np.sin(T))
+    cells = rows((T, X, F, F, beside), ",", points)
+    file.write_text(f"time (s),position (m),force (N),friction force (N),{header}\n" + cells)
+    guess = guess_data(file, columns={"force": "force (N)"})
+    assert guess.reasons[quantity] == f"column {guess.columns[quantity]!r} in {unit}, by its name"
+    record = read_data([file], guess.reading)
+    size = {"bar": 1e5, "MPa": 1e6, "kN": 1e3, "N": 1.0}[unit]
+    np.testing.assert_allclose(record.inputs[quantity], size * beside, atol=1e-4 * size)
+
+
+def test_a_pressure_with_empty_cells_is_left_out_and_that_is_said(tmp_path):
+    file = tmp_path / "a.csv"
+    lines = rows((T, X, F), ",", points).splitlines()
+    file.write_text("time (s),x (m),F (N),pressure (bar)\n" + ",2\n".join(lines) + ",\n")
+    guess = guess_data(file)
+    assert "pressure" not in guess.columns
+    assert any("'pressure (bar)' seems to be the pressure" in doubt for doubt in guess.doubts)
+
+
+def test_a_pressure_that_was_asked_for_is_none_of_the_contact(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time (s),x (m),F (N),pressure_set (bar)\n" + rows((T, X, F, T), ",", points))
+    assert "pressure" not in guess_data(file).columns
+
+
+def test_friction_torque_is_no_torque_of_a_drive(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time (s),angle (rad),friction torque (N m)\n" + ENGLISH)
+    assert guess_data(file).columns["friction"] == "friction torque (N m)"
+
+
+@pytest.mark.parametrize("names", [["slow up", "slow down", "fast", "last"], ["4", "7", "9", "1"]])
+def test_a_column_that_changes_where_times_begin_again_names_the_trials(tmp_path, names):
+    lengths = (400, 500, 150, 150)
+    when = np.concatenate([T[:n] for n in lengths])
+    labels = np.repeat(names, lengths)
+    lines = rows((when, X, F), ",", points).splitlines()
+    table = "\n".join(f"{line},{label}" for line, label in zip(lines, labels, strict=True))
+    file = tmp_path / "a.csv"
+    file.write_text(f"time (s),position (m),force (N),what\n{table}\n")
+    guess = guess_data(file)
+    assert guess.columns["trial"] == "what"
+    assert guess.reasons["trial"] == "column 'what', which changes where times begin again"
+    assert len(read_data([file], guess.reading).trials) == 4
+    file.write_text("time (s),position (m),force (N)\n" + "\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="it seems to hold 4 records below each other"):
+        guess_data(file)
+
+
+def test_a_motor_constant_that_is_given_is_not_doubted(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time (s),angle,current (A),torque (N m)\n" + rows((T, X, F, F), ",", points))
+    guess = guess_data(file, motor_constant="0.12 N m/A")
+    assert "force" not in guess.columns
+    assert guess.turning
+    assert not any("motor constant" in doubt for doubt in guess.doubts)
+    text = guessed_rig(guess, file)
+    assert 'motor_constant = "0.12 N m/A"\n' in text
+    assert "same factor" not in text
+    record = read_data([file], guess.reading)
+    np.testing.assert_allclose(record.force, 0.12 * F, atol=1e-4)
+    file.write_text("time (s),angle,torque (N m)\n" + ENGLISH)
+    with pytest.raises(InputError, match="belongs to a current, and no column seems to hold one"):
+        guess_data(file, motor_constant="0.12 N m/A")
+
+
+def test_a_mass_found_with_an_assumed_motor_constant_goes_with_it(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time (s),position (m),current (A)\n" + ENGLISH)
+    guess = guess_data(file)
+    assert guess.reasons["motor constant"] == "1 N/A, assumed"
+    assert "change both by the same factor" in guessed_rig(guess, file, inertia=3.0)

@@ -27,6 +27,7 @@ from stickslip.cli.options import (
     LawFile,
     LawOptions,
     Laws,
+    MotorConstant,
     ParameterOptions,
     PlannedLaws,
     ProfileOptions,
@@ -153,6 +154,7 @@ def init(
     columns: Columns = None,
     units: Units = None,
     gain: Gain = None,
+    motor_constant: MotorConstant = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -174,8 +176,8 @@ def init(
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
-    reading = reading_of(ReadingOptions(columns=columns, units=units, gain=gain))
-    run(file, reading, output, urdf=urdf, force=force, as_json=as_json)
+    asked = ReadingOptions(columns=columns, units=units, gain=gain, motor_constant=motor_constant)
+    run(file, reading_of(asked), output, urdf=urdf, force=force, as_json=as_json)
 
 
 @command(app, "fit")

@@ -32,7 +32,8 @@ def run(
     rig, data = _parted(files, allow_import=allow_import)
     mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
-    found = check(measurement, mechanism=mechanism, conditions=_used(measurement))
+    vary = () if rig is None else rig.vary
+    found = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})

@@ -89,7 +89,12 @@ def _checked(request: Request) -> Checks:
             " leave it out."
         )
     conditions = kind_of(request.measurement).conditions
-    checks = check(request.measurement, mechanism=request.mechanism, conditions=conditions)
+    checks = check(
+        request.measurement,
+        mechanism=request.mechanism,
+        vary=request.vary or (),
+        conditions=conditions,
+    )
     if checks.worst == "error":
         raise refusal([one for one in checks.findings if one.severity == "error"])
     if request.validate is not None:

@@ -70,11 +70,17 @@ def run(
 def _guess(file: Path, reading: Reading, urdf: Path | None) -> Guess:
     """Return what a file holds of one axis, or of the joints of a robot."""
     if urdf is None:
-        return guess_data(file, columns=reading.columns, units=reading.units, gain=reading.gain)
-    if reading.columns or reading.gain:
+        return guess_data(
+            file,
+            columns=reading.columns,
+            units=reading.units,
+            gain=reading.gain,
+            motor_constant=reading.motor_constant.get("current"),
+        )
+    if reading.columns or reading.gain or reading.motor_constant:
         raise InputError(
-            "--columns and --gain are those of one axis: with --urdf, change the rig file that is"
-            " written, as columns = { position.elbow = ... }."
+            "--columns, --gain and --motor-constant are those of one axis: with --urdf, change the"
+            " rig file that is written, as columns = { position.elbow = ... }."
         )
     return guess_robot(file, urdf, units=reading.units)
 

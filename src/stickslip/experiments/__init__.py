@@ -51,6 +51,7 @@ INSIDE = {
     "data_file": "readers.formats",
     "equated": "estimates",
     "estimates_by_contact": "carrying",
+    "faults": "checking.data_quality",
     "findings_text": "preconditions",
     "inertia_of": "checking.dynamics",
     "interval_of": "differentiation",

@@ -9,6 +9,7 @@ from stickslip.experiments.carrying import extrapolations as extrapolations
 from stickslip.experiments.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.experiments.checking.data_quality import Checks as Checks
 from stickslip.experiments.checking.data_quality import check as check
+from stickslip.experiments.checking.data_quality import faults as faults
 from stickslip.experiments.checking.dynamics import inertia_of as inertia_of
 from stickslip.experiments.checking.finding import Finding as Finding
 from stickslip.experiments.checking.finding import sentences_of as sentences_of

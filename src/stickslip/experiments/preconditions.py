@@ -17,8 +17,10 @@ ACTING = ("force", "reference", "friction")
 """What acts on a body: a second record without it would be predicted as if nothing did."""
 
 
-def refuse_faults(measurement: Measurement, mechanism: Mechanism) -> None:
-    """Refuse a measurement with errors that `check` finds.
+def refuse_faults(
+    measurement: Measurement, mechanism: Mechanism, vary: Collection[str] = ()
+) -> None:
+    """Refuse a measurement with errors that `check` finds where some parameters are fitted.
 
     Examples
     --------
@@ -28,7 +30,7 @@ def refuse_faults(measurement: Measurement, mechanism: Mechanism) -> None:
     Traceback (most recent call last):
     stickslip.errors.InputError: This record cannot be fitted. Position is constant: ...
     """
-    wrong = faults(measurement, mechanism=mechanism)
+    wrong = faults(measurement, mechanism=mechanism, vary=vary)
     if wrong:
         raise refusal(wrong)
 

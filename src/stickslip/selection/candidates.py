@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import (
     Checks,
-    Finding,
     Measurement,
     check,
     findings_text,
@@ -67,8 +66,7 @@ def checked(
 ) -> Checks:
     """Return what the record can tell; refuse one that cannot decide.
 
-    Where the mass is looked for, the one given is a start: a force that is not in proportion to it
-    is no fault of the record. Conditions of trials that are used are named.
+    Parameters of the mechanism that are fitted are named, and conditions of trials that are used.
     """
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
@@ -81,23 +79,11 @@ def checked(
             unknown=unknown,
             conditions=conditions,
         )
-    checks = check(measurement, mechanism=mechanism, conditions=conditions)
-    if any(path.endswith((".inertia", ".mass")) for path in unknown):
-        told = (one for one in checks.findings if not _of_the_mass(one))
-        checks = replace(checks, findings=tuple(told))
+    checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
     if checks.worst == "error":
         wrong = [one for one in checks.findings if one.severity == "error"]
         raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
     return checks
-
-
-def _of_the_mass(one: Finding) -> bool:
-    """Whether a warning compares a force with what the mass takes to move, signs aside."""
-    return (
-        "explained" in one.numbers
-        and one.severity == "warning"
-        and one.numbers.get("factor", -1.0) > 0.0
-    )
 
 
 def one_way(measurement: Measurement) -> bool:

@@ -1,7 +1,7 @@
 """What a measurement can tell and what is wrong with it, before anything is fitted."""
 
 import html
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
@@ -29,6 +29,8 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
+MASSES = ("inertia", "mass")
+"""Last names of parameters to which the force of a motion is in proportion."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 
@@ -122,6 +124,7 @@ def check(
     measurement: Measurement,
     *,
     mechanism: Mechanism | None = None,
+    vary: str | Collection[str] = (),
     conditions: Collection[str] = (),
 ) -> Checks:
     """Say what a measurement can tell and what is wrong with it.
@@ -133,6 +136,9 @@ def check(
     mechanism : Mechanism, optional
         What was measured: its parameters must be those that trials override, positions must lie
         between its stops, and forces must be of the size that its motion takes.
+    vary : str or collection of str, optional
+        Parameters of the mechanism that are fitted as well, by path or last name. With a mass among
+        them, forces are not compared with it: the one given is where a search begins.
     conditions : collection of str, optional
         Names of conditions of trials that are used: they tell settings apart.
 
@@ -162,12 +168,16 @@ def check(
         )
     if mechanism is not None:
         measurement = as_turning(measurement, mechanism.units)
-    return Checks(
-        findings=tuple(_findings(measurement, mechanism, conditions)), name=measurement.name
-    )
+    found = _findings(measurement, mechanism, conditions)
+    return Checks(findings=tuple(_beside_mass(found, vary)), name=measurement.name)
 
 
-def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
+def faults(
+    measurement: Measurement,
+    *,
+    mechanism: Mechanism | None = None,
+    vary: str | Collection[str] = (),
+) -> tuple[Finding, ...]:
     """Return the errors that `check` finds, without the work for what is no error.
 
     Examples
@@ -176,8 +186,15 @@ def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> t
     >>> [str(one) for one in faults(still)]
     ['Position is constant: no motion was recorded.']
     """
-    found = _findings(measurement, mechanism, grave=True)
+    found = _beside_mass(_findings(measurement, mechanism, grave=True), vary)
     return tuple(finding for finding in found if finding.severity == "error")
+
+
+def _beside_mass(findings: Iterable[Finding], vary: str | Collection[str]) -> Iterator[Finding]:
+    """Yield findings without those about a mass that is fitted."""
+    names = [vary] if isinstance(vary, str) else vary
+    free = any(name.rpartition(".")[2] in MASSES for name in names)
+    yield from (one for one in findings if not (free and dynamics.compares_mass(one)))
 
 
 def _findings(

@@ -285,6 +285,11 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     )
 
 
+def compares_mass(finding: Finding) -> bool:
+    """Whether a finding compares a force with what the mass takes to move, signs aside."""
+    return "explained" in finding.numbers and finding.numbers.get("factor", -1.0) > 0.0
+
+
 def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[float, float]:
     """Return a force over what inertia and springs take, and the share of it so explained.
 

@@ -85,6 +85,8 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = {
         for name in ("position", "velocity", "force", "load", "reference")
     },
     "temperature": (CELSIUS,),
+    "pressure": ("Pa",),
+    **dict.fromkeys(("transmitted", "motor", "external", "gravity"), ("N", "N m")),
 }
 """Kinds of units of each quantity."""
 WANTED: Final = (
@@ -135,6 +137,16 @@ TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
 """Words in names of columns of temperatures."""
 CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
 """Words in names of columns that hold a condition."""
+INPUTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "pressure": ("pressure", "druck"),
+    "transmitted": ("transmitted", "uebertragen"),
+    "motor": ("motor",),
+    "external": ("external", "extern"),
+    "gravity": ("gravity", "schwerkraft"),
+}
+"""Words in names of columns of what friction may depend on, beside a temperature."""
+OF_FORCES: Final = ("force", "torque", "moment", "kraft", "drehmoment")
+"""Words beside them that say no more."""
 TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
 """Names of columns that number trials."""
 MOST_TRIALS: Final = 0.05
@@ -215,7 +227,8 @@ class Guess(metaclass=Described):
     gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> size of a count or of a volt, assumed where it was not given."""
     motor_constant: str | Mapping[str, str] = ""
-    """Assumed force or torque per current, where the file has a current and no force; by joint."""
+    """Force or torque per current, where a current drives the axis; assumed unless it was given, in
+    which case `reasons` say so; by joint."""
     repair: tuple[Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
     conditions: tuple[str, ...] = ()
@@ -277,6 +290,7 @@ def guess_data(
     columns: Mapping[str, Column] | None = None,
     units: Mapping[str, str] | None = None,
     gain: Mapping[str, float | str] | None = None,
+    motor_constant: float | str | None = None,
 ) -> Guess:
     r"""Find out how a file holds a record: layout, columns, units, and what has to be repaired.
 
@@ -294,6 +308,9 @@ def guess_data(
         Units that are known, as in `load_measurement`.
     gain : mapping of str to float or str, optional
         Gains that are known, as in `load_measurement`.
+    motor_constant : float or str, optional
+        Force or torque per current, if it is known, as in `load_measurement`: the column of a
+        current is then taken for what drives the axis, also beside one of a force.
 
     Returns
     -------
@@ -327,18 +344,25 @@ def guess_data(
     given = dict(columns or {})
     named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
     frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
-    found = assigned(frame, given, units or {})
+    found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     _check_enough(frame, found)
-    trial = trial_column(frame, given, found)
+    if motor_constant is not None and "current" not in found:
+        raise InputError(
+            f"{path}: the motor constant belongs to a current, and no column seems to hold one."
+            ' Name it, as columns={"current": "..."}.'
+        )
+    times = times_of(frame, found["time"]) if "time" in found else None
+    trial, why = trial_column(frame, given, found, times)
     if trial:
         given["trial"] = trial
-        reasons["trial"] = f"column {trial!r}, by its name"
+        reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
-    turning = _turns(found)
+    turning = _turns(found, motor_constant)
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
         found |= changing_temperature(parts, conditions)
+    found |= contact_inputs(frame, found)
     alone = [one.name for one in found.values()] if len(parts) == 1 else []
     conditions = tuple(
         name
@@ -354,9 +378,15 @@ def guess_data(
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
     reasons |= {q: column_text(one) for q, one in found.items()}
-    times = times_of(frame, found["time"]) if "time" in found else None
     if times is not None:
         reasons["time"] += rate_text(times)
+    constant = ""
+    if "current" in found:
+        unit = "N m/A" if turning else "N/A"
+        constant = f"1 {unit}" if motor_constant is None else _with_unit(motor_constant, unit)
+        reasons["motor constant"] = (
+            f"{constant}, {'assumed' if motor_constant is None else 'as given'}"
+        )
     reasons["motion"] = "about an axis" if turning else "along a line"
     repair = repairs_of(frame, found, times, trial)
     if repair:
@@ -374,7 +404,7 @@ def guess_data(
         units={**known, **(units or {})},
         gain=gains | dict(gain or {}),
         conditions=conditions,
-        motor_constant=("1 N m/A" if turning else "1 N/A") * ("current" in found),
+        motor_constant=constant,
         repair=repair,
         turning=turning,
         reasons=reasons,
@@ -383,7 +413,7 @@ def guess_data(
             *rates_doubt(frame, found),
             *([assumed] if assumed else []),
             *([UPSIDE_DOWN] if backwards else []),
-            *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
+            *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}, motor_constant),
             *_offered(conditions, found),
         ),
     )
@@ -447,9 +477,16 @@ def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
 
 
 def assigned(
-    frame: Frame, given: Mapping[str, Column], units: Mapping[str, str]
+    frame: Frame,
+    given: Mapping[str, Column],
+    units: Mapping[str, str],
+    *,
+    by_current: bool = False,
 ) -> dict[str, Found]:
-    """Return the column of each quantity, those for which most speaks first."""
+    """Return the column of each quantity, those for which most speaks first.
+
+    A current stands for a force that has none, or for any if the axis is driven `by_current`.
+    """
     taken: dict[str, Found] = {}
     left = _of_one_joint(frame, given)
     for quantity, column in given.items():
@@ -462,7 +499,8 @@ def assigned(
             score=9.0, name=str(names[0]), unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
-    kinds = [_by_kind(frame, left, taken, turning) for turning in (False, True)]
+    quantities = [q for q in NAMES if not (by_current and q == "force")]
+    kinds = [_by_kind(frame, left, taken, quantities, turning) for turning in (False, True)]
     taken = max(kinds, key=lambda found: sum(one.score for one in found.values()))
     if "current" in taken and "force" in taken:
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
@@ -473,14 +511,18 @@ def assigned(
 
 
 def _by_kind(
-    frame: Frame, left: Sequence[str], given: Mapping[str, Found], turning: bool
+    frame: Frame,
+    left: Sequence[str],
+    given: Mapping[str, Found],
+    quantities: Sequence[str],
+    turning: bool,
 ) -> dict[str, Found]:
     """Return the column of each quantity, if all units are those of one kind of motion."""
     taken = dict(given)
     offers = [
         (found.score, -place, quantity, found)
         for place, name in enumerate(left)
-        for quantity in NAMES
+        for quantity in quantities
         for found in _offers(frame, name, quantity)
         if _is_of_kind(found, quantity, turning)
     ]
@@ -558,7 +600,8 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     if counts and not bare:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
-    if fits and unit != "1" and not (by_name or most or _is_other(bare)):
+    inside = any(_is_input(bare, other) for other in ("transmitted", "external", "gravity"))
+    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare)):
         return BY_UNIT, "by its unit"
     return 0.0, ""
 
@@ -612,6 +655,8 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
         return 0.0, ""
     if quantity == "load" and any(word in joined for word in ("torque", "moment")):
         return 0.0, ""
+    if quantity == "force" and any(part in NAMES["friction"] for part in parts):
+        return 0.0, ""  # a friction torque is no torque of a drive
     wanted = _is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
@@ -641,7 +686,12 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if _fits(part[1], quantity)]
-    if not parts and len(name) > 1 and name.casefold() not in NAMES[quantity] and is_unit(name):
+    if (
+        not parts
+        and len(name) > 1
+        and name.casefold() not in NAMES.get(quantity, ())
+        and is_unit(name)
+    ):
         return "", name  # counts, rpm
     others = [part for part in parts if part[1] not in words]
     return next(iter((*own, *others)), (name, None))
@@ -777,7 +827,7 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
     )
 
 
-def _turns(found: Mapping[str, Found]) -> bool:
+def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, one in found.items():
         kinds = UNITS.get(quantity, ())
@@ -785,11 +835,20 @@ def _turns(found: Mapping[str, Found]) -> bool:
             straight, turns = (is_of(one.unit, kind) for kind in kinds[:2])
             if straight or turns:
                 return turns
+    unit = motor_constant.strip().partition(" ")[2] if isinstance(motor_constant, str) else ""
+    if unit:
+        return is_of(unit, "N m/A")
     still = ("time", "load", "temperature")
     moving = [one.name.casefold() for q, one in found.items() if q not in still]
     if any(joint_in(name)[1] or (numbered(name)[1] and "q" in _parts(name)) for name in moving):
         return True  # coordinates of the joints of a robot
     return any(word in name for name in moving for word in TURNING)
+
+
+def _with_unit(motor_constant: float | str, unit: str) -> str:
+    """Return a motor constant with a unit; a plain number is in SI."""
+    text = str(motor_constant).strip()
+    return text if " " in text else f"{text} {unit}"
 
 
 def column_text(one: Found) -> str:
@@ -872,19 +931,35 @@ def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
 
 def _refuse_restarts(frame: Frame, times: Array) -> None:
     """Refuse several records below each other, which sorting by time would mix."""
+    begins = restarts(times)
+    if begins:
+        raise InputError(
+            f"{frame.file}: times begin again at {frame.line(begins[0])}: it seems to hold"
+            f" {count(len(begins) + 1, 'record')} below each other. Number them in a column"
+            " 'trial', or give each a file of its own."
+        )
+
+
+def restarts(times: Array) -> list[int]:
+    """Return the rows at which further records begin, whose times begin again.
+
+    Examples
+    --------
+    >>> restarts(np.tile(np.arange(100.0), 3))
+    [100, 200]
+    """
     rows = np.flatnonzero(np.isfinite(times))
     known = times[rows]
-    span = np.maximum.accumulate(known) - known[0]
-    back = np.flatnonzero(np.diff(known) < -RESTART * span[:-1])
+    back = np.flatnonzero(np.diff(known) < 0.0)
     # the first rows span nothing, and many steps back are no records
-    back = back[span[back] > RESTART * float(np.ptp(known)) / (back.size + 1)]
-    if 0 < back.size < MOST_TRIALS * known.size:
-        place = frame.line(int(rows[back[0] + 1]))
-        raise InputError(
-            f"{frame.file}: times begin again at {place}: it seems to hold"
-            f" {count(back.size + 1, 'record')} below each other. Number them in a column 'trial',"
-            " or give each a file of its own."
-        )
+    least = RESTART * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
+    found, first = [], 0
+    for last in back.tolist() if back.size < MOST_TRIALS * known.size else ():
+        span = float(np.ptp(known[first : last + 1]))
+        if span > least and known[last] - known[last + 1] > RESTART * span:
+            found.append(int(rows[last + 1]))
+            first = last + 1
+    return found
 
 
 def repair_text(repair: Sequence[Repair]) -> str:
@@ -995,18 +1070,31 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
     return {}
 
 
-def trial_column(frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found]) -> str:
-    """Return the column that numbers trials; empty if none does."""
+def trial_column(
+    frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found], times: Array | None
+) -> tuple[str, str]:
+    """Return the column that numbers or names trials, and why; empty if none does.
+
+    Whatever it is called, it is one that has another value where times begin again, and no value
+    in two places.
+    """
     if "trial" in given:
-        return str(given["trial"])
+        return str(given["trial"]), "as given"
     taken = {one.name for one in found.values()}
+    begins = [] if times is None else restarts(times)
+    apart = ""
     for name in frame.names:
-        if name in taken or "".join(_parts(name)) not in TRIALS:
+        if name in taken:
             continue
         cells = frame.data[frame.names[name]]
-        if not cells.isna().any() and 1 < cells.nunique() <= MOST_TRIALS * len(cells):
-            return name
-    return ""
+        if cells.isna().any() or not 1 < cells.nunique() <= MOST_TRIALS * len(cells):
+            continue
+        if "".join(_parts(name)) in TRIALS:
+            return name, "by its name"
+        changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
+        if begins and not apart and changes == begins and cells.nunique() == len(begins) + 1:
+            apart = name
+    return apart, "which changes where times begin again"
 
 
 def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
@@ -1049,6 +1137,40 @@ def changing_temperature(
     ]
     if found:
         yield "temperature", replace(found[0], others=tuple(one.name for one in found[1:]))
+
+
+def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
+    """Yield what else friction may depend on, from columns that are named so and have no holes."""
+    names = {one.name for one in taken.values()}
+    for quantity in INPUTS if not {*INPUTS} & {*taken} else ():
+        own = [one for one in _input_offers(frame, quantity) if one.name not in names]
+        full = [one for one in own if _is_full(frame, one.name)]
+        if full:
+            yield quantity, replace(full[0], others=tuple(one.name for one in full[1:]))
+
+
+def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
+    """Yield the columns whose name and unit are those of an input of the contact."""
+    for name in filter(None, frame.names):
+        stated = frame.units.get(name)
+        bare, unit = _bare_and_unit(name, stated, quantity)
+        named = _is_input(bare, quantity)
+        if named and (unit is None or _fits(unit, quantity)):
+            yield Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+
+
+def _is_input(bare: str, quantity: str) -> bool:
+    """Whether a name is that of an input of the contact: its word alone, or any pressure."""
+    parts = [part for part in _parts(bare) if part not in OF_FORCES]
+    if quantity == "pressure":
+        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(bare)
+    return len(parts) == 1 and parts[0] in INPUTS[quantity]
+
+
+def _is_full(frame: Frame, name: str) -> bool:
+    """Whether all cells of a column are finite numbers."""
+    column = frame.data[frame.names[name]]
+    return bool(np.isfinite(pd.to_numeric(column, errors="coerce")).all())
 
 
 def _temperature_unit(name: str, stated: str | None) -> str | None:
@@ -1095,7 +1217,11 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
 
 
 def _doubts(
-    frame: Frame, found: Mapping[str, Found], turning: bool, units: Collection[str]
+    frame: Frame,
+    found: Mapping[str, Found],
+    turning: bool,
+    units: Collection[str],
+    constant: float | str | None,
 ) -> Iterable[str]:
     """Yield what was assumed."""
     joints = joints_in([name for name in frame.names if name])
@@ -1135,13 +1261,27 @@ def _doubts(
                 f"The column {other!r} may be the {quantity} as well as {one.name!r}, which comes"
                 " first."
             )
-    if "current" in found:
+    yield from _left_out(frame, found)
+    if "current" in found and not constant:
         unit = "N m/A" if turning else "N/A"
         yield (
             f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
-            f" 1 {unit} is assumed. Replace it by that of the data sheet, times the gear ratio."
+            f" 1 {unit} is assumed, so that forces and the mass are in a scale of their own. Give"
+            f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
         )
     yield from _driving_doubts(frame, found)
+
+
+def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+    """Yield which columns of inputs of the contact are left out for their holes."""
+    for quantity in INPUTS:
+        for one in _input_offers(frame, quantity):
+            if quantity not in found and not _is_full(frame, one.name):
+                yield (
+                    f"The column {one.name!r} seems to be the {quantity}, on which friction may"
+                    " depend, but has empty cells: it is left out. To read only the rows that have"
+                    f" it, name it, as --columns {quantity}={one.name!r}."
+                )
 
 
 def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:

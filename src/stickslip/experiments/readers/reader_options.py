@@ -88,8 +88,9 @@ def motor_constants(given: Any) -> dict[str, float | str]:
         quantity = Quantity("K_m", "N/A", or_unit="N m/A")
         label = f"motor_constant ({quantity.symbol}) of {key}"
         try:
-            number = quantity.check("", "", value)
-            found[key] = read_gain(value) if isinstance(value, str) else number
+            constant = read_gain(value) if isinstance(value, str) else value
+            number = quantity.check("", "", constant)
+            found[key] = constant if isinstance(constant, str) else number
         except ParameterError:
             number = 0.0
         if number == 0.0:

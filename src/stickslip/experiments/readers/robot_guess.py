@@ -135,10 +135,12 @@ def guess_robot(
     locked = {one.name: _mean(one) for one in joints if one not in moving}
     seconds = times_of(frame, times)
     columns = {"time": times, **_columns(moving)}
-    trial = trial_column(frame, {}, columns)
+    trial, why = trial_column(frame, {}, columns, seconds)
     repair = repairs_of(frame, columns, seconds, trial)
     delays = {} if seconds is None else dict(_delays(frame, moving, seconds, trial))
     reasons["time"] = column_text(times) + (rate_text(seconds) if seconds is not None else "")
+    if trial:
+        reasons["trial"] = f"column {trial!r}, {why}"
     reasons |= {one.coordinate: _joint_text(one, delays) for one in joints}
     if repair:
         reasons["repair"] = repair_text(repair)

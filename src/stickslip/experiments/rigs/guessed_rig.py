@@ -79,6 +79,8 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     if "time" in guess.columns and _drive(guess):
         yield f"# The {what} is not in the file. It is fitted; the search begins at this value."
         yield f'# If it is known, write it without vary: inertia = "{example}"'
+        if guess.motor_constant and not _is_stated(guess):
+            yield "# It goes with the motor constant below: change both by the same factor."
         yield f'inertia = {{ value = "{inertia:.2g} {unit}", vary = true }}'
     else:
         yield f"# assumed: the file cannot tell the {what}."
@@ -123,7 +125,7 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
         cure = "assumed: replace it by that of the data sheet, times the gear ratio"
         given = guess.motor_constant
         text = _toml(given) if isinstance(given, str) else _inline(given)
-        yield f"motor_constant = {text}  # {cure}"
+        yield f"motor_constant = {text}" + ("" if _is_stated(guess) else f"  # {cure}")
     if guess.gain:
         cure = "where assumed: replace it by the sensitivity of the sensor, or of the encoder"
         yield f"gain = {_inline(guess.gain)}  # {cure}"
@@ -134,6 +136,11 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
             value = getattr(guess.layout, one.name)
             if value != one.default:
                 yield f"{one.name} = {_toml(value)}"
+
+
+def _is_stated(guess: Guess) -> bool:
+    """Whether the motor constant was given, and is no assumption."""
+    return guess.reasons.get("motor constant", "").endswith("as given")
 
 
 def _entries(name: str, table: Mapping[str, Any]) -> Iterator[str]:

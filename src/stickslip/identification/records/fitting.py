@@ -231,7 +231,7 @@ def fit_records(
     'force-map'
     """
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
-    refuse_faults(measurement, chosen.mechanism)
+    refuse_faults(measurement, chosen.mechanism, chosen.unknown)
     with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
         return fit_record(
             chosen.mechanism,

@@ -6,7 +6,7 @@ from typing import Any
 
 from typing_extensions import override
 
-from stickslip.experiments import Measurement, check
+from stickslip.experiments import Measurement, faults
 from stickslip.formatting import NO_VALUE, quantity
 from stickslip.identification import (
     LAW,
@@ -66,7 +66,8 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         measurement = request.measurement
         asked = request.route or way_for(request.purpose, measurement)
         # what is faulty is refused where it is fitted
-        if asked is not None or check(measurement, mechanism=request.mechanism).worst == "error":
+        found = faults(measurement, mechanism=request.mechanism, vary=request.vary or ())
+        if asked is not None or found:
             choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
             return replace(request, route=choice)
         chosen = Parameters.of(
