@@ -6,7 +6,15 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, SpringBlock, check, load_measurement
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    SpringBlock,
+    check,
+    fit,
+    load_measurement,
+)
 from stickslip.errors import InputError
 from stickslip.experiments import inertia_of
 from stickslip.experiments.checking.stationarity import independent
@@ -502,7 +510,8 @@ def test_a_friction_map_says_what_it_covers():
     speeds = np.linspace(-0.3, 0.3, 7)
     both = np.repeat(speeds, 3)
     checks = check(Measurement(velocity=both, friction=20 * np.sign(both) + both))
-    covers, order = checks.sentences
+    covers, rest, order = checks.sentences
+    assert rest.startswith("3 readings at a speed of 0 are taken for a body at rest")
     assert covers == "21 points at 7 velocities from −0.3 m/s to 0.3 m/s."
     assert order.startswith("The speeds are in order from row to row; if they were measured in")
     assert checks.worst == "info"
@@ -681,3 +690,77 @@ def test_a_trial_that_is_counted_twice_is_named():
 def test_friction_that_is_zero_everywhere_was_not_recorded():
     table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.zeros(20))
     assert check(table).worst == "error"
+
+
+def table_with_rest(level, slowest=0.01):
+    """Return velocities and friction of sliding both ways, and three readings at rest."""
+    speeds = np.linspace(slowest, 0.34, 40)
+    velocity = np.concatenate([-speeds[::-1], [-5e-4, 7e-6, 2e-4], speeds])
+    friction = level(velocity)
+    friction[40:43] = (-0.9, 0.4, 0.27)
+    return velocity, friction
+
+
+def test_readings_whose_speed_is_not_resolved_are_those_of_a_body_at_rest():
+    velocity, friction = table_with_rest(lambda v: 2.0 * np.sign(v) + v)
+    table = Measurement(velocity=velocity, friction=friction)
+    (one,) = check(table).of("rest")
+    assert one.sentence.startswith("3 readings at speeds of at most 0.5 mm/s are taken for a body")
+    assert "all others are at 10 mm/s or faster" in one.sentence
+    found = fit(Axis(inertia=1.0), CoulombViscous, table)
+    np.testing.assert_allclose(found.values[:2], [2.0, 1.0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "friction",
+    [
+        pytest.param(lambda v: 2.0 * np.tanh(v / 0.05), id="a smooth law"),
+        pytest.param(lambda v: 20.0 * v, id="viscous"),
+        pytest.param(lambda v: np.arcsinh(v / 1e-3), id="creep"),
+    ],
+)
+def test_slow_readings_of_friction_that_fades_with_the_speed_slide(friction):
+    velocity, _ = table_with_rest(friction)
+    table = Measurement(velocity=velocity, friction=friction(velocity))
+    assert check(table).of("rest") == ()
+
+
+def test_slow_readings_at_the_level_slide():
+    velocity, friction = table_with_rest(lambda v: 2.0 * np.sign(v) + v)
+    friction[40:43] = (-2.1, 1.9, 2.0)
+    assert check(Measurement(velocity=velocity, friction=friction)).of("rest") == ()
+
+
+def test_speeds_over_decades_all_slide():
+    velocity = np.geomspace(1e-6, 1.0, 7)
+    friction = 2.0 + 0.05 * np.log10(velocity)
+    assert check(Measurement(velocity=velocity, friction=friction)).of("rest") == ()
+
+
+def test_steady_readings_are_not_filtered_as_a_motion():
+    rng = np.random.default_rng(2)
+    velocity = 1e-3 * np.abs(np.linspace(-5.0, 5.0, 41) + 0.2 * rng.normal(size=41))
+    friction = 80.0 * np.tanh(velocity / 0.35e-3)
+    seen = Measurement(time=6.0 * np.arange(41), velocity=velocity, friction=friction)
+    (one,) = check(seen).of("steady readings")
+    assert "one every 6 s at ever other speeds" in one.sentence
+    (slow,) = check(seen).of("low speed")
+    assert slow.numbers["share"] == pytest.approx(
+        np.mean(velocity < 0.05 * slow.numbers["fastest"])
+    )
+
+
+@pytest.mark.parametrize(
+    ("time", "velocity"),
+    [
+        pytest.param(T := np.arange(3000) / 100, np.sin(T), id="a motion"),
+        pytest.param(T, np.sin(T) + 0.02 * np.sin(1e4 * T**2), id="with a noisy velocity"),
+        pytest.param(T, np.sign(np.sin(T)), id="to and fro at one speed"),
+        pytest.param(1.0 * np.arange(600), np.repeat([1.0, 10.0, 1.0], 200), id="steps of rock"),
+        pytest.param(np.arange(60) / 30, np.sin(np.arange(60) / 10), id="a short video"),
+    ],
+)
+def test_samples_of_a_motion_are_no_steady_readings(time, velocity):
+    smooth = np.sin(T) if velocity.size == T.size else velocity
+    seen = Measurement(time=time, velocity=velocity, friction=2.0 * np.sign(smooth) + smooth)
+    assert check(seen).of("steady readings") == ()

@@ -966,3 +966,22 @@ def test_a_mass_found_with_an_assumed_motor_constant_goes_with_it(tmp_path):
     guess = guess_data(file)
     assert guess.reasons["motor constant"] == "1 N/A, assumed"
     assert "change both by the same factor" in guessed_rig(guess, file, inertia=3.0)
+
+
+@pytest.mark.parametrize(("head", "none"), [("Step Time (s)", {}), ("time [s]", {"time": ""})])
+def test_steady_readings_with_times_are_a_table_over_the_speed(tmp_path, head, none):
+    file = tmp_path / "a.csv"
+    speeds = np.random.default_rng(0).permutation(np.linspace(0.2, 5.0, 40))
+    table = rows((6.0 * np.arange(40), speeds, 80.0 + speeds), ",", points)
+    file.write_text(f"{head},velocity (mm/s),friction (N)\n{table}")
+    guess = guess_data(file)
+    assert guess.columns == {"velocity": "velocity (mm/s)", "friction": "friction (N)", **none}
+    assert any("steady readings of friction" in doubt for doubt in guess.doubts)
+    rig = tmp_path / "rig.toml"
+    rig.write_text(guessed_rig(guess, "a.csv"))
+    measured = load_rig(rig).measurement
+    assert measured.kind == "friction-map"
+    np.testing.assert_allclose(measured.velocity, 1e-3 * speeds, atol=1e-7)
+    column = head.partition(" [")[0]
+    given = guess_data(file, columns={"time": column}, units={"time": "s"})
+    assert read_data([file], given.reading).kind == "series"

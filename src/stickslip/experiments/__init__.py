@@ -74,6 +74,7 @@ INSIDE = {
     "refuse_lack": "preconditions",
     "refuse_same": "preconditions",
     "refuse_unused": "preconditions",
+    "resting_readings": "checking.map_coverage",
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",
     "scale_of": "travels",

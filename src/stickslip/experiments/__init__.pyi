@@ -18,6 +18,7 @@ from stickslip.experiments.checking.mains import MainsLine as MainsLine
 from stickslip.experiments.checking.mains import is_narrow as is_narrow
 from stickslip.experiments.checking.mains import lines_of as lines_of
 from stickslip.experiments.checking.mains import words_of as words_of
+from stickslip.experiments.checking.map_coverage import resting_readings as resting_readings
 from stickslip.experiments.checking.motion import motion_of as motion_of
 from stickslip.experiments.checking.order import speeds_in_order as speeds_in_order
 from stickslip.experiments.checking.order import with_order as with_order

@@ -301,6 +301,7 @@ def _record(
         return
     if record.kind == "friction-map":
         yield from map_coverage.coverage(record)
+        yield from map_coverage.resting(record)
         if not grave:
             yield from order.speeds(record)
             yield from signal_quality.plausible(record, None)
@@ -336,6 +337,7 @@ def _signals(
     yield from signal_quality.plausible(record, moving)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
+    yield from motion.readings(record)
     if not enough:
         return
     yield from signal_quality.jumps(record)

@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.experiments.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
 from stickslip.experiments.measurement import (
@@ -19,6 +20,16 @@ FEWEST: Final = 3
 FEW_SPEEDS: Final = 5
 SHOWN: Final = 8
 """Names of columns in a sentence at most."""
+SLOWER: Final = 10.0
+"""Factor between the speed of readings at rest and that of the slowest that slide."""
+RARE: Final = 0.1
+"""Share of the readings up to which some may be at rest: more are a range of speeds."""
+INSIDE: Final = 0.8
+"""Friction of a reading at rest at most, over that of the slowest that slide."""
+SLOWEST: Final = 5
+"""Readings of a direction that show what friction is at the slowest speeds ..."""
+LEVEL: Final = 0.9
+"""... if the slowest of them has this share of their median: below, friction fades with speed."""
 ALIKE: Final = 1e-6
 ACTING: Final = ("force", "reference", "friction", "load", "spring_force", "pull")
 """What acts on a body: where it is not given, a fit takes it that nothing does."""
@@ -69,6 +80,74 @@ def coverage(record: Measurement) -> Iterator[Finding]:
         text += f" convention: friction has the sign of the slip velocity; {TURN}."
         sign = {"opposite_share": against}
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
+
+
+def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
+    """Return which readings (n,) are of a body at rest, at which friction may have any value.
+
+    Their speeds are not resolved from zero: far below those of all others, which show a level to
+    which their friction does not reach. Where friction fades towards the slowest speeds, as that of
+    a smooth law does, slower readings slide.
+
+    Examples
+    --------
+    >>> speeds = np.array([-0.2, -0.1, 1e-4, 0.1, 0.2, 0.3, -0.3])
+    >>> resting_readings(speeds, np.array([-2.2, -2.1, 0.4, 2.1, 2.2, 2.3, -2.3])).tolist()
+    [False, False, True, False, False, False, False]
+    >>> resting_readings(speeds, np.array([-2.2, -2.1, 2.1, 2.1, 2.2, 2.3, -2.3])).any()
+    False
+    """
+    speed = np.abs(velocity)
+    ordered = np.sort(speed)
+    found = velocity == 0.0
+    gaps = np.flatnonzero(ordered[1:] > SLOWER * ordered[:-1])
+    few = gaps[gaps < max(RARE * speed.size, 1.0)]
+    if not few.size:
+        return found
+    slow = speed <= ordered[few[-1]]
+    levels = [_level(side * velocity[~slow], side * friction[~slow]) for side in (-1.0, 1.0)]
+    if any(level == 0.0 for level in levels):
+        return found
+    below, above = levels
+    inside = (friction > -INSIDE * below) & (friction < INSIDE * above)
+    return np.asarray(found | (slow & inside))
+
+
+def _level(velocity: Array, friction: Array) -> float:
+    """Return friction at the slowest forward speeds; 0 if it has no level, infinite of none."""
+    forward = np.flatnonzero(velocity > 0.0)
+    if not forward.size:
+        return np.inf
+    slowest = forward[np.argsort(velocity[forward], kind="stable")][:SLOWEST]
+    level = float(np.median(friction[slowest]))
+    return level if float(friction[slowest[0]]) >= LEVEL * level > 0.0 else 0.0
+
+
+def resting(record: Measurement) -> Iterator[Finding]:
+    """Say which readings of a friction map are those of a body at rest."""
+    velocity = np.asarray(record.values("velocity"))
+    at_rest = resting_readings(velocity, np.asarray(record.values("friction")))
+    if not at_rest.any() or at_rest.all():
+        return
+    fastest, slowest = quantities(
+        [float(np.abs(velocity[at_rest]).max()), float(np.abs(velocity[~at_rest]).min())],
+        record.unit("velocity"),
+    )
+    resting = int(at_rest.sum())
+    verb = "are" if resting > 1 else "is"
+    slow = bool(velocity[at_rest].any())
+    at = f"speeds of at most {fastest}" if slow else "a speed of 0"
+    yield Finding(
+        kind="rest",
+        severity="warning" if slow else "info",
+        sentence=(
+            f"{count(resting, 'reading')} at {at} {verb} taken for a body at rest, where friction"
+            " has any value up to its level, and left out of sliding: all others are at"
+            f" {slowest} or faster."
+        ),
+        measure="Measure at speeds below the slowest, for long enough to slide" if slow else "",
+        numbers={"readings": float(resting)},
+    )
 
 
 def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:

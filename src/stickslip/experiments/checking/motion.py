@@ -18,6 +18,7 @@ from stickslip.experiments.differentiation import (
     velocity_of,
 )
 from stickslip.experiments.measurement import Array, Measurement
+from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.formatting import count, number, percent, quantities, quantity
 
 SLOW: Final = 0.05
@@ -49,6 +50,8 @@ class Motion:
     """Standard deviation of its noise [m/s]."""
     unit: str = "m/s"
     """``"rad/s"`` about an axis."""
+    measured: Array | None = None
+    """As it was measured [m/s], if it was."""
 
     @property
     def fastest(self) -> float:
@@ -99,7 +102,9 @@ def motion_of(record: Measurement) -> Motion | None:
         raw = velocity_of(record)
         # A low pass at a share of the sampling leaves that share of both sides of white noise.
         noise = noise_of(raw, step_of(raw)) * np.sqrt(2 * CUTOFF)
-        return Motion(time=time, velocity=smooth(time, raw), noise=float(noise), unit=unit)
+        return Motion(
+            time=time, velocity=smooth(time, raw), noise=float(noise), unit=unit, measured=raw
+        )
     position = np.asarray(record.values("position"))
     # The same for the derivative, whose spectrum grows with the frequency squared.
     share = 2 * np.pi * np.sqrt(2 * CUTOFF**3 / 3)
@@ -202,9 +207,34 @@ def rests(motion: Motion) -> Iterator[Finding]:
     )
 
 
+def readings(record: Measurement) -> Iterator[Finding]:
+    """Say that rows seem to be steady readings, and no samples of a motion."""
+    friction, velocity, time = record.friction, record.velocity, record.time
+    if time is None or not (isinstance(friction, np.ndarray) and isinstance(velocity, np.ndarray)):
+        return
+    if {*record.quantities()} & {"position", "force", "pull", "spring_force"}:
+        return
+    if not are_steady_readings(time, velocity, friction):
+        return
+    yield Finding(
+        kind="steady readings",
+        severity="warning",
+        sentence=(
+            f"The rows, one every {quantity(interval_of(time), 's')} at ever other speeds, seem to"
+            " be steady readings of friction, not samples of one motion: filters then mix what"
+            " was measured at different speeds. Leave the time out, as in a rig file with"
+            ' columns = { time = "" }.'
+        ),
+        measure="Sample a motion more often, or leave the times of steady readings out",
+        numbers={"interval": interval_of(time)},
+    )
+
+
 def slow(motion: Motion) -> Iterator[Finding]:
     """Say how much of the record is slow, where laws differ most."""
-    speed, fastest = np.abs(motion.velocity), motion.fastest
+    # the filter leaves nothing of single slow samples
+    speed = np.abs(motion.velocity if motion.measured is None else motion.measured)
+    fastest = motion.fastest
     if fastest == 0.0:
         return
     share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit

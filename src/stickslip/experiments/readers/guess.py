@@ -27,6 +27,7 @@ from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
 from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
+from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
@@ -204,6 +205,10 @@ UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
 )
+READINGS: Final = (
+    "The rows, at ever other speeds, are taken for steady readings of friction, not for samples of"
+    " one motion. If they are that, give --columns time={!r}."
+)
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -352,6 +357,11 @@ def guess_data(
             ' Name it, as columns={"current": "..."}.'
         )
     times = times_of(frame, found["time"]) if "time" in found else None
+    steady = ""
+    if times is not None and "time" not in given and _is_steady(frame, found, times):
+        clock, times = found.pop("time"), None
+        steady = clock.name
+        reasons["rows"] = f"steady readings; their times, column {steady!r}, are not read"
     trial, why = trial_column(frame, given, found, times)
     if trial:
         given["trial"] = trial
@@ -399,6 +409,7 @@ def guess_data(
         layout=layout,
         columns={
             **{q: given.get(q, one.name) for q, one in found.items()},
+            **({"time": ""} if steady == "time" else {}),
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
         units={**known, **(units or {})},
@@ -412,6 +423,7 @@ def guess_data(
             *frame.remarks,
             *rates_doubt(frame, found),
             *([assumed] if assumed else []),
+            *([READINGS.format(steady)] if steady else []),
             *([UPSIDE_DOWN] if backwards else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}, motor_constant),
             *_offered(conditions, found),
@@ -872,6 +884,16 @@ def rate_text(times: Array) -> str:
         else ""
     )
     return f"; {samples}, {number(1.0 / step, 4)} Hz{gaps}"
+
+
+def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
+    """Whether rows are steady readings of friction, whose times say when they were taken."""
+    if not {"velocity", "friction"} <= {*found} or {"position", "force", "current"} & {*found}:
+        return False
+    columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", "friction")]
+    rows = [times, *(pd.to_numeric(one, errors="coerce").to_numpy(float) for one in columns)]
+    full = np.isfinite(rows).all(axis=0)
+    return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
 
 
 def times_of(frame: Frame, one: Found) -> Array | None:

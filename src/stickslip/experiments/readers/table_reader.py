@@ -253,6 +253,10 @@ def _named(
         names[name] = own[name] = name
         found_units[name] = own_units[name] = "s"
         data = data.assign(**{name: stamp})
+    for quantity in [name for name, column in columns.items() if not column]:  # not to be read
+        names.pop(quantity, None)
+        found_units.pop(quantity, None)
+    columns = {name: column for name, column in columns.items() if column}
     # A mapped column is known by its quantity alone, so none is used twice.
     for column in columns.values():
         key = _known_column(file, column, own)

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_even_times
 from stickslip.evidence import LowPass, low_pass
-from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
+from stickslip.experiments import (
+    Measurement,
+    noise_of,
+    resting_readings,
+    step_of,
+    usual_top_speed,
+)
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
@@ -350,7 +356,10 @@ def _informed(one: MotionSegment, mechanism: Mechanism, record: Measurement) -> 
 def _table(
     number: int, mechanism: Mechanism, record: Measurement, load: Array, first: int
 ) -> MotionSegment:
+    friction = np.asarray(record.values("friction"), dtype=float)
     velocity = np.asarray(record.values("velocity"), dtype=float)
+    resting = resting_readings(velocity, friction)
+    velocity = np.where(resting, 0.0, velocity)
     rows = np.arange(len(velocity))
     time, held = rows.astype(float), record.force
     force = np.asarray(record.values("force")) if isinstance(held, np.ndarray) else math.nan
@@ -358,14 +367,13 @@ def _table(
     path = Path(
         time=time, velocity=velocity, load=load, travel=np.zeros(len(rows) - 1), inputs=known
     )
-    friction = np.asarray(record.values("friction"), dtype=float)
     return MotionSegment(
         record=number,
         path=path,
         friction=friction,
         segment=first + _dealt(velocity),
         timed=False,
-        resting=velocity == 0.0,
+        resting=resting,
         held=friction,
     )
 

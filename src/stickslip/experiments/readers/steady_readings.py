@@ -1,0 +1,57 @@
+"""Steady readings of friction that have times: rows of a table, not samples of a motion.
+
+A motion is sampled so often that neighbouring velocities are nearly one, and what a low pass takes
+off them is noise. Each steady reading is taken at a speed of its own, which friction follows at
+once: a low pass takes off what friction depends on, and slow readings between faster ones vanish.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from stickslip.experiments.measurement import Array
+
+FEWEST: Final = 30
+"""Rows below which nothing is sampled often enough to be filtered."""
+SLOW: Final = 1.0
+"""Step of time [s] from which rows at ever other speeds are readings."""
+OTHER: Final = 0.01
+"""Change of a velocity over its range from which the next one is another ..."""
+OFTEN: Final = 0.5
+"""... and the share of the rows that are followed by another one."""
+LOST: Final = 2.0
+"""Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
+MEAN: Final = 5
+"""Rows of that mean: about what a low pass at a tenth of the sampling frequency takes."""
+
+
+def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
+    """Return whether rows are steady readings of friction, and no samples of a motion.
+
+    Examples
+    --------
+    >>> t = 6.0 * np.arange(60)
+    >>> v = 1.0 + np.sin(np.arange(60.0) ** 2)
+    >>> are_steady_readings(t, v, 2.0 + v)
+    True
+    >>> are_steady_readings(t / 600.0, np.sin(t / 60.0), np.sign(np.sin(t / 60.0)))
+    False
+    """
+    extent = float(np.ptp(velocity))
+    if extent == 0.0:
+        return False
+    if velocity.size < FEWEST:
+        return True
+    steps = np.abs(np.diff(velocity))
+    if float(np.mean(steps > OTHER * extent)) < OFTEN:
+        return False
+    if float(np.median(np.diff(time))) >= SLOW:
+        return True
+    usual = np.convolve(np.pad(velocity, MEAN // 2, mode="edge"), np.full(MEAN, 1 / MEAN), "valid")
+    return _scatter(usual, friction) > LOST * _scatter(velocity, friction)
+
+
+def _scatter(velocity: Array, friction: Array) -> float:
+    """Return how far friction at one velocity is from that at the next, root mean square."""
+    ordered = friction[np.argsort(velocity, kind="stable")]
+    return float(np.sqrt(np.mean(np.diff(ordered) ** 2)))
