@@ -1,7 +1,9 @@
 """``stickslip check``."""
 
 import tempfile
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import typer
@@ -9,7 +11,18 @@ import typer
 from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Measurement, Reading, Rig, check, load_rig, read_data
+from stickslip.experiments import (
+    SEVERITIES,
+    Checks,
+    Finding,
+    Measurement,
+    Reading,
+    Rig,
+    check,
+    load_rig,
+    read_data,
+)
+from stickslip.formatting import joined
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
@@ -93,9 +106,49 @@ def _show(measurement: Measurement, found: Checks) -> None:
     for record in measurement.records():
         if "; " in record.provenance:  # something was repaired
             console.print(f"  {record.provenance}", markup=False, style="dim")
-    for finding in found.findings:
+    findings = [*_by_trial(found.findings)] if measurement.trials else found.findings
+    for finding in findings:
         mark, style = MARKS[finding.severity]
         console.print(f"{mark}{finding}", markup=False, style=style)
+    console.print(f"\n{_summary(found.findings)}", markup=False)
+    if len(findings) < len(found.findings):
+        console.print("All findings of each trial: --json.", markup=False)
+
+
+def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
+    """Yield one line a trial, what several trials share, and what is of none.
+
+    The line has the first finding of the trial, and its warnings and errors that no other has.
+    """
+    shared = Counter(f.sentence for f in findings if f.record and f.severity != "info")
+    names = dict.fromkeys(one.record for one in findings if one.record)
+    for name in names:
+        first, *rest = [one for one in findings if one.record == name]
+        said = [one for one in (first, *rest) if shared[one.sentence] == 1]
+        lines = [first.sentence] * (first not in said and first.severity == "info")
+        lines += [one.sentence for one in said]
+        if lines:
+            worst = max((one.severity for one in said), key=SEVERITIES.index, default="info")
+            yield replace(first, sentence=" ".join(lines), severity=worst)
+    for sentence in (one for one, number in shared.items() if number > 1):
+        same = [one for one in findings if one.sentence == sentence]
+        who = [one.record for one in same]
+        everyone = len(who) == len(names)
+        yield replace(same[0], record="all trials" if everyone else joined(who))
+    yield from (one for one in findings if not one.record)
+
+
+def _summary(findings: Sequence[Finding]) -> str:
+    """Return in one line what is to be corrected."""
+    errors, warnings = (
+        joined([*dict.fromkeys(one.kind for one in findings if one.severity == severity)])
+        for severity in ("error", "warning")
+    )
+    if errors:
+        return f"To correct before a fit: {errors}."
+    if warnings:
+        return f"Nothing must be corrected; to look at: {warnings}."
+    return "Nothing to correct."
 
 
 def _name(measurement: Measurement, index: int, ending: str) -> str:

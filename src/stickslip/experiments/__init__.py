@@ -40,6 +40,7 @@ INSIDE = {
     "LoopSamples": "recorded_drive",
     "MainsLine": "checking.mains",
     "Reading": "readers.reader_options",
+    "SEVERITIES": "checking.finding",
     "as_recorded": "recorded_drive",
     "as_turning": "measurement",
     "between_gaps": "slicing",

@@ -12,6 +12,7 @@ from stickslip.experiments.checking.data_quality import check as check
 from stickslip.experiments.checking.data_quality import faults as faults
 from stickslip.experiments.checking.dynamics import inertia_of as inertia_of
 from stickslip.experiments.checking.finding import Finding as Finding
+from stickslip.experiments.checking.finding import SEVERITIES as SEVERITIES
 from stickslip.experiments.checking.finding import sentences_of as sentences_of
 from stickslip.experiments.checking.mains import CURE as CURE
 from stickslip.experiments.checking.mains import MainsLine as MainsLine

@@ -29,6 +29,8 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
+RESTING_JOINT = "the joint rests, which says little of its friction."
+FORWARD = "forward_share"
 MASSES = ("inertia", "mass")
 """Last names of parameters to which the force of a motion is in proportion."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
@@ -212,7 +214,17 @@ def _findings(
     yield from map_coverage.alike(records)
     if not grave:
         yield from map_coverage.repeated(records)
-    for number, record in enumerate(records, 1):
+    own = [*_of_records(measurement, mechanism, grave)]
+    yield from _beside_others(own, len(records)) if measurement.trials else own
+    if not grave:
+        yield from map_coverage.unused(records, conditions)
+
+
+def _of_records(
+    measurement: Measurement, mechanism: Mechanism | None, grave: bool
+) -> Iterator[Finding]:
+    """Yield what is found of each record by itself."""
+    for number, record in enumerate(measurement.records(), 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]
         if record.joints:
@@ -221,8 +233,21 @@ def _findings(
         else:
             own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
-    if not grave:
-        yield from map_coverage.unused(records, conditions)
+
+
+def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding]:
+    """Yield findings of trials without faults that are none where others move, or otherwise."""
+    still = {one.record for one in findings if _still(one)}
+    ways = [one for one in findings if one.kind == "reversals" and FORWARD in one.numbers]
+    shares = [one.numbers[FORWARD] for one in ways]
+    both = bool(ways) and min(shares) < 1.0 and max(shares) > 0.0
+    for one in findings:
+        if _still(one) and len(still) < trials:
+            yield _resting(one, "the body rested, which bounds its friction at rest.")
+        elif both and one in ways and one.severity == "warning":
+            yield motion.beside_other_way(one)
+        else:
+            yield one
 
 
 def _joints(
@@ -243,7 +268,9 @@ def _joints(
     moving = [name for name, own in found.items() if not any(map(_still, own))]
     if moving:  # what jitter looks like in a joint that rests says nothing
         found = {
-            name: own if name in moving else [_resting(one) for one in own if _still(one)]
+            name: own
+            if name in moving
+            else [_resting(one, RESTING_JOINT) for one in own if _still(one)]
             for name, own in found.items()
         }
     said = [{one.sentence for one in found[name]} for name in moving or found]
@@ -261,11 +288,10 @@ def _still(one: Finding) -> bool:
     return one.kind == "constant" and one.severity == "error"
 
 
-def _resting(one: Finding) -> Finding:
-    """Return that a joint rests, as no fault of a record in which others move."""
+def _resting(one: Finding, means: str) -> Finding:
+    """Return that something rests, as no fault where others move, and what that means."""
     why = one.sentence.removesuffix("no motion was recorded.")
-    said = f"{why}the joint rests, which says little of its friction."
-    return replace(one, severity="info", sentence=said)
+    return replace(one, severity="info", sentence=f"{why}{means}")
 
 
 def _wrong(found: Sequence[Finding]) -> bool:
@@ -322,7 +348,7 @@ def _record(
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving, coupled=coupled)
-    if enough and not grave:
+    if enough and not grave and not _wrong(still):
         yield from _course(record, mechanism, moving, coupled=coupled)
 
 

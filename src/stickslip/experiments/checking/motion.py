@@ -1,7 +1,7 @@
 """What the motion of a record can tell: directions, rests, slow parts."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -154,6 +154,13 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         measure=OTHER_WAY if offset else "",
         numbers=numbers,
     )
+
+
+def beside_other_way(one: Finding) -> Finding:
+    """Return that a trial goes one way, as no fault where another goes the other way."""
+    way = "forward" if one.numbers["forward_share"] else "backward"
+    sentence = f"No reversals: the motion goes {way} only, and that of other trials the other way."
+    return replace(one, severity="info", sentence=sentence, measure="")
 
 
 def straight(record: Measurement) -> Iterator[Finding]:
