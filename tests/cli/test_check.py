@@ -97,8 +97,21 @@ def test_repairs_are_said(run, write):
 def test_several_files_are_checked_as_trials(run, write):
     files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
     _, out, _ = run(*files, *COLUMNS, *SCALES)
-    assert "  run1: 2,000 samples" in out
-    assert "  run2: 2,000 samples" in out
+    assert "run1: 2,000 samples" in out
+    assert "run2: 2,000 samples" in out
+
+
+def test_trials_have_one_line_each_and_the_last_line_says_what_to_correct(run, write):
+    files = [write(f"run{i}.csv", **good(q=1000 * i * TIME, u=0.01 * i * TIME)) for i in (1, 2)]
+    _, out, _ = run(*files, *COLUMNS, *SCALES)
+    assert sum(line[2:].startswith(("run1:", "run2:")) for line in out.splitlines()) == 2
+    assert "! all trials: No reversals" in " ".join(out.split())
+    assert "to look at: " in out
+    assert "All findings of each trial: --json." in out
+    _, out, _ = run(write(**good()), *COLUMNS, *SCALES)
+    assert out.splitlines()[-1] == "Nothing to correct."
+    code, out, _ = run(write(**good(q=0.0 * TIME)), *COLUMNS, *SCALES)
+    assert (code, out.splitlines()[-1]) == (2, "To correct before a fit: constant.")
 
 
 @pytest.mark.slow

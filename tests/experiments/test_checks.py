@@ -16,7 +16,7 @@ from stickslip import (
     load_measurement,
 )
 from stickslip.errors import InputError
-from stickslip.experiments import inertia_of
+from stickslip.experiments import inertia_of, refuse_faults
 from stickslip.experiments.checking.stationarity import independent
 from stickslip.results import Checks, Finding
 
@@ -153,6 +153,14 @@ def test_many_jumps_are_summed_up():
     jumps = found("jump", position=position)
     assert len(jumps) == 4
     assert jumps[-1].numbers["jumps"] == 15
+
+
+@pytest.mark.parametrize(("lost", "jumps"), [(0.0, 0), (0.003, 1)])
+def test_counts_of_an_encoder_do_not_jump_on_an_interpolated_grid(lost, jumps):
+    time, grid = np.arange(0.0, 10.0, 0.0013), np.arange(0.0, 9.9, 0.001)
+    counts = np.interp(grid, time, 1e-4 * np.round(100.0 * np.sin(0.5 * time)))
+    position = counts + np.where(grid > 7.0, lost, 0.0)
+    assert len(check(Measurement(time=grid, position=position)).of("jump")) == jumps
 
 
 def test_a_coarse_encoder_does_not_jump():
@@ -578,6 +586,35 @@ def test_trials_are_checked_one_by_one():
     assert {f.record for f in checks.findings} == {"good", "still"}
     assert {f.record for f in checks.findings if f.severity == "error"} == {"still"}
     assert any(sentence.startswith("still: Position is constant") for sentence in checks.sentences)
+
+
+def trials_of(*positions):
+    time = np.arange(2000) / RATE
+    force = np.sin(9.0 * time)
+    named = zip("abc", positions, strict=False)
+    return Measurement(
+        trials=[Measurement(time=time, position=x(time), force=force, name=n) for n, x in named]
+    )
+
+
+def test_a_trial_at_rest_beside_others_is_data():
+    both = trials_of(np.sin, lambda t: 0.0 * t)
+    (one,) = check(both).of("constant")
+    assert (
+        str(one) == "b: Position is constant: the body rested, which bounds its friction at rest."
+    )
+    assert one.severity == "info"
+    refuse_faults(both, Axis(inertia=1.0))
+    still = trials_of(lambda t: 0.0 * t, lambda t: 1.0 + 0.0 * t)
+    assert {one.severity for one in check(still).of("constant")} == {"error"}
+
+
+def test_trials_that_go_either_way_tell_a_level_from_an_offset():
+    one, other = check(trials_of(lambda t: t, lambda t: -t)).of("reversals")
+    assert str(other).endswith("goes backward only, and that of other trials the other way.")
+    assert (one.severity, one.measure) == ("info", "")
+    alike = check(trials_of(lambda t: t, lambda t: 2.0 * t)).of("reversals")
+    assert {one.severity for one in alike} == {"warning"}
 
 
 def test_a_mechanism_checks_overrides_and_stops():

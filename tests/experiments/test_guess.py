@@ -985,3 +985,33 @@ def test_steady_readings_with_times_are_a_table_over_the_speed(tmp_path, head, n
     column = head.partition(" [")[0]
     given = guess_data(file, columns={"time": column}, units={"time": "s"})
     assert read_data([file], given.reading).kind == "series"
+
+
+@pytest.mark.parametrize(
+    ("header", "scale", "geared"),
+    [
+        ("scale position (mm)", 1.0, False),
+        ("load position (um)", 1e3, False),
+        ("Weg Spindel (mm)", 5.0, True),
+    ],
+)
+def test_two_positions_of_one_axis_are_both_named_with_their_lost_motion(
+    tmp_path, header, scale, geared
+):
+    file = tmp_path / "a.csv"
+    other = scale * (X - 0.06 * np.sign(np.cos(2.0 * T)))
+    table = rows((T, X, other, F), ",", points)
+    file.write_text(f"time (s),motor position (mm),{header},force (N)\n{table}")
+    guess = guess_data(file)
+    assert guess.columns["position"] == "motor position (mm)"
+    (said,) = [doubt for doubt in guess.doubts if "positions of this axis" in doubt]
+    assert f"{header!r}" in said
+    assert ("times as far" in said) == geared
+    assert "They differ by up to 0.12" in said  # a ratio is found with some of it in it
+
+
+def test_positions_of_other_motions_are_no_second_ones(tmp_path):
+    file = tmp_path / "a.csv"
+    table = rows((T, X, np.cos(3.0 * T), X + 0.01, F), ",", points)
+    file.write_text(f"time (s),x (mm),y position (mm),target position (mm),force (N)\n{table}")
+    assert not any("positions of this axis" in doubt for doubt in guess_data(file).doubts)

@@ -105,6 +105,28 @@ def test_joints_of_lerobot_are_found_with_their_delay(dataset, urdf, tmp_path):
     np.testing.assert_allclose(first, np.deg2rad(episode(0)[0][:, 0].astype(float)), rtol=1e-12)
 
 
+def test_positions_that_are_no_radians_are_not_taken_for_some(dataset, urdf):
+    with pytest.raises(InputError, match="positions reach 40, which is no angle in rad"):
+        guess_robot(dataset(), urdf)
+
+
+@pytest.mark.parametrize("steps", [4096, 4095])
+def test_steps_of_a_servo_say_that_positions_are_in_degrees(dataset, urdf, monkeypatch, steps):
+    folder = dataset()
+    for file in folder.glob("data/*/*.parquet"):
+        table = pq.read_table(file)
+        for name in ("observation.state", "action"):
+            counts = np.rint(np.array(table[name].to_pylist()) * steps / 360.0) + 0.5
+            kept = pa.array((counts * 360.0 / steps).astype("float32").tolist())
+            table = table.set_column(table.column_names.index(name), name, kept)
+        pq.write_table(table, file)
+    guess = guess_robot(folder, urdf)
+    assert any("steps of 360/4096: they are taken for degrees" in doubt for doubt in guess.doubts)
+    first = load_measurement(folder).trials[0]
+    expected = np.deg2rad(episode(0)[0][:, 0].astype(float))
+    np.testing.assert_allclose(first.values("position.shoulder"), expected, atol=2e-3)
+
+
 def test_times_that_were_measured_are_kept(dataset):
     folder = dataset()
     file = folder / "data/chunk-000/episode_000000.parquet"

@@ -279,6 +279,15 @@ def test_the_way_is_positive_where_the_body_went_first(write, degrees):
         assert abs((wrong + 90) % 180 - 90) < 0.2  # jitter over spread and root of 60 is 0.03
 
 
+def test_a_body_that_recoils_first_goes_forward_all_the_same(write):
+    way = 0.2 * TIME / TIME[-1] - 0.03 * np.sin(np.pi * np.minimum(TIME / TIME[9], 1.0))
+    record = load_measurement(write(tracker(tilted(way, 10.0))), columns=PLANE)
+    assert way[3] < -0.01
+    np.testing.assert_allclose(record.position, way, atol=4 * np.sqrt(2) * 3e-4)
+    (one,) = check(record).of("line")
+    assert str(one).endswith("Positive is the direction of the net travel.")
+
+
 def test_a_jerk_within_the_jitter_gives_no_direction(write):
     start = np.where(TIME < 0.1, -3e-4, 0.0)
     record = load_measurement(write(tracker(tilted(WAY + start))), columns=PLANE)

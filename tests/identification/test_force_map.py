@@ -589,3 +589,15 @@ def test_one_row_that_leaves_most_of_the_residual_is_named():
     # least squares of 3 parameters take at most a few leverages, 1 / 40 each, off it
     assert any(line.startswith("Row 8 of the table alone leaves 9") for line in found.sentences)
     assert not any("alone leaves" in line for line in plain.sentences)
+
+
+@pytest.mark.parametrize(("samples", "said"), [(3000, 0), (9000, 1)])
+def test_a_record_that_is_thinned_is_said_to_be(samples, said):
+    time = np.linspace(0.0, 6.0, samples)
+    velocity = 0.1 * np.cos(3.0 * time)
+    friction = 2.0 * np.sign(velocity) + 5.0 * velocity
+    record = Measurement(time=time, velocity=velocity, friction=friction)
+    found = stickslip.fit(Axis(inertia=1.0), CoulombViscous, record)
+    thinned = [one for one in found.remarks if "thinned" in one]
+    assert len(thinned) == said
+    assert all("from 9,000 to 3,000 rows" in one for one in thinned)

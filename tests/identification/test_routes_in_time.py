@@ -47,8 +47,11 @@ def test_a_record_in_closed_loop_gives_the_friction_that_made_it():
 
 def test_a_closed_loop_needs_the_gains_of_its_controller():
     _, record = tracked()
-    with pytest.raises(InputError, match="gains as stiffness"):
+    with pytest.raises(InputError, match=r"gains as stiffness \[N/m\] and damping \[N s/m\]"):
         fit(Axis(inertia=2.0), CoulombViscous, record, settings=QUICK)
+    turning = dataclasses.replace(record, turning=True)
+    with pytest.raises(InputError, match=r"stiffness \[N m/rad\] .* \[N m s/rad\] .* the torque"):
+        fit(Axis(inertia=2.0), CoulombViscous, turning, settings=QUICK)
 
 
 def decay():

@@ -12,6 +12,8 @@ from stickslip.formatting import number
 
 SLENDER: Final = 3.0
 """Spread along a line over that across it from which on the points lie along it."""
+NET: Final = 0.5
+"""Distance of the end from the start over the whole way from which on a body travels."""
 MOVED: Final = 0.02
 """Way over the whole way from which on a body has moved, where there is no jitter."""
 SURE: Final = 6.0
@@ -53,10 +55,24 @@ class Line(metaclass=Described):
         )
 
 
+def travels(way: NDArray[np.float64]) -> bool:
+    """Whether a body is in the end a good part of its whole way from where it began.
+
+    Examples
+    --------
+    >>> travels(np.array([0.0, -0.1, 0.3, 0.8])), travels(np.array([0.0, 1.0, -1.0, 0.2]))
+    (True, False)
+    """
+    return bool(abs(way[-1] - way[0]) > NET * np.ptp(way))
+
+
 def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], Line]:
     """Return the way along the line through points, and that line.
 
     The line is the principal axis of the points, from which their squared distances are smallest.
+    It is positive in the direction of the net travel, since what drives itself may recoil first;
+    of a swing, which has none, in that of its first move.
+
     An error of its angle, about jitter over length and root of n, shortens ways by half its square
     only, so that nothing is gained by measuring the angle.
 
@@ -84,10 +100,10 @@ def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.fl
     way = way - way[0]
     jitter = min(float(np.sqrt(np.mean(np.diff(beside) ** 2) / 2)), float(short))
     length = float(np.ptp(way))
-    gone = np.abs(way) >= max(MOVED * length, min(SURE * jitter, length / 2))
-    first = way[int(np.argmax(gone))]  # half of its length it goes in any case
+    far = np.abs(way) >= max(MOVED * length, min(SURE * jitter, length / 2))
+    net = way[-1] if travels(way) else way[int(np.argmax(far))]
     cosine, sine = axes[0] if axes[0, 0] > 0 or (axes[0, 0] == 0 < axes[0, 1]) else -axes[0]
     line = Line(
         tilt=float(np.arctan2(sine, cosine)), length=length, across=float(short), jitter=jitter
     )
-    return way * np.sign(first), line
+    return way * np.sign(net), line

@@ -17,6 +17,7 @@ from stickslip.experiments.differentiation import (
     step_of,
     velocity_of,
 )
+from stickslip.experiments.line import travels
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.formatting import count, number, percent, quantities, quantity
@@ -173,7 +174,11 @@ def straight(record: Measurement) -> Iterator[Finding]:
     way = (
         f"Position is the coordinate along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
     )
-    text = f"{way}; the samples deviate from it by {across} (root mean square)."
+    ahead = travels(np.asarray(record.values("position")))
+    text = f"{way}; the samples deviate from it by {across} (root mean square). Positive is"
+    text += " the direction of " + (
+        "the net travel." if ahead else "its first move; a gain of −1 reverses it."
+    )
     if bent:
         text = (
             f"The motion is not straight: it deviates by {quantity(line.wander, 'm')} (root mean"

@@ -272,7 +272,7 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     allowed = np.partition(beside, 2, axis=0)[2]
     change = np.diff(speed)
     spread = 1.4826 * float(np.median(np.abs(change - np.median(change))))
-    doubt = 10 * spread + 2 * step_of(position) / dt
+    doubt = 10 * spread + 2 * max(step_of(position), _count_size(position)) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
     worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:SHOWN]
@@ -296,6 +296,15 @@ def jumps(record: Measurement) -> Iterator[Finding]:
             " listed.",
             numbers={"jumps": at.size},
         )
+
+
+def _count_size(position: Array) -> float:
+    """Return the count of an encoder that was interpolated to other times, or 0.
+
+    Between counts it goes in a straight line within a sample, but where it stays it stays at one.
+    """
+    held = position[1:][np.diff(position) == 0.0]
+    return step_of(held) if np.unique(held).size >= FEWEST else 0.0
 
 
 def _runs(values: Array) -> tuple[Array, Array]:

@@ -173,6 +173,10 @@ ORDERED: Final = 0.9
 """Share of the steps of a column of times that go one way at least."""
 RESTART: Final = 0.5
 """Share of the time that has passed by which it goes back where a further record begins."""
+SAME_MOTION: Final = 0.99
+"""Correlation from which two positions are those of one axis."""
+ONE_TO_ONE: Final = 0.02
+"""Distance of the ratio of two positions from 1 up to which no gear is between them."""
 DIGITS: Final = 0.5
 """Share of the cells of a column that are numbers from which the others are faults."""
 GAP: Final = 3.0
@@ -287,6 +291,12 @@ class Found:
     why: str
     others: tuple[str, ...] = ()
     """Columns for which as much speaks."""
+
+    @property
+    def unit_in_si(self) -> str:
+        """The unit of positions in SI that its unit is a part of."""
+        turns = self.unit is not None and is_of(self.unit, "rad")
+        return "rad" if turns else "m"
 
 
 def guess_data(
@@ -1277,8 +1287,10 @@ def _doubts(
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
+    positions = _second_positions(frame, found)
+    yield from positions.values()
     for quantity, one in found.items():
-        for other in one.others:
+        for other in (name for name in one.others if name not in positions):
             yield (
                 f"The column {other!r} may be the {quantity} as well as {one.name!r}, which comes"
                 " first."
@@ -1292,6 +1304,44 @@ def _doubts(
             f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
         )
     yield from _driving_doubts(frame, found)
+
+
+def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:
+    """Return what is said of other columns that show the same motion as the position, by name."""
+    if "position" not in found or found["position"].name not in frame.names:
+        return {}
+    first, said = found["position"], {}
+    taken = {one.name for one in found.values()}
+    x = _values(frame, first)
+    for name in _of_one_joint(frame, {"position": first.name}):
+        for other in _offers(frame, name, "position") if name not in taken else ():
+            if first.unit is None or other.unit is None or other.score < LETTER:
+                continue
+            y = _values(frame, other)
+            both = np.isfinite(x) & np.isfinite(y)
+            if both.sum() < 2 or not (np.ptp(x[both]) and np.ptp(y[both])):
+                continue
+            if abs(np.corrcoef(x[both], y[both])[0, 1]) < SAME_MOTION:
+                continue
+            ratio = float(np.polyfit(x[both], y[both], 1)[0])
+            ratio = 1.0 if abs(ratio - 1.0) < ONE_TO_ONE else ratio
+            apart = float(np.ptp((y - ratio * x)[both]) / abs(ratio))
+            size = number(apart / factor(first.unit, first.unit_in_si), 3)
+            geared = f", which moves {number(ratio, 4)} times as far," if ratio != 1.0 else ""
+            geared = geared if other.unit_in_si == first.unit_in_si else ""
+            said[name] = (
+                f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
+                f"{geared} is not. They differ by up to {size} {first.unit}, the lost motion"
+                " between both: if friction acts where the other was measured, give it as"
+                f" --columns position={name!r}."
+            )
+    return said
+
+
+def _values(frame: Frame, one: Found) -> Array:
+    """Return a column (n,) of positions [m] or [rad], from any zero."""
+    column = frame.data[frame.names[one.name]].to_numpy(dtype=float)
+    return column * factor(one.unit, one.unit_in_si) if one.unit else column
 
 
 def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:

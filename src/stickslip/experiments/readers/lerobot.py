@@ -38,6 +38,16 @@ ENDS: Final = {
 """Ends of names, as in shoulder_pan.pos."""
 ALIKE: Final = 1e-3
 """Share of a frame by which times that are numbers of frames may differ by rounding."""
+NO_RADIANS: Final = "which is no angle in rad"
+"""What is said of positions whose unit is not known."""
+STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
+"""Steps of servos [deg] that count 12 bits a turn, by either convention."""
+FEWEST: Final = 20
+"""Steps from which they show that they are multiples of one."""
+WHOLE: Final = 0.05
+"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
+MOST: Final = 0.98
+"""Share of the steps that are multiples."""
 RADIANS: Final = 13.0
 """A joint with limits does not turn as far [rad]: two turns either way."""
 
@@ -67,7 +77,11 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     for name in wanted:
         for column, values in _columns(path, name, features[name], data[name]):
             columns.setdefault(column, values)
-    return Table(data=pd.DataFrame(columns), remarks=(*how, *_remarks(info, columns, rows)))
+    remarks = (*how, *_remarks(info, columns, rows))
+    if _largest(columns) > RADIANS and _is_in_steps(columns):
+        angles = ("position.", "reference.")
+        columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
+    return Table(data=pd.DataFrame(columns), remarks=remarks)
 
 
 def _info(path: Path) -> Mapping[str, Any]:
@@ -178,14 +192,37 @@ def _remarks(info: Mapping[str, Any], columns: Mapping[str, Array], rows: int) -
     total = info.get("total_frames")
     if isinstance(total, int) and total != rows:
         yield f"info.json tells of {count(total, 'frame')}, and the files have {rows:,}."
-    largest = max(
-        (float(np.nanmax(np.abs(x))) for name, x in columns.items() if name.startswith("position.")
-         and np.isfinite(x).any()),
-        default=0.0,
-    )  # fmt: skip
-    if largest > RADIANS:
+    largest = number(_largest(columns), 3)
+    if _largest(columns) <= RADIANS:
+        return
+    if _is_in_steps(columns):
         yield (
-            f"Positions reach {number(largest, 3)}, which is no angle in rad: arms of hobby servos"
-            " are recorded in degrees, or in percent of the range of each joint, which"
-            " calibration alone makes angles of. If it is degrees: --unit position=deg."
+            f"Positions reach {largest} and come in steps of 360/4096: they are taken for degrees."
         )
+    else:
+        yield (
+            f"Positions reach {largest}, {NO_RADIANS}: arms of hobby servos are recorded in"
+            " degrees, or in percent of the range of each joint, which calibration alone makes"
+            " angles of. If it is degrees: --unit position=deg."
+        )
+
+
+def _positions(columns: Mapping[str, Array]) -> list[Array]:
+    """Return the known positions (n,) of each joint that has some."""
+    known = [x[np.isfinite(x)] for name, x in columns.items() if name.startswith("position.")]
+    return [one for one in known if one.size]
+
+
+def _largest(columns: Mapping[str, Array]) -> float:
+    """Return the largest size of a position; 0 where none is known."""
+    return max((float(np.abs(one).max()) for one in _positions(columns)), default=0.0)
+
+
+def _is_in_steps(columns: Mapping[str, Array]) -> bool:
+    """Whether all positions come in the steps in which servos count a turn, in degrees."""
+    gaps = [np.diff(np.unique(one)) for one in _positions(columns)]
+    moved = [one for one in gaps if one.size >= FEWEST]
+    return bool(moved) and any(
+        all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
+        for step in STEPS
+    )

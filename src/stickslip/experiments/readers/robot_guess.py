@@ -31,9 +31,10 @@ from stickslip.experiments.readers.guess import (
     times_of,
     trial_column,
 )
+from stickslip.experiments.readers.lerobot import NO_RADIANS
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.toml import check_file, check_path
-from stickslip.formatting import joined, number, quantity
+from stickslip.formatting import joined, lower_first, number, quantity
 from stickslip.mechanisms import coordinate_of, urdf_joints
 from stickslip.units import factor, shown
 
@@ -120,6 +121,9 @@ def guess_robot(
     check_file(file)
     layout, reasons = layout_and_reasons(file)
     frame = read_frame(file, columns={}, units={}, layout=layout).as_headed()
+    unknown = next((remark for remark in frame.remarks if NO_RADIANS in remark), "")
+    if unknown and "position" not in (units or {}):
+        raise InputError(f"{file}: {lower_first(unknown)}")
     times = next((one for q, one in assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")

@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -106,6 +106,8 @@ MANY = 5000
 force balance finds stand for them."""
 SHIFT = 0.1
 """Way over a standard error from which an estimate is said to move: less leaves it as sure."""
+THINNED = 1.5
+"""Samples over rows from which rows were left out, and not only those at the ends."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
@@ -649,6 +651,19 @@ def widened_search(
     return ready, found
 
 
+def _thinned(problem: RecordProblem, measurement: Measurement) -> Iterator[str]:
+    """Yield that friction is compared at some of the samples only."""
+    if not isinstance(problem, ForceMap):
+        return
+    rows = sum(len(one.path.time) for one in problem.stretches if one.timed and not one.winding)
+    samples = sum(record.time.size for record in measurement.records() if record.time is not None)
+    if rows and samples > THINNED * rows:
+        yield (
+            f"The record was thinned from {samples:,} to {rows:,} rows: friction was compared at"
+            " these."
+        )
+
+
 def _lengthened(
     ready: FitSetup,
     found: OptimizeResult,
@@ -712,7 +727,7 @@ def finished(
         law=vary(ready.start, "friction", law),
         mechanism=mechanism,
         estimates=(),
-        remarks=(*([said] if said else []), *told_inputs),
+        remarks=(*([said] if said else []), *told_inputs, *_thinned(ready.problem, measurement)),
         route=route,
         measurement=measurement,
         problem=ready.problem,

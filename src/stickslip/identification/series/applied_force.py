@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, command_of
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
+from stickslip.quantities import turned
 
 Array = NDArray[np.float64]
 
@@ -100,10 +101,12 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
         return None
     stiffness = float(getattr(mechanism, "stiffness", 0.0))
     if stiffness <= 0.0:
+        turns = record.turning or "rad" in mechanism.units
+        units = [turned(unit, turns) for unit in ("N/m", "N s/m")]
         raise InputError(
             "a record with a reference and no force is one of a closed loop: give the controller"
-            f" gains as stiffness [N/m] and damping [N s/m] of the {type(mechanism).__name__}, or"
-            " give the force."
+            f" gains as stiffness [{units[0]}] and damping [{units[1]}] of the"
+            f" {type(mechanism).__name__}, or give the {'torque' if turns else 'force'}."
         )
     asked, time = np.asarray(record.values("reference")), np.asarray(record.time)
     rate = np.gradient(asked, time)
