@@ -1015,3 +1015,23 @@ def test_positions_of_other_motions_are_no_second_ones(tmp_path):
     table = rows((T, X, np.cos(3.0 * T), X + 0.01, F), ",", points)
     file.write_text(f"time (s),x (mm),y position (mm),target position (mm),force (N)\n{table}")
     assert not any("positions of this axis" in doubt for doubt in guess_data(file).doubts)
+
+
+def test_no_mass_is_fitted_where_friction_was_measured(tmp_path):
+    file = tmp_path / "a.csv"
+    table = rows((T, X, F, np.sign(np.cos(2.0 * T))), ",", points)
+    file.write_text(f"time (s),position (m),force (N),friction (N)\n{table}")
+    text = guessed_rig(guess_data(file), file)
+    assert "vary" not in text
+    (tmp_path / "rig.toml").write_text(text)
+    assert load_rig(tmp_path / "rig.toml").vary == ()
+
+
+def test_steady_readings_keep_their_trials(tmp_path):
+    file = tmp_path / "a.csv"
+    speeds = np.tile(np.random.default_rng(0).permutation(np.linspace(0.2, 5.0, 25)), 2)
+    step = np.repeat([3.0, 8.0], 25)
+    table = rows((step, np.tile(6.0 * np.arange(25), 2), speeds, step + speeds), ",", points)
+    file.write_text(f"stage,time (s),velocity (mm/s),friction (N)\n{table}")
+    measured = read_data([file], guess_data(file).reading)
+    assert [one.kind for one in measured.trials] == ["friction-map"] * 2

@@ -128,8 +128,8 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
         lines = [first.sentence] * (first not in said and first.severity == "info")
         lines += [one.sentence for one in said]
         if lines:
-            worst = max((one.severity for one in said), key=SEVERITIES.index, default="info")
-            yield replace(first, sentence=" ".join(lines), severity=worst)
+            gravest = max(said, key=lambda one: SEVERITIES.index(one.severity), default=first)
+            yield replace(first, sentence=" ".join(lines), severity=gravest.severity)
     for sentence in (one for one, number in shared.items() if number > 1):
         same = [one for one in findings if one.sentence == sentence]
         who = [one.record for one in same]

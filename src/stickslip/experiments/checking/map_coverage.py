@@ -86,8 +86,8 @@ def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
     """Return which readings (n,) are of a body at rest, at which friction may have any value.
 
     Their speeds are not resolved from zero: far below those of all others, which show a level to
-    which their friction does not reach. Where friction fades towards the slowest speeds, as that of
-    a smooth law does, slower readings slide.
+    which their friction, over the load if that changes, does not reach. Where friction fades
+    towards the slowest speeds, as that of a smooth law does, slower readings slide.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
     """
     speed = np.abs(velocity)
     ordered = np.sort(speed)
-    found = velocity == 0.0
+    found: NDArray[np.bool_] = velocity == 0.0
     gaps = np.flatnonzero(ordered[1:] > SLOWER * ordered[:-1])
     few = gaps[gaps < max(RARE * speed.size, 1.0)]
     if not few.size:
@@ -126,7 +126,10 @@ def _level(velocity: Array, friction: Array) -> float:
 def resting(record: Measurement) -> Iterator[Finding]:
     """Say which readings of a friction map are those of a body at rest."""
     velocity = np.asarray(record.values("velocity"))
-    at_rest = resting_readings(velocity, np.asarray(record.values("friction")))
+    friction = np.asarray(record.values("friction"))
+    if isinstance(record.load, np.ndarray) and np.all(record.values("load")):
+        friction = friction / np.asarray(record.values("load"))
+    at_rest = resting_readings(velocity, friction)
     if not at_rest.any() or at_rest.all():
         return
     fastest, slowest = quantities(

@@ -367,12 +367,12 @@ def guess_data(
             ' Name it, as columns={"current": "..."}.'
         )
     times = times_of(frame, found["time"]) if "time" in found else None
+    trial, why = trial_column(frame, given, found, times)
     steady = ""
     if times is not None and "time" not in given and _is_steady(frame, found, times):
         clock, times = found.pop("time"), None
         steady = clock.name
         reasons["rows"] = f"steady readings; their times, column {steady!r}, are not read"
-    trial, why = trial_column(frame, given, found, times)
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
@@ -1308,14 +1308,14 @@ def _doubts(
 
 def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:
     """Return what is said of other columns that show the same motion as the position, by name."""
-    if "position" not in found or found["position"].name not in frame.names:
+    first, said = found.get("position"), {}
+    if first is None or first.name not in frame.names or first.unit is None or _is_raw(first.unit):
         return {}
-    first, said = found["position"], {}
     taken = {one.name for one in found.values()}
     x = _values(frame, first)
     for name in _of_one_joint(frame, {"position": first.name}):
         for other in _offers(frame, name, "position") if name not in taken else ():
-            if first.unit is None or other.unit is None or other.score < LETTER:
+            if _is_raw(other.unit) or other.unit is None or other.score < LETTER:
                 continue
             y = _values(frame, other)
             both = np.isfinite(x) & np.isfinite(y)

@@ -104,8 +104,13 @@ def _robot(guess: Guess, file: str | Path) -> Iterator[str]:
 
 
 def _drive(guess: Guess) -> str:
-    """Return what drives the axis: a force, a current, or nothing that was recorded."""
+    """Return what drives the axis: a force, a current, or nothing that matters.
+
+    Where friction was measured, it tells friction whatever drives the axis.
+    """
     known = {name.partition(".")[0] for name in guess.columns}
+    if "friction" in known:
+        return ""
     return next((name for name in ("force", "current") if name in known), "")
 
 

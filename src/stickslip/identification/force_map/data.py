@@ -358,7 +358,7 @@ def _table(
 ) -> MotionSegment:
     friction = np.asarray(record.values("friction"), dtype=float)
     velocity = np.asarray(record.values("velocity"), dtype=float)
-    resting = resting_readings(velocity, friction)
+    resting = resting_readings(velocity, friction / load)
     velocity = np.where(resting, 0.0, velocity)
     rows = np.arange(len(velocity))
     time, held = rows.astype(float), record.force
