@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 RESTING_JOINT = "the joint rests, which says little of its friction."
+"""What it means that a joint does not move."""
 FORWARD = "forward_share"
+"""Number of a finding about the directions of a motion."""
 MASSES = ("inertia", "mass")
 """Last names of parameters to which the force of a motion is in proportion."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
@@ -238,13 +240,15 @@ def _of_records(
 def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding]:
     """Yield findings of trials without faults that are none where others move, or otherwise."""
     still = {one.record for one in findings if _still(one)}
-    ways = [one for one in findings if one.kind == "reversals" and FORWARD in one.numbers]
-    shares = [one.numbers[FORWARD] for one in ways]
-    both = bool(ways) and min(shares) < 1.0 and max(shares) > 0.0
+    shares: dict[str, list[float]] = {}
+    for one in findings:
+        if one.kind == "reversals" and FORWARD in one.numbers:
+            shares.setdefault(_joint_of(one), []).append(one.numbers[FORWARD])
+    both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for one in findings:
         if _still(one) and len(still) < trials:
             yield _resting(one, "the body rested, which bounds its friction at rest.")
-        elif both and one in ways and one.severity == "warning":
+        elif FORWARD in one.numbers and one.severity == "warning" and _joint_of(one) in both:
             yield motion.beside_other_way(one)
         else:
             yield one
@@ -282,6 +286,11 @@ def _joints(
                 yield replace(one, record=f"{label}, {name}" if label else name)
             elif name == first:
                 yield replace(one, record=label)
+
+
+def _joint_of(one: Finding) -> str:
+    """Return the joint of a trial that a finding is about; empty of a record without joints."""
+    return one.record.partition(", ")[2]
 
 
 def _still(one: Finding) -> bool:

@@ -1174,7 +1174,7 @@ def changing_temperature(
 def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
     """Yield what else friction may depend on, from columns that are named so and have no holes."""
     names = {one.name for one in taken.values()}
-    for quantity in INPUTS if not {*INPUTS} & {*taken} else ():
+    for quantity in (one for one in INPUTS if one not in taken):
         own = [one for one in _input_offers(frame, quantity) if one.name not in names]
         full = [one for one in own if _is_full(frame, one.name)]
         if full:
@@ -1186,8 +1186,8 @@ def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
     for name in filter(None, frame.names):
         stated = frame.units.get(name)
         bare, unit = _bare_and_unit(name, stated, quantity)
-        named = _is_input(bare, quantity)
-        if named and (unit is None or _fits(unit, quantity)):
+        fits = name == quantity if unit is None else _fits(unit, quantity)
+        if fits and _is_input(bare, quantity):
             yield Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
 
 
