@@ -94,7 +94,7 @@ def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
     >>> speeds = np.array([-0.2, -0.1, 1e-4, 0.1, 0.2, 0.3, -0.3])
     >>> resting_readings(speeds, np.array([-2.2, -2.1, 0.4, 2.1, 2.2, 2.3, -2.3])).tolist()
     [False, False, True, False, False, False, False]
-    >>> resting_readings(speeds, np.array([-2.2, -2.1, 2.1, 2.1, 2.2, 2.3, -2.3])).any()
+    >>> bool(resting_readings(speeds, np.array([-2.2, -2.1, 2.1, 2.1, 2.2, 2.3, -2.3])).any())
     False
     """
     speed = np.abs(velocity)

@@ -78,8 +78,8 @@ def motor_constants(given: Any) -> dict[str, float | str]:
 
     Examples
     --------
-    >>> motor_constants("12 Ncm/A"), motor_constants({"elbow": 0.12})
-    ({'current': '12 Ncm/A'}, {'current.elbow': 0.12})
+    >>> motor_constants("12 Ncm/A"), motor_constants({"elbow": 0.12}), motor_constants("0.12")
+    ({'current': '12 Ncm/A'}, {'current.elbow': 0.12}, {'current': 0.12})
     """
     constants = given if isinstance(given, Mapping) else {"current": given}
     found: dict[str, float | str] = {}
