@@ -279,6 +279,7 @@ def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
     assert places == 4
 
 
+@pytest.mark.slow
 def test_a_kind_of_another_package_is_used_like_ours(tree: Tree) -> None:
     package = tree / "src" / "toys"
     shutil.copytree(TOYS / "toy_kind", package)

@@ -46,6 +46,7 @@ def test_the_sentences_of_a_good_record_are_printed(run, write):
     assert "largest speed of 0.314 m/s" in out  # 0.05 m times 2 pi
 
 
+@pytest.mark.slow
 def test_kinds_are_not_loaded_where_no_trial_has_a_condition(write, tmp_path):
     line = ["check", write(**good()), *COLUMNS, *SCALES]
     program = f"""

@@ -148,6 +148,7 @@ def test_values_of_inputs_that_do_not_fit_are_refused(called, tmp_path, options,
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="an FMU is linked by a C compiler")
+@pytest.mark.slow
 def test_an_fmu_is_of_the_rig_that_is_named_with_the_law_of_the_file(called, tmp_path):
     rig = '[mechanism]\ntype = "axis"\ninertia = "3 kg"\n[friction]\n'
     (tmp_path / "axis.toml").write_text(rig, encoding="utf-8")

@@ -256,6 +256,7 @@ def test_init_overwrites_nothing_and_takes_what_is_known(run, tmp_path, measured
     assert (code, "does not exist" in err) == (2, True)
 
 
+@pytest.mark.slow
 def test_completion_is_offered_by_the_shell():
     environment = {**os.environ, "_STICKSLIP_COMPLETE": "complete_bash"}
     line = {"COMP_WORDS": "stickslip select --wo", "COMP_CWORD": "2"}

@@ -81,6 +81,7 @@ def runs(number: int) -> bool:
 
 
 @pytest.mark.usefixtures("shell")
+@pytest.mark.slow
 def test_a_kernel_runs_in_the_folder_of_its_page_and_ends_with_whoever_started_it(
     tmp_path: Path,
 ) -> None:

@@ -93,6 +93,7 @@ def test_commands_print_the_lines_that_are_shown(
         assert number in printed
 
 
+@pytest.mark.slow
 def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -172,6 +172,7 @@ def breaking_away(sides=(1.0, -1.0)):
 STRIBECK = (Term("stribeck", (0.002, 2.0)), Term("viscous"))
 
 
+@pytest.mark.slow
 def test_rests_tell_the_static_level():
     """The way up to break-away was fitted as if all of it were that level: a step of .3 N."""
     there = Balance([breaking_away()])

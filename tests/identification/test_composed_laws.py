@@ -214,6 +214,7 @@ def test_a_step_that_changes_with_the_temperature_is_told_from_one_that_does_not
         assert law.stribeck_temperature_slope == pytest.approx(step, rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_level_grows_with_each_of_two_inputs_by_a_slope_of_its_own():
     t, x, v, warm = strokes()
     pressure = 1.0 + 0.5 * np.sin(0.3 * t)

@@ -147,6 +147,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
         )
 
 
+@pytest.mark.slow
 def test_bristles_that_bend_do_not_reverse_the_sign_of_a_force():
     """Their force goes with the position, as that of a negative mass would: it was refused."""
     time = np.arange(800) / 100

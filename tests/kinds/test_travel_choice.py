@@ -499,6 +499,7 @@ def test_a_level_holds_for_powers_of_the_speed_that_nobody_asked_for(settings):
     assert any("proportional to the speed" in x for x in verdict.words.settles)
 
 
+@pytest.mark.slow
 def test_laws_tried_beside_the_candidates_are_never_named():
     truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6, exponent=2.0)
     measured = readings(truth, (0.04, 0.06, 0.08, 0.1, 0.12), uncertainty=1e-4)

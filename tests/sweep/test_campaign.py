@@ -179,6 +179,7 @@ for _ in range(3):
 """
 
 
+@pytest.mark.slow
 def test_a_campaign_that_is_killed_three_times_ends_with_the_same_files(tmp_path):
     asked().run(tmp_path / "whole")
     command = [sys.executable, "-c", KILLED, str(Path(__file__).parent), str(tmp_path / "own")]
