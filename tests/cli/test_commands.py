@@ -225,6 +225,41 @@ def test_a_fixed_step_run_claims_no_check_that_was_not_made(run):
     assert certificate["energy_error"] > 0
 
 
+PUSHED = """
+[mechanism]
+type = "spring-block"
+mass = 1.0
+[mechanism.drive]
+type = "pulse"
+level = 10.0
+duration = 0.1
+[friction]
+law = "coulomb"
+kinetic_coefficient = 0.25
+static_coefficient = 0.35
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "travel"),
+    [
+        # the first of ten steps of 10 ms takes 0, .25 or .35 of 9.81 N from 10 N
+        (("--break-away", "zero"), 0.163895),
+        (("--break-away", "kinetic"), 0.153895),
+        ((), 0.149971),
+        # (3) drives the block backwards once it has stopped; a stick rule is not printed
+        (("--law", "printed-3"), -0.244708),
+        (("--law", "printed-3", "--stick-rule"), 0.163895),
+    ],
+)
+def test_rules_for_rest_of_fixed_steps_are_options(run, tmp_path, options, travel):
+    (tmp_path / "pushed.toml").write_text(PUSHED)
+    steps = ("--fixed-step", "0.01", "--t-end", "1", "--json")
+    code, out, err = run("simulate", "pushed.toml", *steps, *options)
+    assert code == 0, err
+    assert json.loads(out)["final"]["x"] == pytest.approx(travel, abs=5e-7)
+
+
 def test_no_output_shows_a_negative_zero(run, tmp_path):
     backwards = ("simulate", "demo", "--set", "mechanism.compression=-0.1")
     _, out, _ = run(*backwards, "--json")

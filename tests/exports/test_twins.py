@@ -358,6 +358,7 @@ def test_settings_that_come_no_closer_are_not_told(run, tmp_path):
     [
         (("--as", "mujoco:stiffness=3"), "unknown setting of mujoco 'stiffness'. Known: impedance"),
         (("--as", "mujoco:timestep=-1"), "--as mujoco: timestep (h) must be above 0 s, got -1"),
+        (("--as", "karnopp:break_away=no"), "break_away must be one of zero, kinetic, static"),
         (("--as", "drake", "--fixed-step", "0.01"), "--as runs in the way of another program"),
     ],
 )

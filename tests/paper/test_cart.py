@@ -11,6 +11,7 @@ import pytest
 from tests.support import sketched, wide_only
 
 from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
+from stickslip.exports import Karnopp, twin
 from stickslip.friction import PRINTED_FORMS
 from stickslip.paper import PaperValues, study_cart
 from stickslip.paper.cart import CART, CYCLES, KINETIC, STEP, SWING
@@ -203,6 +204,30 @@ def test_the_shares_of_the_step_vanish_with_it_and_that_of_friction_stays(study)
 def test_equations_1_and_2_are_the_corrected_law_without_its_rule(study):
     printed, free = study.run("printed-1"), study.run("fixed")
     np.testing.assert_array_equal(printed.run["x"], free.run["x"])
+
+
+@pytest.mark.parametrize(
+    ("break_away", "travel"), [("zero", 0.2099), ("kinetic", 0.1803), ("static", 0.1685)]
+)
+def test_the_friction_out_of_rest_decides_what_steps_of_10_ms_make_of_the_cart(
+    study, break_away, travel
+):
+    """Exactly it is .1877 m; zero is what sgn 0 = 0 gives, static what (5) prints."""
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    solver = FixedStep(dt=STEP, break_away=break_away)
+    run = simulate(CART, law, t_end=CYCLES * study.period, solver=solver)
+    assert run["x"][-1] == pytest.approx(travel, abs=5e-5)
+    assert study.run("table-1-exact").travel == pytest.approx(0.1877, abs=5e-5)
+
+
+def test_karnopps_scheme_falls_short_on_the_cart(study):
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    program = Karnopp(step=STEP, band=0.025)
+    found = twin(CART, law, program, t_end=CYCLES * study.period)
+    assert "Largest error of x: −19.6 mm" in found.sentences[2]
+    assert "friction at break-away in the first step out of rest" in found.settings
+    ahead = twin(CART, law, replace(program, break_away="zero"), t_end=CYCLES * study.period)
+    assert "Largest error of x: 22.1 mm" in ahead.sentences[2]
 
 
 def test_the_shares_sum_up_to_what_the_printed_equations_show(study):

@@ -454,12 +454,23 @@ class RunOptions:
             help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
         ),
     ] = "euler"
-    no_stick_rule: Annotated[
-        bool,
+    stick_rule: Annotated[
+        bool | None,
         typer.Option(
-            "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
+            "--stick-rule/--no-stick-rule",
+            help="With --fixed-step: hold the body where its velocity changes sign. By default with"
+            " friction laws, not with equations as printed.",
         ),
-    ] = False
+    ] = None
+    break_away: Annotated[
+        str,
+        typer.Option(
+            "--break-away",
+            metavar="RULE",
+            help="With --fixed-step: friction in the first step out of rest: static, kinetic or"
+            " zero.",
+        ),
+    ] = "static"
     zero_velocity_band: Annotated[
         float,
         typer.Option(

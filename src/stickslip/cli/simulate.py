@@ -3,7 +3,7 @@
 import io
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -270,13 +270,13 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Run
     name, _, changes = settings.program.partition(":")
     kind: type[Program] = named(PROGRAMS, name, "program")
     values = dict(one.partition("=")[::2] for one in changes.split(",") if one)
-    known = fields_of(kind)
+    known, numbers = {field.name: field for field in fields(kind)}, fields_of(kind)
     for key in values:
         named(known, key, f"setting of {name}")
-    given_values = {}
+    given_values: dict[str, float | str] = {}
     for key, text in values.items():
         try:
-            given_values[key] = number_of(text, known[key])
+            given_values[key] = number_of(text, numbers[key]) if key in numbers else text
         except ParameterError as error:
             raise ParameterError(f"--as {name}: {key} {error}") from None
     program = kind(**given_values)
@@ -509,7 +509,8 @@ def _solver(settings: RunOptions) -> Solver | None:
     return FixedStep(
         dt=settings.fixed_step,
         method=settings.method,  # type: ignore[arg-type]  # checked by FixedStep itself
-        stick_rule=not settings.no_stick_rule,
+        stick_rule=settings.stick_rule,
+        break_away=settings.break_away,  # type: ignore[arg-type]
         zero_velocity_band=settings.zero_velocity_band,
     )
 

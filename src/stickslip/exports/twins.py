@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Final, final
 
@@ -26,9 +26,9 @@ from stickslip.mechanisms import (
     slips_by_angle,
     static_normal_force,
 )
-from stickslip.quantities import Parametrised, Quantity, fields_of, named, turned
+from stickslip.quantities import Parametrised, Quantity, named, turned
 from stickslip.simulation import simulate
-from stickslip.solver import FixedStep, SoftConstraint, Solver
+from stickslip.solver import BreakAway, FixedStep, SoftConstraint, Solver
 from stickslip.trajectory import Trajectory
 
 SHARE: Final = 0.6
@@ -416,6 +416,8 @@ class Karnopp(Program):
     """Step of forward Euler."""
     band: Annotated[float, Quantity("D_v", "m/s", above=0)] | None = None
     """Dead band; twice what break-away changes of the velocity in a step if not given."""
+    break_away: BreakAway = "static"
+    """Friction out of rest, in the first step: ``static``, ``kinetic`` or ``zero``."""
 
     @override
     def taken(self, subject: Subject) -> Taken:
@@ -431,7 +433,12 @@ class Karnopp(Program):
             raise InputError(f"{self.name}: the inertia of the slip is not known: give a band.")
         band = WIDER * level * self.step / inertia if inertia and not self.band else self.band
         assert band is not None
-        solver = FixedStep(dt=self.step, stick_rule=False, zero_velocity_band=band)
+        solver = FixedStep(
+            dt=self.step,
+            stick_rule=False,
+            zero_velocity_band=band,
+            break_away=self.break_away,
+        )
         return Taken(law=subject.law, solver=solver, level=level)
 
     @override
@@ -442,11 +449,15 @@ class Karnopp(Program):
     def settings(self, subject: Subject, taken: Taken) -> str:
         assert isinstance(taken.solver, FixedStep)
         band = quantity(taken.solver.zero_velocity_band, turned("m/s", subject.rotary))
-        return f"step {quantity(self.step, 's')}, dead band {band}"
+        start = {"static": "at break-away", "kinetic": "of sliding", "zero": "zero"}
+        return (
+            f"step {quantity(self.step, 's')}, dead band {band}, friction"
+            f" {start[self.break_away]} in the first step out of rest"
+        )
 
     @override
     def stiffer(self, subject: Subject) -> "Karnopp":
-        return Karnopp(step=self.step / 10.0, band=self.band and self.band / 10.0)
+        return replace(self, step=self.step / 10.0, band=self.band and self.band / 10.0)
 
 
 PROGRAMS: Final[Mapping[str, type[Program]]] = MappingProxyType(
@@ -520,8 +531,9 @@ class Twin(metaclass=Described):
         elif self.creep == 0.0:
             said.append(f"{under} stays where it is.")
         travel = float(np.ptp(self.exact[self.slip]))
+        there, exactly = (float(one.at([self.at])[self.slip][0]) for one in (self.run, self.exact))
         said.append(
-            f"Largest error of {self.slip}: {quantity(self.peak_error, length)}, at"
+            f"Largest error of {self.slip}: {quantity(there - exactly, length)}, at"
             f" {quantity(self.at, 's')}; the exact run moves over {quantity(travel, length)}."
         )
         return (*said, *self.taken.lost)
@@ -530,9 +542,7 @@ class Twin(metaclass=Described):
         """Return settings and predictions as plain numbers."""
         return {
             "program": self.program.name,
-            "settings": {
-                name: getattr(self.program, name) for name in fields_of(type(self.program))
-            },
+            "settings": asdict(self.program),
             "spelt": self.settings,
             "law": self.taken.law.name,
             "force": self.force,

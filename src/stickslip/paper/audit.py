@@ -11,7 +11,7 @@ from stickslip.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
-from stickslip.paper.misprints import Consequence, consequences
+from stickslip.paper.misprints import Consequence, PrintedRun, consequences
 from stickslip.paper.rest_rules import RestRule, rest_rules
 from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import (
@@ -221,15 +221,18 @@ def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
         },
         "tests": {
             one.test: {
-                "printed": _finite(asdict(one.printed)),
+                "printed": _printed_dict(one.printed),
+                "with_stick_rule": _printed_dict(one.with_rule),
                 "corrected": _finite(asdict(one.corrected)),
                 "differs": one.differs,
-                "diverged": one.diverged,
-                "lasted": one.lasted,
             }
             for one in consequence.outcomes
         },
     }
+
+
+def _printed_dict(run: PrintedRun) -> dict[str, Any]:
+    return {**asdict(run), "criteria": _finite(asdict(run.criteria))}
 
 
 def _finite(values: dict[str, Any]) -> dict[str, Any]:

@@ -237,7 +237,7 @@ def study_cart(
     """
     level = {"kinetic_coefficient": KINETIC}
     law = Coulomb(**level)
-    free = FixedStep(dt=STEP, stick_rule=False)
+    free = FixedStep(dt=STEP, stick_rule=False, break_away="zero")
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
     weight = (CART.cart_mass + CART.ball_mass) * CART.gravity

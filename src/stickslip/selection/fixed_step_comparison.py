@@ -12,7 +12,7 @@ from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
-from stickslip.solver import FixedStep, Method
+from stickslip.solver import BreakAway, FixedStep, Method
 from stickslip.trajectory import Status, Trajectory
 
 GRID = 2000
@@ -50,6 +50,7 @@ def compare_fixed_steps(
     y0: Mapping[str, float] | None = None,
     steps: Sequence[float] = (0.01, 0.001),
     method: Method = "euler",
+    break_away: BreakAway = "static",
 ) -> tuple[FixedStepRow, ...]:
     """Run a mechanism event-driven, and as a block diagram with each step.
 
@@ -70,6 +71,8 @@ def compare_fixed_steps(
         Fixed steps [s].
     method : str
         Integration method of the fixed-step runs.
+    break_away : str
+        Friction in their first step out of rest: ``static``, ``kinetic`` or ``zero``.
 
     Returns
     -------
@@ -93,7 +96,7 @@ def compare_fixed_steps(
     for dt, stick_rule in settings:
         solver = None
         if dt is not None:
-            solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule)
+            solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule, break_away=break_away)
         run = simulate(mechanism, law, t_end=t_end, y0=y0, solver=solver, throw=False)
         signs = [1 if value > 0 else -1 for value in run[rate] if value != 0]
         rows.append(

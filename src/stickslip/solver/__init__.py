@@ -3,6 +3,7 @@
 from stickslip.lazy import attach
 
 HOMES = {
+    "BreakAway": "block_diagram",
     "EventCount": "reducers",
     "EventDriven": "event_driven",
     "EventTimes": "reducers",

@@ -6,6 +6,8 @@ from stickslip.quantities import Given as _Given
 from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
 from stickslip.solver.base import path_units as path_units
+from stickslip.solver.block_diagram import BreakAway as BreakAway
+from stickslip.solver.block_diagram import BreakAway as _BreakAway
 from stickslip.solver.block_diagram import SoftConstraint as _SoftConstraint
 from stickslip.solver.compile.modules import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
@@ -62,7 +64,8 @@ class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
         *,
         dt: _Given,
         method: _Method = ...,
-        stick_rule: bool = ...,
+        stick_rule: bool | None = ...,
+        break_away: _BreakAway = ...,
         zero_velocity_band: _Given = ...,
         soft: _SoftConstraint | None = ...,
         viscous: _Given = ...,
@@ -79,6 +82,7 @@ class SoftConstraint(_SoftConstraint):  # type: ignore[misc]  # final but for th
     ) -> None: ...
 
 __all__ = [
+    "BreakAway",
     "EventCount",
     "EventDriven",
     "EventTimes",

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, ClassVar, NamedTuple, Self, final
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self, TypeAlias, final
 
 from typing_extensions import override
 
@@ -24,6 +24,10 @@ FRICTION = -3
 """Place of the friction force in a sample of one contact."""
 NORMAL = -2
 """Place of its normal force."""
+BreakAway: TypeAlias = Literal["zero", "kinetic", "static"]
+"""Friction of a body at rest that nothing holds, in its first step."""
+CREEP = 1e-300
+"""Speed at which friction is that of sliding, and no curve has fallen [m/s]."""
 STAND_IN = Coulomb(kinetic_coefficient=0.0)
 """The law that a mechanism's own equations are formulated with."""
 
@@ -173,6 +177,8 @@ class Diagram(BlockDiagram):
     """Guided coordinates, which are set before rates are asked for."""
     mechanism: Mechanism
     """What moves, which tells the law of its contact."""
+    break_away: BreakAway
+    """Friction of a body at rest that is not held."""
     soft: SoftConstraint | None = None
     """How softly friction holds, where no rule for rest does."""
     viscous: float = 0.0
@@ -193,6 +199,7 @@ class Diagram(BlockDiagram):
         law: FrictionLaw | PrintedForm,
         t_end: float,
         y0: Sequence[float],
+        break_away: BreakAway,
         soft: SoftConstraint | None = None,
         viscous: float = 0.0,
         step: float = 0.0,
@@ -209,7 +216,19 @@ class Diagram(BlockDiagram):
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
         slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
-        return cls(equations, law, states, bristles, slips, leads, mechanism, soft, viscous, step)
+        return cls(
+            equations,
+            law,
+            states,
+            bristles,
+            slips,
+            leads,
+            mechanism,
+            break_away,
+            soft,
+            viscous,
+            step,
+        )
 
     @property
     @override
@@ -297,9 +316,18 @@ class Diagram(BlockDiagram):
         if self.soft is not None:
             return self._softly(self.soft, law, t, y), normal
         if not z:  # only memories latch
-            return law.force(v, normal), normal
+            sliding = v != 0.0 or self.break_away == "zero"
+            return law.force(v, normal) if sliding else self._at_rest(law, normal, needed), normal
         with self.latches[0]:
             return law.force(v, normal, z), normal
+
+    def _at_rest(self, law: FrictionLaw, normal: float, needed: float) -> float:
+        """Return friction at rest: what is needed, up to break-away, and beyond it a level."""
+        side = 1 if needed > 0.0 else -1
+        level = float(law.towards(side).break_away(normal))
+        if abs(needed) <= level:
+            return needed
+        return side * level if self.break_away == "static" else law.force(side * CREEP, normal)
 
     def _softly(
         self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]

@@ -15,11 +15,12 @@ from stickslip.kernels.contacts.guards import law_flags
 from stickslip.kernels.contacts.motion import slip_rate, supply
 from stickslip.kernels.contacts.transitions import rubs, set_own_flags
 from stickslip.kernels.coordinates import turn_states
-from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.equations import ENERGY, LIMITS, LOADS, evaluate
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_RATES,
+    BRISTLES,
     CONSTANT_LOADS,
     FLAGS,
     FRICTION,
@@ -41,7 +42,7 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.block_diagram import BlockDiagram, Lead, check_within, leads_of
+from stickslip.solver.block_diagram import BlockDiagram, BreakAway, Lead, check_within, leads_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
@@ -67,12 +68,19 @@ class ContactDiagram(BlockDiagram):
     """Index in the state of the rate of each coordinate along which a contact slips."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+    break_away: BreakAway
+    """Friction of a body at rest that is not held."""
     asked: list[Any] = field(default_factory=list, compare=False, repr=False)
     """State, time, held and pushed coordinates at which everything was last worked out."""
 
     @classmethod
     def build(
-        cls, mechanism: Mechanism, law: FrictionLaw | Laws, t_end: float, y0: Sequence[float]
+        cls,
+        mechanism: Mechanism,
+        law: FrictionLaw | Laws,
+        t_end: float,
+        y0: Sequence[float],
+        break_away: BreakAway,
     ) -> Self:
         """Derive the parts of the equations."""
         model = formulate(mechanism, law)
@@ -91,7 +99,7 @@ class ContactDiagram(BlockDiagram):
         w, whole = equations.w, equations.whole
         first, n = whole[SLIPS], whole[N_COORDINATES]
         slips = sorted({n + whole[first + c] for c in range(whole[N_CONTACTS])})
-        found = cls(model, equations, tuple(slips), leads_of(mechanism, y0))
+        found = cls(model, equations, tuple(slips), leads_of(mechanism, y0), break_away)
         found._put(0.0, y0)
         for _ in range(whole[N_SWITCHES]):
             set_own_flags(0, w, whole)
@@ -150,7 +158,7 @@ class ContactDiagram(BlockDiagram):
     ) -> tuple[list[Any], list[int]]:
         """Work everything out at a state, with some coordinates held; return where it stands.
 
-        While it is decided who is held, `pushed` has the directions of those that are not.
+        Of coordinates at rest that are not held, `pushed` has the directions.
         """
         w, whole = self.equations.w, self.equations.whole
         asked: list[Any] = [t, held, dict(pushed or {})]
@@ -167,8 +175,11 @@ class ContactDiagram(BlockDiagram):
         n, modes = whole[N_COORDINATES], whole[MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
-            rate = y[n + i] or asked[2].get(n + i, 0)
+            rate, side = y[n + i], asked[2].get(n + i, 0)
             whole[modes + i] = FORWARD if rate > 0.0 else BACKWARD if rate < 0.0 else FREE
+            if rate == 0.0 and side:
+                level = self.break_away == "static" and not self._bends(i)
+                whole[modes + i] = side * (PUSHED if level else FORWARD)
             if kept.get(n + i):
                 whole[modes + i] = HELD_FAST
             elif not rubs(i, whole):
@@ -187,10 +198,14 @@ class ContactDiagram(BlockDiagram):
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         if not any(held):
             return tuple(held)
+        kept, _ = self._decided(t, y)
+        return tuple(a and b for a, b in zip(kept, held, strict=True))
+
+    def _decided(self, t: float, y: Sequence[float]) -> tuple[tuple[bool, ...], dict[int, int]]:
+        """Return which coordinates at rest stay there, and where others are pushed."""
         whole = self.equations.whole
         n, rigid = whole[N_COORDINATES], whole[RIGID]
-        rests = (y[slip] == 0.0 and bool(whole[rigid + slip - n]) for slip in self.slips)
-        kept = tuple(rests)  # whoever is at rest is decided with those that are to be held
+        kept = tuple(y[slip] == 0.0 and bool(whole[rigid + slip - n]) for slip in self.slips)
         pushed: dict[int, int] = {}
         while any(kept):
             slip, side = self._weakest(t, y, kept, pushed)
@@ -198,7 +213,25 @@ class ContactDiagram(BlockDiagram):
                 break
             pushed[slip] = side
             kept = tuple(one and slip != own for one, own in zip(kept, self.slips, strict=True))
-        return tuple(a and b for a, b in zip(kept, held, strict=True))
+        return kept, pushed
+
+    def _moving(
+        self, t: float, y: Sequence[float], held: Sequence[bool]
+    ) -> tuple[list[Any], list[int]]:
+        """Work everything out at a state, with the friction of what breaks away there."""
+        resting = (y[slip] == 0.0 and not one for slip, one in zip(self.slips, held, strict=True))
+        if self.break_away == "zero" or not any(resting):
+            return self._at(t, y, tuple(held))
+        kept, pushed = self._decided(t, y)
+        return self._at(t, y, tuple(a or b for a, b in zip(kept, held, strict=True)), pushed)
+
+    def _bends(self, i: int) -> bool:
+        """Whether bristles carry friction along a coordinate, whatever holds them at rest."""
+        whole = self.equations.whole
+        return any(
+            whole[whole[SLIPS] + c] == i and whole[whole[BRISTLES] + c] >= 0
+            for c in range(whole[N_CONTACTS])
+        )
 
     def _weakest(
         self, t: float, y: Sequence[float], held: tuple[bool, ...], pushed: Mapping[int, int]
@@ -218,14 +251,14 @@ class ContactDiagram(BlockDiagram):
 
     @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        w, whole = self._at(t, y, tuple(held))
+        w, whole = self._moving(t, y, held)
         n, states = whole[N_COORDINATES], whole[N_STATES]
         first, bristles = whole[ACCELERATION], whole[BRISTLE_RATES]
         return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        w, whole = self._at(t, y, tuple(held))
+        w, whole = self._moving(t, y, held)
         count, friction, load = whole[N_CONTACTS], whole[FRICTION], whole[LOAD]
         is_open = [bool(whole[whole[OPEN] + c]) for c in range(count)]
         loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
@@ -248,7 +281,7 @@ class ContactDiagram(BlockDiagram):
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
-        w, whole = self._at(t, y, tuple(held))
+        w, whole = self._moving(t, y, held)
         values, at = whole[VALUES], whole[Y]
         evaluate(ENERGY, 0, whole[FLAGS], t, w, at, values)
         energy = float(w[values])

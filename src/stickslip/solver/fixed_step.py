@@ -3,8 +3,8 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Literal, TypeAlias, final
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, TypeAlias, final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,13 @@ from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
-from stickslip.solver.block_diagram import BlockDiagram, Diagram, SoftConstraint, limits_of
+from stickslip.solver.block_diagram import (
+    BlockDiagram,
+    BreakAway,
+    Diagram,
+    SoftConstraint,
+    limits_of,
+)
 from stickslip.solver.contact_diagram import ContactDiagram
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
@@ -46,8 +52,8 @@ TABLEAUS: dict[str, Tableau] = {
 class FixedStep(Solver):
     """Evaluates the friction block literally at every stage of a fixed step.
 
-    Nothing is located: a reversal is noticed one step late, sgn 0 is 0, and a law without the
-    stick rule chatters about zero velocity. Its certificate says what that cost. A coordinate that
+    Nothing is located: a reversal is noticed one step late, and a law without the stick rule
+    chatters about zero velocity. Its certificate says what that cost. A coordinate that
     a profile guides is where the profile says at every stage.
 
     Examples
@@ -70,8 +76,13 @@ class FixedStep(Solver):
     """Integrator: forward Euler, semi-implicit Euler, Heun, or Runge-Kutta of order 4.
     With semi-implicit Euler, coordinates move by the new rates, and bristles as if the speed
     stayed."""
-    stick_rule: bool = True
-    """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""
+    stick_rule: bool | None = None
+    """Hold the body when its velocity changes sign within a step and break-away is not exceeded; if
+    not given, with friction laws but not with equations as printed, which have no such rule."""
+    break_away: BreakAway = "static"
+    """Friction of a body at rest that the applied force exceeds: the break-away level (``static``),
+    as (5) of the source paper and Karnopp (1985) have it, that of sliding (``kinetic``), or none,
+    since sgn 0 = 0 (``zero``). Bristles and equations as printed have their own."""
     zero_velocity_band: Annotated[float, Quantity("D_v", "m/s", low=0)] = 0.0
     """Hold it too when a step ends within this speed and break-away is not exceeded (Karnopp)."""
     soft: SoftConstraint | None = None
@@ -88,6 +99,10 @@ class FixedStep(Solver):
             raise ParameterError(
                 f"FixedStep.method must be one of {', '.join(TABLEAUS)}, got {self.method!r}."
             )
+        if self.break_away not in (known := get_args(BreakAway)):
+            raise ParameterError(
+                f"FixedStep.break_away must be one of {', '.join(known)}, got {self.break_away!r}."
+            )
 
     @override
     def run(
@@ -99,6 +114,9 @@ class FixedStep(Solver):
         t_end: float,
         told: Sequence[str] = (),
     ) -> Trajectory:
+        if self.stick_rule is None:
+            rule = not isinstance(law, PrintedForm)
+            return replace(self, stick_rule=rule).run(mechanism, law, y0=y0, t_end=t_end, told=told)
         refuse_stops(mechanism)
         diagram = _diagram(self, mechanism, law, t_end, y0)
         if self.dt > t_end:
@@ -216,7 +234,9 @@ def _diagram(
                 f"FixedStep.soft holds a body by a law without memory, not by {law.name}: leave it"
                 " out."
             )
-        return Diagram.build(mechanism, law, t_end, y0, soft, solver.viscous, solver.dt)
+        return Diagram.build(
+            mechanism, law, t_end, y0, solver.break_away, soft, solver.viscous, solver.dt
+        )
     if soft is not None or solver.viscous:
         raise InputError(
             "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
@@ -231,7 +251,7 @@ def _diagram(
         )
     limits = limits_of(mechanism)
     refuse_limits(mechanism, tuple(name for name in limits if name != PAINLEVE))
-    return ContactDiagram.build(mechanism, law, t_end, y0)
+    return ContactDiagram.build(mechanism, law, t_end, y0, solver.break_away)
 
 
 def _advanced(

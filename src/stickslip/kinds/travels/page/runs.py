@@ -258,5 +258,6 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
     caption = (
         "Travel at the end of the run. With a fixed step, a reversal is detected one step late;"
         " the stick rule then holds the body, and without it the velocity chatters about zero."
+        " Out of rest, friction is at its break-away level in the first step."
     )
     return Table(columns=columns, rows=tuple(out), caption=caption)
