@@ -8,8 +8,10 @@ from tests.support import sketched
 
 from stickslip import load_rig
 from stickslip.errors import InputError
-from stickslip.paper import audit, paper_report
+from stickslip.kinds import select_travels
+from stickslip.paper import PaperValues, audit, paper_report
 from stickslip.paper.sections.assumptions import assumption_section
+from stickslip.paper.values import adopted, viscous_fit
 
 TEXT = """
 title = "Own block"
@@ -105,3 +107,28 @@ def test_assumed_bristles_are_not_said_to_stand_in_the_file(tmp_path):
 def test_a_rig_of_another_form_is_refused_before_anything_is_run(tmp_path, more, message):
     with pytest.raises(InputError, match=message):
         audit(rig_of(tmp_path, 0.19, more))
+
+
+THREE = """
+title = "Own block"
+[mechanism]
+type = "spring-block"
+mass = 0.82
+stiffness = 145.0
+compression = 0.06
+""" + "".join(
+    f"[[trial]]\ntravel = {travel}\nuncertainty = 0.001\nset = {{ compression = {way} }}\n"
+    for travel, way in ((0.108, 0.06), (0.191, 0.08), (0.299, 0.10))
+)
+
+
+def test_a_viscous_part_that_the_travels_bound_is_not_assumed(tmp_path):
+    (tmp_path / "own.toml").write_text(THREE)
+    rig = load_rig(tmp_path / "own.toml")
+    verdict = select_travels(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
+    (viscous,) = [e for e in viscous_fit(verdict) if e.path.endswith("viscous_coefficient")]
+    # .3 of the weight takes some 2.4 N: .5 N s/m at half a metre per second would show in 1 mm
+    assert 0.0 <= viscous.low < viscous.high < 0.2
+    rigs = adopted(rig, verdict)
+    assert PaperValues.of(rigs).viscous == viscous.value < 0.2
+    assert rigs.laws["coulomb-viscous-static"].viscous_coefficient == viscous.value

@@ -579,6 +579,15 @@ def characterize(
 @command(app, "paper")
 def paper(
     rig: Rig = DEMO,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A mass, a length or the swing of the cart, which the paper does not print, e.g."
+            ' cart_mass=0.4, ball_mass="60 g", length=0.25, amplitude="40 deg", fast=100, slow=25.',
+        ),
+    ] = None,
     output: Folder = None,
     force: Force = False,
     as_json: Json = False,
@@ -590,7 +599,7 @@ def paper(
     """
     from stickslip.cli.paper import run
 
-    run(rig, output, force=force, as_json=as_json)
+    run(rig, changes or [], output, force=force, as_json=as_json)
 
 
 @command(app, "benchmark")

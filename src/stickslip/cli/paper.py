@@ -1,11 +1,13 @@
 """``stickslip paper``."""
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from stickslip.cli.console import (
     command_line,
     folder_of,
+    overrides,
     plain,
     print_json,
     refuse_inputs,
@@ -13,20 +15,27 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
+from stickslip.cli.numbers import number_of
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.documents import document, json_text, write_folder
+from stickslip.errors import ParameterError
 from stickslip.experiments import load_rig
 from stickslip.formatting import fixed, number, significant
 from stickslip.kinds import PAGE
+from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
-from stickslip.paper.cart import CYCLES
+from stickslip.paper.cart import CART, CYCLES
+from stickslip.paper.sections.table import RULES
 from stickslip.paper.values import check_form
+from stickslip.quantities import full_path, parameters, vary
 
 DOCUMENT = "paper.json"
 
 
-def run(path: Path | None, output: Path | None, *, force: bool, as_json: bool) -> None:
+def run(
+    path: Path | None, changes: Sequence[str], output: Path | None, *, force: bool, as_json: bool
+) -> None:
     """Recompute the paper, write the page, print Table II."""
     folder = folder_of(output, "stickslip-paper", as_json=as_json)
     if folder is not None:
@@ -35,9 +44,10 @@ def run(path: Path | None, output: Path | None, *, force: bool, as_json: bool) -
     if folder is not None:
         refuse_inputs(folder / PAGE, rig.files)
     check_form(rig)
+    cart = _cart(changes)
     doing = "Recomputing the paper:" if path is None else "Recomputing:"
     with Watching(list(rig.laws or load_rig().laws), doing) as watch:
-        found = audit(rig, progress=watch)
+        found = audit(rig, cart=cart, progress=watch)
     content = document("paper", found.to_dict())
     if as_json:
         print_json(content)
@@ -55,15 +65,29 @@ def run(path: Path | None, output: Path | None, *, force: bool, as_json: bool) -
     leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=as_json))
 
 
+def _cart(changes: Sequence[str]) -> PendulumCart:
+    """Return the cart with masses and swing from the command line."""
+    quantities = {path: quantity for path, quantity, _ in parameters(CART, "cart")}
+    values = {}
+    for given, text in overrides(changes).items():
+        path = full_path(given, quantities)
+        try:
+            values[path] = number_of(text, quantities[path])
+        except ParameterError as error:
+            raise ParameterError(f"--set {given} {error}") from None
+    return vary(CART, "cart", values)
+
+
 def _show(found: PaperAudit) -> None:
     """Print Table II beside ours, and what the unpublished parameters would have to be."""
     digits = 3 if found.own else 2
-    heads = ["model", "A push, m", "A in 10 ms, m", "B spring, m", "C fixed, m"]
+    steps = [f"A, 10 ms, {what.replace('$', '')}" for what in RULES.values()]
+    heads = ["model", "A push, m", *steps, "B spring, m", "C fixed, m"]
     rows = [
         [
             row.law.title,
             fixed(row.readings[0].criteria.travel, 4),
-            "unstable" if row.coarse is None else fixed(row.coarse, 4),
+            *[fixed(row.coarse[rule], 4) if row.coarse else "unstable" for rule in RULES],
             *[fixed(reading.criteria.travel, 4) for reading in row.readings[1:]],
         ]
         for row in found.table
@@ -176,8 +200,9 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
         for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
         for one in runs
     ]
+    origin = "as given" if study.given else "our assumptions"
     title = (
-        f"The cart (masses, length and swing are our assumptions): travel in {CYCLES} cycles and"
+        f"The cart (masses, length and swing are {origin}): travel in {CYCLES} cycles and"
         " in the last one, back-slip per cycle, lowest velocity"
     )
     show_table(title, heads, rows)

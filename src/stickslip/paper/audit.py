@@ -8,13 +8,14 @@ from typing import Any
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.kinds import TravelVerdict, select_travels
-from stickslip.mechanisms import SpringBlock
-from stickslip.paper.cart import CartStudy, study_cart
+from stickslip.mechanisms import PendulumCart, SpringBlock
+from stickslip.paper.cart import CART, CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
 from stickslip.paper.misprints import Consequence, PrintedRun, consequences
 from stickslip.paper.rest_rules import RestRule, rest_rules
 from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import (
+    RULES,
     STEP,
     STIFFNESS,
     BristleRow,
@@ -47,9 +48,9 @@ class TableRow:
     """What the paper prints in the row."""
     readings: tuple[Excitation, ...]
     """The row's law in the readings A, B and C."""
-    coarse: float | None
-    """Travel of the push by forward Euler in steps of 10 ms, with the stick rule [m]; None where
-    the step makes the bristles grow without limit."""
+    coarse: Mapping[str, float]
+    """Travel of the push by forward Euler in steps of 10 ms, with the stick rule [m], by the
+    friction in the first step out of rest; empty where the step makes bristles unstable."""
     largest_step: float | None
     """Step above which they do so [s]; None for laws without bristles."""
 
@@ -150,7 +151,7 @@ class PaperAudit:
                     "published": asdict(row.published),
                     "ours": {r.key: asdict(r.criteria) for r in row.readings},
                     "closed_form": {r.key: r.closed_form for r in row.readings},
-                    "in_steps_of_10_ms": row.coarse,
+                    "in_steps_of_10_ms": dict(row.coarse),
                     "largest_step": row.largest_step,
                 }
                 for row in self.table
@@ -161,10 +162,13 @@ class PaperAudit:
             "unpublished_parameters": [need.to_dict() for need in self.requirements],
             "steps_of_10_ms": [
                 {
+                    "row": one.row,
                     "law": one.law.name,
-                    "viscous_coefficient": getattr(one.law, "viscous_coefficient", 0.0),
+                    "values": {path: value for path, _, value in parameters(one.law, "law")},
                     "published": one.published,
-                    "travel": one.travel,
+                    "travel": {"zero": one.travel, "static": one.static},
+                    "scatter": one.scatter,
+                    "reached": one.reached,
                 }
                 for one in self.step_travels
             ],
@@ -247,6 +251,7 @@ def audit(
     rig: Rig | None = None,
     *,
     verdict: TravelVerdict | None = None,
+    cart: PendulumCart = CART,
     progress: Callable[[str, float], object] | None = None,
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
@@ -271,6 +276,7 @@ def audit(
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     rows = tuple(_row(rig, values, published.get(name) or Published(law=name)) for name in MODELS)
+    creeps = () if own else stribeck_creeps(values, t_end=rig.t_end)
     return PaperAudit(
         rig=rig,
         own=own,
@@ -278,14 +284,14 @@ def audit(
         measured=values.measured,
         table=rows,
         requirements=requirements(values, travels, t_end=rig.t_end),
-        step_travels=step_travels(values, travels, t_end=rig.t_end),
+        step_travels=step_travels(values, travels, creeps, t_end=rig.t_end),
         viscous_travels=_viscous_travels(rig, values),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
         bristles=() if own else bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
-        creeps=() if own else stribeck_creeps(values, t_end=rig.t_end),
-        rest_rules=rest_rules(values),
+        creeps=creeps,
+        rest_rules=rest_rules(values, cart),
         trials=_trials(rig),
         stick_slip=None if own else stick_slip(values),
         cart=study_cart(
@@ -293,6 +299,7 @@ def audit(
             rig.laws["coulomb-viscous"],
             levels=(values.mu_k, values.mu_s),
             bristles=lugre_row(values, STIFFNESS),
+            cart=cart,
         ),
         verdict=verdict,
     )
@@ -355,10 +362,11 @@ def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     readings = excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
     push = readings[0]
     largest = largest_step(push.mechanism, law, push.run)
-    coarse = None
-    if largest is None or largest >= STEP:
-        run = simulate(push.mechanism, law, t_end=rig.t_end, solver=FixedStep(dt=STEP))
-        coarse = float(run["x"][-1])
+    coarse = {}
+    for rule in RULES if largest is None or largest >= STEP else ():
+        solver = FixedStep(dt=STEP, break_away=rule)
+        run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)
+        coarse[rule] = float(run["x"][-1])
     return TableRow(
         law=law, published=published, readings=readings, coarse=coarse, largest_step=largest
     )

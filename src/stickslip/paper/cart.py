@@ -6,7 +6,7 @@ The paper prints neither the masses nor the length nor the swing of its cart; th
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -138,17 +138,22 @@ class CartStudy:
 
     cart: PendulumCart
     """The cart with its pendulum."""
-    swing: ThreePhase
-    """The prescribed swing of the pendulum."""
     runs: tuple[CartRun, ...]
     """Fig. 2: as printed, corrected in fixed steps, exactly."""
     table_1: tuple[CartRun, ...]
     """The scheme of Fig. 2, (1) and (2) in fixed steps, at the levels of Table I; and exactly."""
+    given: bool
+    """Whether the cart is not the one that is assumed here."""
     break_away: tuple[CartRun, ...]
     """The exact cart with the kinetic level of Table I and break-away levels around its static one,
     and with bristles, whose break-away falls with the rate of the force."""
     choices: tuple[CartRun, ...]
     """Fig. 11: the law that `select` names for the rig, if it names one, and the paper's choice."""
+
+    @property
+    def swing(self) -> ThreePhase:
+        """The prescribed swing of the pendulum."""
+        return swing_of(self.cart)
 
     @property
     def weight(self) -> float:
@@ -222,6 +227,7 @@ def study_cart(
     *,
     levels: tuple[float, float] = (0.25, 0.35),
     bristles: FrictionLaw | None = None,
+    cart: PendulumCart = CART,
 ) -> CartStudy:
     """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
 
@@ -240,34 +246,37 @@ def study_cart(
     free = FixedStep(dt=STEP, stick_rule=False, break_away="zero")
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
-    weight = (CART.cart_mass + CART.ball_mass) * CART.gravity
+    weight = (cart.cart_mass + cart.ball_mass) * cart.gravity
+    ran = partial(_run, cart)
     signed = PrintedCartDynamics(kinetic_coefficient=KINETIC, weight=weight)
     plain = PrintedCoulomb
     at_table_1 = Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
     return CartStudy(
-        cart=CART,
-        swing=SWING,
+        cart=cart,
+        given=cart != CART,
         runs=(
-            _run("printed-4", "(3), (4) as printed", signed, free),
-            _run("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), free),
-            _run("printed-1", "(1), (2) as printed", plain(**level), free),
-            _run("fixed", "corrected, no stick rule", law, free),
-            _run("fixed-held", "corrected, stick rule", law, held),
-            _run("exact", "exact", law, exact),
+            ran("printed-4", "(3), (4) as printed", signed, free),
+            ran("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), free),
+            ran("printed-1", "(1), (2) as printed", plain(**level), free),
+            ran("fixed", "corrected, no stick rule", law, free),
+            ran("fixed-held", "corrected, stick rule", law, held),
+            ran("exact", "exact", law, exact),
         ),
         table_1=(
-            _run("table-1", "(1), (2) as printed", plain(kinetic_coefficient=levels[0]), free),
-            _run("table-1-exact", "exact", at_table_1, exact),
+            ran("table-1", "(1), (2), Table I", plain(kinetic_coefficient=levels[0]), free),
+            ran("table-1-exact", "exact, Table I", at_table_1, exact),
         ),
-        break_away=_break_away(levels, bristles),
+        break_away=_break_away(cart, levels, bristles),
         choices=(
-            *(() if chosen is None else (_run("selected", chosen.title, chosen, exact),)),
-            _run("paper", theirs.title, theirs, exact),
+            *(() if chosen is None else (ran("selected", chosen.title, chosen, exact),)),
+            ran("paper", theirs.title, theirs, exact),
         ),
     )
 
 
-def _break_away(levels: tuple[float, float], bristles: FrictionLaw | None) -> tuple[CartRun, ...]:
+def _break_away(
+    cart: PendulumCart, levels: tuple[float, float], bristles: FrictionLaw | None
+) -> tuple[CartRun, ...]:
     """Vary the break-away level, at the kinetic levels of Table I and of Fig. 2."""
     (mu_k, mu_s), exact = levels, EventDriven()
     step = mu_s - mu_k or ALONE * mu_k
@@ -278,6 +287,7 @@ def _break_away(levels: tuple[float, float], bristles: FrictionLaw | None) -> tu
     ]
     runs = [
         _run(
+            cart,
             f"break-away-{index}",
             f"$mu_k$ = {law.kinetic_coefficient:.3g}, $mu_s$ = {law.break_away(1.0):.3g}",
             law,
@@ -286,14 +296,25 @@ def _break_away(levels: tuple[float, float], bristles: FrictionLaw | None) -> tu
         for index, law in enumerate(laws)
     ]
     if bristles is not None:
-        runs.append(_run("break-away-bristles", bristles.title, bristles, exact))
+        runs.append(_run(cart, "break-away-bristles", bristles.title, bristles, exact))
     return tuple(runs)
 
 
+def swing_of(cart: PendulumCart) -> ThreePhase:
+    """Return the swing that the pendulum of a cart is told."""
+    assert isinstance(cart.pendulum, Prescribed)
+    assert isinstance(cart.pendulum.profile, ThreePhase)
+    return cart.pendulum.profile
+
+
 def _run(
-    key: str, title: str, law: FrictionLaw | PrintedForm, solver: EventDriven | FixedStep
+    cart: PendulumCart,
+    key: str,
+    title: str,
+    law: FrictionLaw | PrintedForm,
+    solver: EventDriven | FixedStep,
 ) -> CartRun:
     """Drive the cart for all cycles."""
-    period = float(SWING.period)
-    run = simulate(CART, law, t_end=CYCLES * period, solver=solver)
-    return CartRun(key=key, title=title, law=law, run=run, cycles=cycles_in(run, CART, period))
+    period = float(swing_of(cart).period)
+    run = simulate(cart, law, t_end=CYCLES * period, solver=solver)
+    return CartRun(key=key, title=title, law=law, run=run, cycles=cycles_in(run, cart, period))

@@ -4,7 +4,8 @@ import itertools
 from dataclasses import dataclass
 
 from stickslip.friction import Coulomb
-from stickslip.paper.cart import CART, CYCLES, SWING
+from stickslip.mechanisms import PendulumCart
+from stickslip.paper.cart import CART, CYCLES, swing_of
 from stickslip.paper.values import PaperValues
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
@@ -48,7 +49,7 @@ class RestRule:
     """Of the cart in a cycle, the mean of all [m]."""
 
 
-def rest_rules(values: PaperValues) -> tuple[RestRule, ...]:
+def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule, ...]:
     """Run the released block and the cart exactly, and in steps with each rule.
 
     The band is that of Karnopp (1985), the paper's reference [18]: a body slower than it is held
@@ -62,6 +63,7 @@ def rest_rules(values: PaperValues) -> tuple[RestRule, ...]:
     >>> [rule.reversals for rule in rest_rules(PaperValues.of(load_rig()))][:4]
     [0, 50, 50, 0]
     """
+    period = float(swing_of(cart).period)
     law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
     found = []
     for dt, stick_rule, band in ((None, True, 0.0), *RULES):
@@ -69,8 +71,8 @@ def rest_rules(values: PaperValues) -> tuple[RestRule, ...]:
         if dt is not None:
             solver = FixedStep(dt=dt, stick_rule=stick_rule, zero_velocity_band=band)
         block = simulate(values.rig, law, t_end=SECONDS, solver=solver)
-        cart = simulate(CART, law, t_end=CYCLES * float(SWING.period), solver=solver)
-        cycles = cycles_in(cart, CART, float(SWING.period))
+        driven = simulate(cart, law, t_end=CYCLES * period, solver=solver)
+        cycles = cycles_in(driven, cart, period)
         signs = [1 if value > 0 else -1 for value in block["v"] if value != 0]
         found.append(
             RestRule(

@@ -6,7 +6,7 @@ how far stiff ones move the block back when it stops and nothing holds it.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from stickslip.friction import (
     Dahl,
     FrictionLaw,
     LuGre,
+    PrintedForm,
     PrintedStribeck,
     Viscous,
 )
@@ -27,13 +28,17 @@ from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
-from stickslip.solver import FixedStep
+from stickslip.solver import BreakAway, FixedStep
 from stickslip.trajectory import Trajectory
 
 STEP = 0.01
 """Sample time that the paper states for its cart [s]."""
-VISCOUS = (0.1, 0.2)
-"""Viscous coefficients that are tried with it [N s/m]."""
+RULES: tuple[BreakAway, BreakAway] = ("zero", "static")
+"""Friction in the first step out of rest: none, since sgn 0 = 0, and as (5) has it."""
+STEP_VISCOUS = 0.1
+"""Viscous coefficient that is tried with it [N s/m]."""
+STEP_DAHL, STEP_LUGRE = 51.0, 400.0
+"""Stiffness of the bristles that is tried with it [N/m]."""
 ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
 STRIDE = 1.3
@@ -155,38 +160,75 @@ def _cases(values: PaperValues) -> dict[str, Case]:
 
 @dataclass(frozen=True, kw_only=True)
 class StepTravel:
-    """What a fixed step makes of a published travel, with the stick rule."""
+    """What the push in steps of 10 ms makes of a published travel, Table I kept."""
 
-    law: FrictionLaw
-    """The law, with its published values."""
+    row: str
+    """Registry name of the row."""
+    law: FrictionLaw | PrintedForm
+    """What was run, with the values that were tried."""
     published: float
     """Printed travel [m]."""
     travel: float
-    """Of the push by forward Euler [m]."""
+    """Travel where sgn 0 = 0, so that friction misses the first step [m]."""
+    static: float
+    """Travel where it begins at the break-away level, as (5) has it [m]."""
+    scatter: tuple[float, float] | None = None
+    """Least and largest travel of runs that differ by rounding, where the motion is chaotic [m]."""
+
+    @property
+    def reached(self) -> bool:
+        """Whether either rounds to the printed travel, or the printed one is inside the scatter."""
+        if self.scatter is not None:
+            return self.scatter[0] <= self.published <= self.scatter[1]
+        gaps = (abs(travel - self.published) for travel in (self.travel, self.static))
+        return min(gaps) <= ROUNDING
 
 
 def step_travels(
-    values: PaperValues, published: Mapping[str, float], *, t_end: float
+    values: PaperValues,
+    published: Mapping[str, float],
+    creeps: Sequence["Creep"],
+    *,
+    t_end: float,
 ) -> tuple[StepTravel, ...]:
-    """Push the block with the laws that have no free value left, in steps of the paper's 10 ms.
+    """Push the block with each row in steps of the paper's 10 ms, by forward Euler.
 
-    The paper states this sample time for its cart. Where sgn 0 = 0, friction misses the first step.
+    The paper states this sample time for its cart.
     """
     level = {"kinetic_coefficient": values.mu_k, "static_coefficient": values.mu_s}
-    laws = [
-        Coulomb(**level),
-        *(CoulombViscous(**level, viscous_coefficient=viscous) for viscous in VISCOUS),
-    ]
+    laws: dict[str, FrictionLaw] = {
+        "coulomb": Coulomb(**level),
+        "dahl": dahl_row(values, STEP_DAHL),
+        "lugre": lugre_row(values, STEP_LUGRE),
+        "coulomb-viscous": CoulombViscous(**level, viscous_coefficient=STEP_VISCOUS),
+    }
     _, _, push = rigs(values.rig)["A"]
-    return tuple(
-        StepTravel(
-            law=law,
-            published=published[law.name],
-            travel=float(simulate(push, law, t_end=t_end, solver=FixedStep(dt=STEP))["x"][-1]),
-        )
-        for law in laws
-        if law.name in published
-    )
+
+    def travel(law: FrictionLaw, break_away: BreakAway) -> float:
+        solver = FixedStep(dt=STEP, break_away=break_away)
+        return float(simulate(push, law, t_end=t_end, solver=solver)["x"][-1])
+
+    found = []
+    for row in published:
+        if row in laws:
+            law = laws[row]
+            zero, static = (travel(law, rule) for rule in RULES)
+            found.append(
+                StepTravel(row=row, law=law, published=published[row], travel=zero, static=static)
+            )
+        elif row == "stribeck" and creeps:
+            creep = creeps[len(creeps) // 2]
+            found.append(
+                StepTravel(
+                    row=row,
+                    law=creep.form,
+                    published=published[row],
+                    travel=creep.mean,
+                    static=creep.mean,
+                    scatter=(min(creep.travels), max(creep.travels)),
+                )
+            )
+    return tuple(found)
 
 
 CREEPING = (10.0e-3, 11.35e-3, 13.0e-3)
@@ -206,8 +248,8 @@ class Creep:
     forwards: it creeps on, chaotically, so that the travel is known as a distribution only.
     """
 
-    stribeck_velocity: float
-    """[m/s]."""
+    form: PrintedStribeck
+    """(5) with the sgn that it lacks."""
     travels: tuple[float, ...]
     """Travel at the end [m] of runs whose Stribeck velocities differ by 1e-9 of themselves."""
     run: Trajectory
@@ -216,6 +258,11 @@ class Creep:
     """Travel with the rule for rest, in the same steps [m]."""
     fine: float
     """Travel without it, in a tenth of the step [m]."""
+
+    @property
+    def stribeck_velocity(self) -> float:
+        """[m/s]."""
+        return self.form.stribeck_velocity
 
     @property
     def mean(self) -> float:
@@ -232,26 +279,30 @@ def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
     """Push the block with (5) as printed but for the missing sgn, in steps of 10 ms."""
     _, _, push = rigs(values.rig)["A"]
 
-    def ran(velocity: float, solver: FixedStep) -> Trajectory:
-        form = PrintedStribeck(
+    def form(velocity: float) -> PrintedStribeck:
+        return PrintedStribeck(
             kinetic_coefficient=values.mu_k,
             static_coefficient=values.mu_s,
             stribeck_velocity=velocity,
             signed=True,
         )
-        return simulate(push, form, t_end=t_end, solver=solver)
 
-    free = FixedStep(dt=STEP, stick_rule=False)
+    def ran(velocity: float, dt: float, *, stick_rule: bool) -> Trajectory:
+        solver = FixedStep(dt=dt, stick_rule=stick_rule)
+        return simulate(push, form(velocity), t_end=t_end, solver=solver)
+
     found = []
     for velocity in CREEPING:
-        runs = [ran(velocity * (1.0 + NUDGE * i), free) for i in range(NEIGHBOURS)]
+        runs = [
+            ran(velocity * (1.0 + NUDGE * i), STEP, stick_rule=False) for i in range(NEIGHBOURS)
+        ]
         found.append(
             Creep(
-                stribeck_velocity=velocity,
+                form=form(velocity),
                 travels=tuple(float(run["x"][-1]) for run in runs),
                 run=runs[0],
-                held=float(ran(velocity, FixedStep(dt=STEP))["x"][-1]),
-                fine=float(ran(velocity, FixedStep(dt=0.1 * STEP, stick_rule=False))["x"][-1]),
+                held=float(ran(velocity, STEP, stick_rule=True)["x"][-1]),
+                fine=float(ran(velocity, 0.1 * STEP, stick_rule=False)["x"][-1]),
             )
         )
     return tuple(found)

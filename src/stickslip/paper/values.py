@@ -6,6 +6,7 @@ from typing import Self
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, Rig, load_rig
 from stickslip.friction import Coulomb, CoulombViscous, FrictionLaw, LuGre
+from stickslip.identification import Estimate
 from stickslip.kinds import TravelVerdict
 from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import vary
@@ -102,8 +103,9 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
     """Return a rig with the laws of the paper at its own levels.
 
     What its file gives stays. Levels that it does not give are those of Coulomb friction as fitted
-    to its travels; what the paper does not print either is assumed as for the bundled rig, with the
-    bristles in proportion to the load.
+    to its travels, and Coulomb + viscous is as fitted where they bound its viscous part; what the
+    paper does not print either is assumed as for the bundled rig, with the bristles in proportion
+    to the load.
     """
     coulomb = rig.laws.get("coulomb")
     if coulomb is None:
@@ -120,6 +122,7 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
         "kinetic_coefficient": coulomb.kinetic_coefficient,
         "static_coefficient": coulomb.break_away(1.0),
     }
+    viscous = {one.path: one.value for one in viscous_fit(verdict)}
     laws: dict[str, FrictionLaw] = {}
     for name, law in load_rig().laws.items():
         own = {
@@ -127,5 +130,19 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
             for field, value in levels.items()
             if getattr(law, field, None) is not None
         }
+        own |= viscous if name.startswith("coulomb-viscous") else {}
         laws[name] = rig.laws.get(name) or vary(law, "friction", own)
     return replace(rig, laws=laws, published=())
+
+
+def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
+    """Return the estimates of Coulomb + viscous friction if several travels bound its viscous part.
+
+    One travel is reproduced with any viscous part, so that it bounds none.
+    """
+    for one in verdict.candidates:
+        if one.name == "coulomb-viscous" and one.fit is not None and one.fit.settings > 1:
+            estimates = one.fit.estimates
+            paths = {each.path for each in estimates if each.bounded}
+            return estimates if "friction.viscous_coefficient" in paths else ()
+    return ()

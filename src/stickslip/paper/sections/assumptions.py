@@ -25,6 +25,7 @@ def assumption_section(found: PaperAudit) -> Section:
         else "Tables I and II and the text of the paper print"
     )
     return Section(
+        collapsed=True,
         id="assumptions",
         nav="Assumptions",
         heading="What is assumed, and where it is used",
@@ -33,7 +34,11 @@ def assumption_section(found: PaperAudit) -> Section:
                 text=f"Every value on this page is one that {printed}, or stands in this table."
             ),
             Table(
-                columns=(Column(head="where"), Column(head="value"), Column(head="origin")),
+                columns=(
+                    Column(head="where"),
+                    Column(head="value"),
+                    Column(head="origin", phone="label", label="origin:"),
+                ),
                 rows=tuple(Row(cells=cells) for cells in rows),
             ),
         ),

@@ -34,12 +34,11 @@ def equation_section(found: PaperAudit) -> Section:
     blocks: list[Block] = [
         Paragraph(
             text=(
-                "In the paper’s symbols. It quotes (1) to (4) from its references [6] and [7],"
-                " whose friction model it calls simple, in order to improve on them. (1) and (3)"
-                " are forces on the cart, (5) to (10) resistances. The symbols of this page are"
-                " those of the table after the equations. “Coulomb plus viscous plus static”, one"
-                " of the six models that the paper names, has no equation of its own; it is taken"
-                " here as (10) with the rule for rest of (5), the law `coulomb-viscous-static`."
+                "In the paper’s symbols; those of this page are in the table after the equations."
+                " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
+                " on them. (1) and (3) are forces on the cart, (5) to (10) resistances. “Coulomb"
+                " plus viscous plus static” has no equation of its own; it is taken here as (10)"
+                " with the rule for rest of (5), the law `coulomb-viscous-static`."
             )
         )
     ]
@@ -47,10 +46,12 @@ def equation_section(found: PaperAudit) -> Section:
         blocks += _shown(form)
     blocks.append(Paragraph(text=_energy_text(found)))
     blocks += [Subheading(text="Symbols"), _symbol_table()]
+    blocks += [Subheading(text="Values in the tests of the equations"), _values_table(found)]
     return Section(
+        collapsed=True,
         id="equations",
         nav="Equations",
-        heading="The equations as printed",
+        heading="The equations as printed, symbols and values",
         blocks=tuple(blocks),
     )
 
@@ -92,8 +93,8 @@ def _symbol_table() -> Table:
     columns = (
         Column(head="here"),
         Column(head="meaning"),
-        Column(head="unit"),
-        Column(head="in the paper"),
+        Column(head="unit", phone="label", label="unit:"),
+        Column(head="in the paper", phone="label", label="in the paper:"),
     )
     return Table(columns=columns, rows=tuple(Row(cells=cells) for cells in SYMBOLS))
 
@@ -139,6 +140,7 @@ def misprint_section(found: PaperAudit) -> Section:
     )
     rows = tuple(_row(one) for one in found.consequences)
     return Section(
+        collapsed=True,
         id="misprints",
         nav="Where they act",
         heading=heading,
@@ -155,7 +157,6 @@ def misprint_section(found: PaperAudit) -> Section:
                 )
             ),
             Paragraph(text=_rule_text(found)),
-            _values_table(found),
         ),
     )
 
@@ -199,8 +200,8 @@ def _values_table(found: PaperAudit) -> Table:
     load = found.values.load
     columns = (
         Column(head="equation"),
-        Column(head="values as printed"),
-        Column(head="values of the corrected law"),
+        Column(head="values as printed", phone="label", label="as printed:"),
+        Column(head="values of the corrected law", phone="label", label="corrected:"),
     )
     rows = tuple(
         Row(

@@ -42,22 +42,18 @@ def excitation_section(found: PaperAudit) -> Section:
     if found.own:
         how = "stays fastened" if values.own_reading == "C" else "leaves it at its natural length"
         text = (
-            "By the file of this rig a spring compressed by"
-            f" {quantity(values.rig.compression, 'm')} is released, and the block {how}: reading"
-            f" {values.own_reading}. The paper also"
-            f" writes of a constant force, applied for {PUSH_DURATION:g} s; reading A is what such"
-            f" a push, with the force of this spring, would do. All with $mu_k$ = {number(mu_k)}"
-            f" and {row.law.title} friction:"
+            f"By the file a spring compressed by {quantity(values.rig.compression, 'm')} is"
+            f" released, and the block {how}: reading {values.own_reading}. Reading A is a push"
+            f" with the force of this spring for {PUSH_DURATION:g} s, as the paper has it. All with"
+            f" $mu_k$ = {number(mu_k)} and {row.law.title} friction:"
         )
     else:
         text = (
-            "By section IV of the paper a compressed spring is released and drives the block, with"
-            " the applied force $F$ = $K$$x$; for experiment and simulation alike it also states a"
-            f" force of {force.replace(' for ', ' that is applied for ')}. The compression is not"
-            f" printed; {values.rig.compression:g} m follows from {quantity(values.force, 'N')} and"
-            " $K$. A released spring does not push with a constant force, and lets go when it has"
-            " reached its natural length. Both readings, and a control, with the same block,"
-            f" $mu_k$ = {mu_k:g} and {row.law.title} friction:"
+            "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
+            f" experiment and simulation alike a force of {force}. A released spring does not push"
+            f" with a constant force. The compression, {values.rig.compression:g} m, follows from"
+            f" {quantity(values.force, 'N')} and $K$. Both readings, and a control, with $mu_k$ ="
+            f" {mu_k:g} and {row.law.title} friction:"
         )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(

@@ -31,6 +31,7 @@ def schematic_section(found: PaperAudit) -> Section:
     """Return Figs 1 and 5: cart and rig with the paper's symbols."""
     values = found.values
     return Section(
+        collapsed=True,
         id="systems",
         nav="Figs 1 and 5",
         heading="The two systems of the paper",
@@ -133,6 +134,7 @@ def phenomena_section(found: PaperAudit) -> Section:
         ),
     ]
     return Section(
+        collapsed=True,
         id="phenomena",
         nav="Phenomena, Figs 3, 4",
         heading="Stick-slip, Stribeck effect and presliding, recomputed",
@@ -159,6 +161,7 @@ def figure_section(found: PaperAudit) -> Section:
         " 11, of the cart, have sections of their own."
     )
     return Section(
+        collapsed=True,
         id="figures",
         nav="The block" if found.own else "Figs 6 to 10",
         heading="The block with each law" if found.own else "The block with each law, recomputed",

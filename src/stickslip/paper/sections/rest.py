@@ -32,6 +32,7 @@ def rest_section(found: PaperAudit) -> Section:
         ),
     )
     return Section(
+        collapsed=True,
         id="rest",
         nav="Rules for rest",
         heading="The zero-velocity band of [18] beside the exact switch",
@@ -119,6 +120,7 @@ def break_away_section(found: PaperAudit) -> Section:
         BACK_SLIP,
     )
     return Section(
+        collapsed=True,
         id="break-away",
         nav="Break-away that varies",
         heading=_break_away_heading(found),

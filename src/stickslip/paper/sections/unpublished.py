@@ -1,10 +1,10 @@
 """What the parameters that the paper does not print would have to be."""
 
-from stickslip.formatting import fixed, in_words, joined, significant
-from stickslip.friction import FrictionLaw
+from stickslip.formatting import fixed, in_words, significant
 from stickslip.paper.audit import PaperAudit
+from stickslip.paper.sections.common import values_of
 from stickslip.paper.unpublished import Requirement
-from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Subheading, Table
+from stickslip.report import Column, Name, Paragraph, Row, Section, Subheading, Table
 
 
 def unpublished_section(found: PaperAudit) -> Section:
@@ -41,28 +41,30 @@ def unpublished_section(found: PaperAudit) -> Section:
         blocks=(
             Paragraph(
                 text=(
-                    "The paper prints no stiffness or damping of bristles, no Stribeck velocity and"
-                    " no viscous coefficient. The values below, found by root finding in readings A"
-                    " and B, give its travels; under each value is the range for travels that round"
-                    " to the printed figure. All runs of this table are solved exactly. Coulomb"
-                    " would need another coefficient than Table I’s, and Stribeck less dry friction"
-                    " than Table I has, since forwards (5) never falls below Coulomb friction. For"
-                    " the push no viscous coefficient gives the row of Coulomb + viscous."
+                    "Found by root finding, solved exactly; under each value the range for travels"
+                    " that round to the printed figure. That a value gives the row does not show"
+                    " that it was used."
                 )
             ),
             Table(columns=columns, rows=rows),
-            Paragraph(text=_step_text(found)),
-            Subheading(text="The 0.45 m of Stribeck, from (5) in steps"),
+            Subheading(text=_step_heading(found)),
+            _step_table(found),
+        ),
+    )
+
+
+def trial_section(found: PaperAudit) -> Section:
+    """Show the runs behind the values for (5) in steps and for bristles."""
+    return Section(
+        collapsed=True,
+        id="trials",
+        nav="(5) in steps, bristles",
+        heading="The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
+        blocks=(
             Paragraph(text=_creep_text(found)),
             _creep_table(found),
-            Subheading(text="The 0.25 m of Dahl and 0.13 m of LuGre, by stiffness"),
+            Subheading(text="By stiffness of the bristles"),
             _bristle_table(found),
-            Caption(
-                text=(
-                    "That a value gives the row does not show that it was used. Only the parameters"
-                    " of the paper’s simulations could settle that."
-                )
-            ),
         ),
     )
 
@@ -73,51 +75,63 @@ def _reached(found: PaperAudit, key: str) -> int:
     )
 
 
-def _step_text(found: PaperAudit) -> str:
-    """Say what steps of 10 ms make of the rows that the exact push does not reach."""
-    parts = [
-        f"{fixed(one.travel, 3)} m with {one.law.title}"
-        + (f" ($sigma_2$ = {value:g} N s/m)" if (value := _viscous(one.law)) else "")
-        for one in found.step_travels
-    ]
-    return (
-        "The 0.16 m of Coulomb and of Coulomb + viscous can also come from the time step: in steps"
-        " of 10 ms, the sample time that the paper states for its cart, forward Euler with the"
-        f" stick rule gives {joined(parts)} for the push, with Table I’s coefficients. Friction"
-        " misses the first step, since sgn 0 = 0; the exact push gives 0.154 m. Which of these it"
-        " was cannot be told from the paper."
+def _step_heading(found: PaperAudit) -> str:
+    reached = sum(one.reached for one in found.step_travels)
+    total = len(found.step_travels)
+    return f"In steps of 10 ms, {in_words(reached)} of {in_words(total)}, Table I kept"
+
+
+def _step_table(found: PaperAudit) -> Table:
+    """Show what steps of 10 ms make of the push, by the friction in the first step."""
+    titles = {row.law.name: row.law.title for row in found.table}
+    columns = (
+        Column(head="row"),
+        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
+        Column(head="sgn 0 = 0\nm", numeric=True, phone="label", label="sgn 0 = 0, m"),
+        Column(head="from $F_s$\nm", numeric=True, phone="label", label="from $F_s$, m"),
+        Column(head="with"),
     )
+    rows = tuple(
+        Row(
+            cells=(
+                titles[one.row],
+                fixed(one.published, 2),
+                fixed(one.travel, 3) if one.scatter is None else "—",
+                fixed(one.static, 3)
+                if one.scatter is None
+                else f"{fixed(one.scatter[0], 2)} to {fixed(one.scatter[1], 2)}",
+                values_of(one.law, found.values.load)
+                if one.scatter is None
+                else f"(5), sgn $v$ added, no rule for rest; {values_of(one.law)}",
+            )
+        )
+        for one in found.step_travels
+    )
+    caption = (
+        "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
+        " m of both Coulomb rows need sgn 0 = 0 in the first step; bristles have no such step."
+        " Which of these it was cannot be told from the paper."
+    )
+    return Table(columns=columns, rows=rows, caption=caption)
 
 
 def _creep_text(found: PaperAudit) -> str:
     """Say how (5) reaches its printed travel in steps, and what speaks against it."""
-    row = next(one for one in found.table if one.law.name == "stribeck")
-    travel = row.published.travel or 0.0
-    inside = [one for one in found.creeps if min(one.travels) <= travel <= max(one.travels)]
-    at = joined([f"{significant(1e3 * one.stribeck_velocity, 4)} mm/s" for one in inside])
     least = min(one.least_velocity for one in found.creeps)
-    reaches = (
-        f" At $v_s$ = {at} the printed {fixed(travel, 2)} m lies among them, with Table I kept."
-        if inside
-        else ""
-    )
     return (
-        "As printed, (5) drives the block backwards without end once its velocity is negative."
-        " With the sgn $v$ that it lacks, but its exponent as printed, it creeps forwards instead,"
-        " in the paper’s steps of 10 ms by forward Euler and without a rule for rest: backwards"
-        " its friction exceeds $F_s$, so that each step back is followed by a larger one forwards."
-        f" The push gives the travels below after 10 s.{reaches} That agrees with what the paper"
-        " says of its Fig. 8, that the velocity does not become exactly zero; the Yes of Table II"
-        f" does not agree, since the velocity falls to {significant(1e3 * least, 2)} mm/s again and"
-        " again. The creep is a matter of the step, and chaotic: $v_s$ that differ by 10⁻⁹ of"
-        " themselves give the scatter shown, whose digits differ between computers. With the rule"
-        " for rest the block stays where it stops, and in steps of 1 ms it creeps by millimetres."
+        "As printed, (5) diverges once the velocity is negative. With the sgn $v$ that it lacks,"
+        " friction backwards exceeds $F_s$, so that in steps of 10 ms each step back is followed by"
+        " a larger one forwards, and the block creeps on. That agrees with the remark on Fig. 8"
+        " that the velocity does not become exactly zero; the Yes of Table II does not, since it"
+        f" falls to {significant(1e3 * least, 2)} mm/s again and again. The creep is chaotic: $v_s$"
+        " that differ by 10⁻⁹ of themselves give the scatter, whose digits differ between"
+        " computers."
     )
 
 
 def _creep_table(found: PaperAudit) -> Table:
     columns = (
-        Column(head="$v_s$\nmm/s", numeric=True, label="Stribeck velocity, mm/s"),
+        Column(head="Stribeck velocity"),
         Column(head="10 ms, no rule\nmean, m", numeric=True, phone="label", label="mean, m"),
         Column(head="scatter\nm", numeric=True, phone="label"),
         Column(head="10 ms, rule\nfor rest, m", numeric=True, phone="label", label="with rule, m"),
@@ -126,7 +140,7 @@ def _creep_table(found: PaperAudit) -> Table:
     rows = tuple(
         Row(
             cells=(
-                significant(1e3 * one.stribeck_velocity, 4),
+                f"$v_s$ = {significant(1e3 * one.stribeck_velocity, 4)} mm/s",
                 fixed(one.mean, 2),
                 f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
                 fixed(one.held, 3),
@@ -136,10 +150,6 @@ def _creep_table(found: PaperAudit) -> Table:
         for one in found.creeps
     )
     return Table(columns=columns, rows=rows)
-
-
-def _viscous(law: FrictionLaw) -> float:
-    return float(getattr(law, "viscous_coefficient", 0.0))
 
 
 def _value(need: Requirement) -> Name:
@@ -179,8 +189,7 @@ def _bristle_table(found: PaperAudit) -> Table:
         for one, other in zip(dahl, lugre, strict=True)
     )
     caption = (
-        "The push of reading A with softer and softer bristles; LuGre with the other values of its"
-        " 1995 paper, as in the table above."
-        " Published: Dahl 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
+        "The push, solved exactly; LuGre with the other values of its 1995 paper. Published: Dahl"
+        " 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
     return Table(columns=columns, rows=rows, caption=caption)

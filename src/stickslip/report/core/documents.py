@@ -137,11 +137,13 @@ class Section:
         The finding, not the topic; nothing where an `Opening` follows.
     blocks : tuple of Block
         What it shows, at least one.
+    collapsed : bool
+        Whether it shows its heading only, until a reader opens it.
 
     Raises
     ------
     InputError
-        If the id is not a plain word or there is nothing to show.
+        If the id is not a plain word, there is nothing to show, or no heading to open it by.
 
     Examples
     --------
@@ -155,12 +157,15 @@ class Section:
     nav: str
     heading: str
     blocks: tuple[Block, ...]
+    collapsed: bool = False
 
     def __post_init__(self) -> None:
         if not _ID.fullmatch(self.id):
             raise InputError(f"Section.id must be made of a-z, 0-9 and dashes, got {self.id!r}.")
         if not self.blocks:
             raise InputError(f"Section {self.id!r} has no content; leave it out.")
+        if self.collapsed and not self.heading:
+            raise InputError(f"Section {self.id!r} is collapsed: it needs a heading to open it by.")
 
 
 @final

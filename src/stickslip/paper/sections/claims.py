@@ -1,0 +1,277 @@
+"""What the paper claims, equation by equation and figure by figure, and what became of it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stickslip.formatting import fixed, interval, percent, quantity, significant, with_unit
+from stickslip.friction import LuGre
+from stickslip.paper.audit import PaperAudit
+from stickslip.paper.cart import CYCLES, KINETIC
+from stickslip.paper.misprints import Consequence
+from stickslip.paper.sections.cart import largest_pull
+from stickslip.paper.sections.common import values_of
+from stickslip.report import Column, Name, Row, Section, Table
+from stickslip.trajectory import Trajectory
+
+REPRODUCED = "reproduced"
+IN_STEPS = "reproduced in steps of 10 ms only"
+CORRECTED = "corrected"
+CANNOT = "cannot be: value not printed"
+IN_KIND = "in kind: values not printed"
+Claim = tuple[str, str, str, str]
+"""What is claimed, where, what became of it, and the number that bears it out."""
+SAMPLES = 4000
+"""Times at which loads and speeds are read."""
+
+
+def claim_section(found: PaperAudit) -> Section:
+    """List every claim, equation and figure with the result and its number."""
+    claims = (*_table_2(found), *_rig(found), *_equations(found), *_phenomena(found), *_cart(found))
+    columns = (
+        Column(head="claim, equation or figure"),
+        Column(head="where", numeric=True),
+        Column(head="result"),
+    )
+    rows = tuple(
+        Row(cells=(what, where, Name(text=result, aside=why)))
+        for what, where, result, why in claims
+    )
+    return Section(
+        id="claims",
+        nav="Claims",
+        heading="What the paper claims, and what became of it",
+        blocks=(Table(columns=columns, rows=rows),),
+    )
+
+
+def _table_2(found: PaperAudit) -> Iterator[Claim]:
+    steps = {one.row: one for one in found.step_travels}
+    for row in found.table:
+        if row.published.travel is None:
+            continue
+        need, step = found.requirement(row.law.name), steps.get(row.law.name)
+        parts = [f"exactly {fixed(row.reading('A').criteria.travel, 3)} m"]
+        if need is not None and need.kept and need.reading == "A":
+            unit = f" {need.unit}"
+            parts = [f"${need.symbol}$ = {significant(need.value or 0.0, 3)}{unit} gives it"]
+        elif row.law.name == "stribeck":
+            parts = ["exactly, no value gives it"]
+        elif row.law.name != "coulomb":
+            parts = ["exactly, no $sigma_2$ gives it for the push"]
+        if step is not None and step.scatter is not None:
+            speed = significant(1e3 * found.creeps[len(found.creeps) // 2].stribeck_velocity, 4)
+            low, high = (fixed(end, 2) for end in step.scatter)
+            parts.append(
+                f"in steps, sgn $v$ added and $v_s$ = {speed} mm/s, it creeps to {low} to {high} m"
+            )
+        elif step is not None and row.law.states:
+            value = values_of(step.law, found.values.load).split(", ")
+            soft = next(part for part in value if "sigma_0" in part)
+            parts.append(f"in steps of 10 ms {soft} gives {fixed(step.travel, 3)} m")
+        elif step is not None:
+            viscous = getattr(step.law, "viscous_coefficient", 0.0)
+            given = f"$sigma_2$ = {viscous:g} N s/m: " if viscous else ""
+            parts.append(
+                f"in steps of 10 ms {given}{fixed(step.travel, 3)} m where sgn 0 = 0,"
+                f" {fixed(step.static, 3)} m where friction begins at $F_s$"
+            )
+        result = CANNOT
+        if row.law.name == "coulomb" and step is not None and step.reached:
+            result = IN_STEPS
+        yield f"{row.law.title}, {row.published.travel:.2f} m", "Table II", result, "; ".join(parts)
+    yield (
+        "Relative errors",
+        "Table II",
+        REPRODUCED,
+        f"they follow from the travels and the measured {found.measured:.2f} m",
+    )
+    yield (
+        "Coulomb and Coulomb + viscous are the most accurate",
+        "IV.B",
+        CORRECTED,
+        "one travel ranks no model: each has a value that gives it",
+    )
+
+
+def _rig(found: PaperAudit) -> Iterator[Claim]:
+    fit = found.verdict.best.fit if found.verdict.best else None
+    known = fit.estimates[0] if fit is not None and fit.estimates else None
+    inside = known is not None and known.low <= found.values.mu_k <= known.high
+    allowed = "" if known is None else f"{known.low:.3f} to {known.high:.3f}"
+    yield (
+        f"$mu_d$ = {found.values.mu_k:g}",
+        "Table I",
+        REPRODUCED if inside else CORRECTED,
+        f"with the spring released the measured travel allows {allowed or 'none'}",
+    )
+    spring = found.table[0].reading("B")
+    yield (
+        "(11) energy balance",
+        "IV",
+        REPRODUCED,
+        f"{fixed(spring.closed_form or 0.0, 4)} m by formula and by simulation",
+    )
+    met = [
+        sum(
+            seen.velocity_never_negative and seen.displacement_never_decreases
+            for seen in (row.reading(key).criteria for row in found.table)
+        )
+        for key in "AB"
+    ]
+    backs = [
+        f"{back.law.title} {quantity(back.criteria.largest_return, 'm', 2)}"
+        for back in found.springbacks
+    ]
+    yield (
+        "Two criteria: no negative velocity, no decrease",
+        "III.A",
+        CORRECTED,
+        f"met by {met[0]} and {met[1]} of {len(found.table)} exact runs that hold the block (push,"
+        f" spring); free bristles spring back ({', '.join(backs)}), which is physical",
+    )
+    free = next(row for row in found.fixed_steps if row.dt is not None and not row.stick_rule)
+    yield (
+        "A rule for rest is needed in steps",
+        "III.A",
+        REPRODUCED,
+        f"without it the velocity changes its sign {free.reversals} times in 1 s, in steps of"
+        f" {1e3 * (free.dt or 0.0):g} ms",
+    )
+
+
+def _equations(found: PaperAudit) -> Iterator[Claim]:
+    by = {one.form.equation: one for one in found.consequences}
+    yield (
+        "(1) Coulomb, of [6]",
+        "II",
+        CORRECTED,
+        "nothing is held at rest, since sgn 0 = 0: the body creeps by an amount set by the step",
+    )
+    yield "(2) dynamics with (1)", "II", REPRODUCED, "right while the cart slides"
+    yield (
+        "(3), (4) friction and dynamics, of [7]",
+        "II",
+        CORRECTED,
+        f"sgn $v$ enters twice; as printed, a block coasting forwards {_ends(by['(3)'], 'coast')}",
+    )
+    yield (
+        "(5) Stribeck",
+        "III.C.1",
+        CORRECTED,
+        f"|·| and sgn $v$ are missing; as printed, coasting {_ends(by['(5)'], 'coast')}. Its rule"
+        " for rest is right, and is used here",
+    )
+    for equation, title, what in (
+        ("(6)", "Dahl", "$Z$ has a sign already; "),
+        ("(7)", "Coulomb", ""),
+        ("(8)", "viscous", "one sgn too many; "),
+        ("(9)", "LuGre", "sgn on all three parts, exponent ambiguous; "),
+        ("(10)", "Coulomb + viscous", "one sgn too many; "),
+    ):
+        yield (
+            f"{equation} {title}",
+            "III.C",
+            CORRECTED,
+            f"{what}holds a body at rest without limit: pushed from rest $x$ = 0, not"
+            f" {significant(_corrected(by[equation], 'push'), 3)} m",
+        )
+
+
+def _ends(one: Consequence, test: str) -> str:
+    seen = one.outcome(test)
+    assert seen is not None
+    right = significant(seen.corrected.travel, 3)
+    if seen.printed.diverged:
+        return f"diverges, instead of {right} m"
+    return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m"
+
+
+def _corrected(one: Consequence, test: str) -> float:
+    seen = one.outcome(test)
+    assert seen is not None
+    return seen.corrected.travel
+
+
+def _phenomena(found: PaperAudit) -> Iterator[Claim]:
+    pulled = found.stick_slip
+    if pulled is not None:
+        yield (
+            "Stick-slip motion",
+            "III.B.1",
+            REPRODUCED,
+            f"sticks {pulled.stick_time:.3f} s, slips {pulled.slip_time:.3f} s, by run and formula",
+        )
+    bristles = found.cart.break_away[-1]
+    if isinstance(bristles.law, LuGre):
+        yield (
+            "Break-away force that varies",
+            "III",
+            REPRODUCED,
+            f"only (9) has it: {significant(max(bristles.largest_friction), 3)} of the normal force"
+            f" on the cart, not {found.values.mu_s:g}",
+        )
+    yield (
+        "Figs 3, 4 Stribeck effect, presliding",
+        "III.B",
+        IN_KIND,
+        "drawn again with the corrected laws; $v_s$ and stiffness are assumed",
+    )
+    yield (
+        "Figs 6 to 10 the block",
+        "IV.B",
+        IN_KIND,
+        "drawn again; the travels are those of Table II",
+    )
+
+
+def _cart(found: PaperAudit) -> Iterator[Claim]:
+    study = found.cart
+    printed, exact = study.run("printed-1"), study.run("exact")
+    old, new = study.run("table-1"), study.run("table-1-exact")
+    yield (
+        "Fig. 2 the cart of [6], [7] goes back",
+        "II",
+        IN_KIND,
+        f"(1), (2) in steps of 10 ms reach {_speed(printed.least_velocity)}; exactly"
+        f" {_speed(exact.least_velocity)} at $mu$ = {KINETIC:g}",
+    )
+    loads, speeds = _ranges(study.run("paper").run)
+    _, block = _ranges(found.table[0].reading("B").run)
+    yield (
+        "Rig and cart share the same physical condition",
+        "IV.B",
+        CANNOT,
+        f"masses and swing are not printed; with ours the load is {interval(*loads)} N and the"
+        f" speed up to {significant(speeds[1], 2)} m/s, on the rig {found.values.load:.2f} N"
+        f" throughout and {significant(block[1], 2)} m/s",
+    )
+    yield (
+        "Fig. 11 with a rule for rest the cart never goes back",
+        "V",
+        IN_KIND,
+        f"back-slip {_way(new.mean_return)} a cycle with $mu_s$ = {found.values.mu_s:g}: the swing"
+        f" pulls with {percent(largest_pull(new))} of the normal force",
+    )
+    yield (
+        "The displacement stays the same",
+        "V",
+        IN_KIND,
+        f"(1), (2) in steps of 10 ms and exactly: {fixed(old.travel, 3)} and"
+        f" {fixed(new.travel, 3)} m in {CYCLES} cycles at Table I’s levels",
+    )
+
+
+def _ranges(run: Trajectory) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the range of the normal force, and of the speed."""
+    seen = run.at(np.linspace(*run.span, SAMPLES))
+    load, speed = seen["normal_force"], np.abs(seen["v"])
+    return (float(load.min()), float(load.max())), (float(speed.min()), float(speed.max()))
+
+
+def _speed(velocity: float) -> str:
+    return with_unit(significant(1e3 * velocity, 2), "mm/s")
+
+
+def _way(way: float) -> str:
+    return "0 mm" if way == 0.0 else quantity(way, "m", 2)
