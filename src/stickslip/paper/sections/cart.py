@@ -191,9 +191,9 @@ def _cycle_figure(study: CartStudy) -> Figure:
             **CYCLE_SIZES,
         ),
         caption=(
-            f"**In place of Fig. 2. (1) and (2), as printed and corrected, in {STEP_TEXT}, and the"
-            " exact run**: all cycles, and the velocity near zero in the last one. Yellow: the"
-            f" exact run sticks. {_same_text(study)}"
+            "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
+            f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last. Yellow:"
+            f" the exact run sticks. {_same_text(study)}"
         ),
     )
 

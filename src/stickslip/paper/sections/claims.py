@@ -8,9 +8,11 @@ from stickslip.formatting import fixed, interval, percent, quantity, significant
 from stickslip.friction import LuGre
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC
+from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.misprints import Consequence
 from stickslip.paper.sections.cart import largest_pull
 from stickslip.paper.sections.common import values_of
+from stickslip.paper.unpublished import ROUNDING
 from stickslip.report import Column, Name, Row, Section, Table
 from stickslip.trajectory import Trajectory
 
@@ -103,7 +105,8 @@ def _rig(found: PaperAudit) -> Iterator[Claim]:
         f"$mu_d$ = {found.values.mu_k:g}",
         "Table I",
         REPRODUCED if inside else CORRECTED,
-        f"with the spring released the measured travel allows {allowed or 'none'}",
+        f"the measured travel allows {allowed or 'none'} with the spring released,"
+        f" {_pushed(found)} if the block was pushed",
     )
     spring = found.table[0].reading("B")
     yield (
@@ -138,6 +141,18 @@ def _rig(found: PaperAudit) -> Iterator[Claim]:
         f"without it the velocity changes its sign {free.reversals} times in 1 s, in steps of"
         f" {1e3 * (free.dt or 0.0):g} ms",
     )
+
+
+def _pushed(found: PaperAudit) -> str:
+    """Return the coefficients whose travel after the push rounds to the measured one."""
+    values, duration = found.values, PUSH_DURATION
+    levels = [
+        (values.force * duration) ** 2
+        / (2.0 * values.rig.mass * travel + values.force * duration**2)
+        for travel in (found.measured + ROUNDING, found.measured - ROUNDING)
+    ]
+    low, high = (level / values.load for level in levels)
+    return f"{low:.3f} to {high:.3f}"
 
 
 def _equations(found: PaperAudit) -> Iterator[Claim]:
@@ -254,7 +269,7 @@ def _cart(found: PaperAudit) -> Iterator[Claim]:
         f" pulls with {percent(largest_pull(new))} of the normal force",
     )
     yield (
-        "The displacement stays the same",
+        "The cart goes to “the same displacement” as before",
         "V",
         IN_KIND,
         f"(1), (2) in steps of 10 ms and exactly: {fixed(old.travel, 3)} and"
