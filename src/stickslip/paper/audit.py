@@ -35,7 +35,7 @@ from stickslip.quantities import fields_of, parameters, vary
 from stickslip.report import published_dict
 from stickslip.selection import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.simulation import simulate
-from stickslip.solver import FixedStep
+from stickslip.solver import BreakAway, FixedStep
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class TableRow:
     """What the paper prints in the row."""
     readings: tuple[Excitation, ...]
     """The row's law in the readings A, B and C."""
-    coarse: Mapping[str, float]
+    coarse: Mapping[BreakAway, float]
     """Travel of the push by forward Euler in steps of 10 ms, with the stick rule [m], by the
     friction in the first step out of rest; empty where the step makes bristles unstable."""
     largest_step: float | None
@@ -362,7 +362,7 @@ def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     readings = excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
     push = readings[0]
     largest = largest_step(push.mechanism, law, push.run)
-    coarse = {}
+    coarse: dict[BreakAway, float] = {}
     for rule in RULES if largest is None or largest >= STEP else ():
         solver = FixedStep(dt=STEP, break_away=rule)
         run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)

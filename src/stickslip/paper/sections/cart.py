@@ -192,8 +192,8 @@ def _cycle_figure(study: CartStudy) -> Figure:
         ),
         caption=(
             "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
-            f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last. Yellow:"
-            f" the exact run sticks. {_same_text(study)}"
+            f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
+            f" Yellow: the exact run sticks. {_same_text(study)}"
         ),
     )
 

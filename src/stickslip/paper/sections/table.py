@@ -27,6 +27,7 @@ from stickslip.report import (
     Section,
     Table,
 )
+from stickslip.solver import BreakAway
 
 
 def table_section(found: PaperAudit) -> Section:
@@ -82,7 +83,7 @@ def _assumptions(found: PaperAudit) -> str:
     )
 
 
-RULES: Mapping[str, str] = {"zero": "sgn 0 = 0", "static": "from $F_s$"}
+RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from $F_s$"}
 """What the friction in the first step out of rest is called."""
 
 
