@@ -1,5 +1,6 @@
 """A page is one well-formed file that loads nothing and says everything it was given."""
 
+import dataclasses
 import math
 import re
 from html.parser import HTMLParser
@@ -7,6 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 from stickslip import report
+from stickslip.errors import InputError
 from stickslip.plots import C1, VARIABLES, inline_svg
 from stickslip.report.core.page import render, write
 
@@ -231,6 +233,28 @@ def test_on_a_phone_cells_are_labelled_or_hidden_and_the_axis_stands_above(text)
     assert 'data-label="error, mm"' in text
     assert '<td class="n hide">' in text
     assert text.count('class="phone-axis"') == 1
+
+
+def test_contents_are_reachable_on_a_phone_and_left_out_in_print_only(text):
+    style = text[text.index("<style>") : text.index("</style>")]
+    screen = style[: style.index("@media print {\n  @page")]
+    assert not re.search(r"nav \{[^}]*display: none", screen)
+    assert "nav { position: sticky" in screen[screen.index("max-width: 1020px") :]
+
+
+def test_a_collapsed_section_shows_its_heading_and_opens_without_a_script():
+    blocks = (report.Paragraph(text="Inside."),)
+    closed = report.Section(id="a", nav="A", heading="Finding", blocks=blocks, collapsed=True)
+    page = report.render(report.Page(title="P", subject="", sections=(closed,), footer=""))
+    assert "<details><summary><h2>Finding</h2></summary>" in page
+    assert page.index("<p>Inside.</p>") < page.index("</details>")
+    with pytest.raises(InputError, match="needs a heading to open it by"):
+        dataclasses.replace(closed, heading="")
+
+
+def test_letters_of_equations_need_no_font_for_mathematics(text):
+    """Browsers put single letters into an alphabet that other fonts lack, unless told not to."""
+    assert re.search(r"\.math mi \{ text-transform: none; font-style: italic \}", text)
 
 
 def test_no_number_is_shown_as_nan_or_infinity(text):

@@ -9,7 +9,7 @@ from stickslip.paper.cart import CYCLES, KINETIC
 from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.misprints import BACKWARD, BRISTLE_STEP, HELD
 from stickslip.paper.misprints import STEP as FINE
-from stickslip.paper.sections.common import values_of
+from stickslip.paper.sections.common import fitted_text, values_of
 from stickslip.paper.stick_slip import SPEED
 from stickslip.paper.unpublished import CREEPING, STEP, STIFFNESS, lugre_row
 from stickslip.quantities import fields_of
@@ -91,6 +91,8 @@ def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
                 origin = (
                     f"{joined(given)} of the rig file" if given else "levels as above"
                 ) + ", the rest as for the rig of the paper"
+                if row.law.name.startswith("coulomb-viscous") and fitted_text(found):
+                    origin = fitted_text(found)
         elif assumed:
             origin = (
                 f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
@@ -110,9 +112,9 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     rows = [
         (
             "printed equations",
-            f"$sigma_2$ {number(values.viscous)} N s/m in (5), (8), (9) and (10), also where the"
-            " models above have none; $n$ = 2 in (9)",
-            "assumed",
+            f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also where"
+            " the models above have none; $n$ = 2 in (9)",
+            fitted_text(found) or "assumed",
         ),
         (
             "printed equations, tests",

@@ -20,9 +20,9 @@ from stickslip.paper.sections.common import (
     FIRST_CYCLE,
     LOWEST_VELOCITY,
     back_slip_text,
+    fitted_text,
     values_of,
 )
-from stickslip.paper.values import viscous_fit
 from stickslip.plots import (
     CYCLE_SIZES,
     MotionView,
@@ -282,8 +282,7 @@ def _choice_heading(study: CartStudy) -> str:
 def _choice_text(found: PaperAudit) -> str:
     named = [one for one in found.cart.choices if one.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
-    fitted = found.own and viscous_fit(found.verdict)
-    origin = "as fitted to the travels" if fitted else "assumed"
+    origin = fitted_text(found) or "assumed"
     cart = "given by `--set`" if found.cart.given else "ours"
     return (
         "The paper takes Coulomb + viscous friction “for instance”; its $sigma_2$ is not printed"

@@ -7,6 +7,7 @@ from typing import Literal
 from stickslip.formatting import quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
+from stickslip.paper.values import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.report import Axis, Column
 
@@ -22,6 +23,15 @@ BACK_SLIP = Column(
     head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
 )
 """Columns of the tables of the cart."""
+
+
+def fitted_text(found: PaperAudit) -> str:
+    """Say within which range the travels bound the viscous part; nothing where it is assumed."""
+    for one in viscous_fit(found.verdict) if found.own else ():
+        if one.path == "friction.viscous_coefficient" and found.values.viscous == one.value:
+            low, high = (significant(end, 2) for end in (one.low, one.high))
+            return f"fitted to the travels, {low} to {high}"
+    return ""
 
 
 def levels_from(found: PaperAudit) -> str:

@@ -11,10 +11,10 @@ from stickslip.formatting import (
     scale_of,
     signed_percent,
     significant,
+    with_unit,
 )
 from stickslip.paper.audit import PaperAudit, TableRow
-from stickslip.paper.sections.common import travel_axis
-from stickslip.paper.values import viscous_fit
+from stickslip.paper.sections.common import fitted_text, travel_axis
 from stickslip.report import (
     Caption,
     Column,
@@ -74,7 +74,7 @@ def _origin(found: PaperAudit) -> str:
 def _assumptions(found: PaperAudit) -> str:
     """List the values that are not printed, in the paper's own terms."""
     values = found.values
-    fitted = " as fitted to the travels" if found.own and viscous_fit(found.verdict) else ""
+    fitted = f" {fitted_text(found)}" if fitted_text(found) else ""
     return (
         f"$sigma_2$ {quantity(values.viscous, 'N s/m', 2)}{fitted} in Coulomb + viscous and none"
         f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
@@ -99,17 +99,17 @@ def _table(found: PaperAudit) -> Table:
     columns = (
         Column(head="friction model"),
         *printed,
-        Column(head="A, exact\nm", numeric=True, phone="label", label="A push, exact, m"),
+        Column(head="A, exact\nm", numeric=True, phone="label", label="A exact, m"),
         *(
             Column(
                 head=f"A, 10 ms\n{what}",
                 numeric=True,
                 phone="label",
-                label=f"A push, 10 ms, {what}, m",
+                label=f"10 ms, {what}",
             )
             for what in RULES.values()
         ),
-        Column(head=f"{spring}\nm", numeric=True, phone="label", label=f"{spring}, exact, m"),
+        Column(head=f"{spring}\nm", numeric=True, phone="label", label=f"{spring}, m"),
         Column(
             head="",
             axis=travel_axis(found, travels, marks if found.own else f"{marks}, ring: published"),
@@ -173,8 +173,8 @@ def _trial_table(found: PaperAudit) -> Table:
     """Show every trial with the travel of each model at its compression."""
     scale = scale_of([trial.compression for trial in found.trials], "m")
     columns = (
-        Column(head=f"compression\n{scale.unit}", numeric=True),
-        Column(head="measured\nm", numeric=True),
+        Column(head="compression"),
+        Column(head="measured\nm", numeric=True, phone="label", label="measured, m"),
         *(
             Column(
                 head=row.law.title.replace(" + ", "\n+ "),
@@ -188,7 +188,7 @@ def _trial_table(found: PaperAudit) -> Table:
     rows = tuple(
         Row(
             cells=(
-                number(scale.factor * trial.compression),
+                with_unit(number(scale.factor * trial.compression), scale.unit),
                 Number(value=fixed(trial.measured, 3)),
                 *(fixed(trial.travels[row.law.name], 3) for row in found.table),
             )
