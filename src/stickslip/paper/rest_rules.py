@@ -61,7 +61,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
     >>> from stickslip import load_rig
     >>> from stickslip.paper import PaperValues, rest_rules
     >>> [rule.reversals for rule in rest_rules(PaperValues.of(load_rig()))][:4]
-    [0, 50, 50, 0]
+    [0, 49, 49, 0]
     """
     period = float(swing_of(cart).period)
     law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)

@@ -112,8 +112,8 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     rows = [
         (
             "printed equations",
-            f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also where"
-            " the models above have none; $n$ = 2 in (9)",
+            f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also"
+            " where the models above have none; $n$ = 2 in (9)",
             fitted_text(found) or "assumed",
         ),
         (

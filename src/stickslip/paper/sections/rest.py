@@ -55,7 +55,7 @@ def _rest_text(found: PaperAudit) -> str:
         " but a step changes the velocity of the block by $F_c$ $dt$/$m$, which is"
         f" {jumps}, and can jump over a narrower band. Coulomb friction with the levels"
         f" {levels_from(found)}; the block with its spring, the cart as assumed for Fig. 2; forward"
-        " Euler."
+        " Euler, friction from $F_s$ in the first step out of rest."
     )
 
 

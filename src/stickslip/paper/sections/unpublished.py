@@ -1,6 +1,6 @@
 """What the parameters that the paper does not print would have to be."""
 
-from stickslip.formatting import fixed, in_words, significant
+from stickslip.formatting import fixed, in_words, number, significant
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.unpublished import Requirement
@@ -149,7 +149,12 @@ def _creep_table(found: PaperAudit) -> Table:
         )
         for one in found.creeps
     )
-    return Table(columns=columns, rows=rows)
+    speed = number(1e3 * found.values.stribeck_velocity)
+    caption = (
+        "Travel of the push after 10 s; the rule for rest holds the block where its velocity"
+        f" changes sign, and friction begins at $F_s$. Table II has $v_s$ = {speed} mm/s."
+    )
+    return Table(columns=columns, rows=rows, caption=caption)
 
 
 def _value(need: Requirement) -> Name:
