@@ -26,7 +26,9 @@ from stickslip.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CART, CYCLES
+from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
+from stickslip.paper.sections.unpublished import step_cells
 from stickslip.paper.values import check_form
 from stickslip.quantities import full_path, parameters, vary
 
@@ -157,6 +159,18 @@ def _show_needs(found: PaperAudit) -> None:
     stdout().print()
     heads = ["row", "m", "interpreted as", "needs", "range"]
     show_table("Parameter values that would reproduce the published rows", heads, rows)
+    rows = [
+        [
+            one.row,
+            fixed(one.published, 2),
+            *map(plain, step_cells(one)),
+            plain(values_of(one.law, found.values.load)),
+        ]
+        for one in found.step_travels
+    ]
+    heads = ["row", "m", *(f"{what}, m" for what in map(plain, RULES.values())), "with"]
+    stdout().print()
+    show_table("The push in steps of 10 ms, by the friction out of rest", heads, rows)
     rows = [
         [
             row.law,

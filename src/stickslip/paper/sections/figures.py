@@ -156,9 +156,7 @@ def figure_section(found: PaperAudit) -> Section:
     )
     text = (
         "The block in readings A and B with the values assumed for Table II, and a third run with"
-        " the value, found above, that gives the published travel. Dashed: the published and the"
-        " measured travel. What the figures of the paper show is taken from its text. Figs 2 and"
-        " 11, of the cart, have sections of their own."
+        " the value that gives the published travel. Dashed: the published and the measured travel."
     )
     return Section(
         collapsed=True,

@@ -49,13 +49,11 @@ def _rest_text(found: PaperAudit) -> str:
     level = found.values.mu_k * found.values.load / found.values.rig.mass
     jumps = joined([f"{significant(1e3 * level * dt, 2)} mm/s in {1e3 * dt:g} ms" for dt in steps])
     return (
-        "The paper cites Karnopp (1985), its [18] (III.B.1): within a small band around zero"
-        " velocity the other forces decide. So a body slower than $D_v$ is at rest while the force"
-        " needed is within break-away. The band replaces the search for the instant of the stop;"
-        " but a step changes the velocity of the block by $F_c$ $dt$/$m$, which is"
-        f" {jumps}, and can jump over a narrower band. Coulomb friction with the levels"
-        f" {levels_from(found)}; the block with its spring, the cart as assumed for Fig. 2; forward"
-        " Euler, friction from $F_s$ in the first step out of rest."
+        "Karnopp (1985), the paper’s [18], has a body slower than $D_v$ at rest while the force"
+        " needed is within break-away. A step changes the velocity of the block by"
+        f" $F_c$ $dt$/$m$, which is {jumps}, and can jump over a narrower band. Coulomb friction"
+        f" with the levels {levels_from(found)}, forward Euler, friction from $F_s$ in the first"
+        " step out of rest."
     )
 
 
@@ -99,9 +97,8 @@ def _rest_caption(found: PaperAudit) -> str:
         ]
         text += f" Bands that it jumps over: {joined(missed)}."
     return (
-        f"{text} A band that is wide enough does what the rule for a change of sign does, but its"
-        " width has to fit step and friction. Neither finds the instant of the stop, nor that of"
-        " the start, so that travels keep an error of the order of the step."
+        f"{text} A wide band does what the rule for a change of sign does. Neither finds the"
+        " instant of stop or start, so that travels keep an error of the order of the step."
     )
 
 
@@ -170,12 +167,11 @@ SAME = 1e-6
 def _break_away_text(found: PaperAudit) -> str:
     values = found.values
     return (
-        "Section III of the paper lists a break-away force that varies among the phenomena of"
-        " friction; of its equations only (9) has one, since bristles give way earlier the faster"
-        " the force grows. The cart of Fig. 2, solved exactly: Coulomb friction with other"
-        f" static levels, at $mu_k$ = {number(values.mu_k)} and at {KINETIC:g}; and LuGre with"
-        f" $mu_s$ = {number(values.mu_s)}, bristles of 10⁵ N/m and the other values of its 1995"
-        " paper, nothing holding them."
+        "Section III lists a break-away force that varies; of the equations only (9) has one, since"
+        " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
+        f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
+        f" {KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵ N/m and"
+        " the other values of its 1995 paper."
     )
 
 

@@ -3,7 +3,7 @@
 from stickslip.formatting import fixed, in_words, number, significant
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.common import values_of
-from stickslip.paper.unpublished import Requirement
+from stickslip.paper.unpublished import Requirement, StepTravel
 from stickslip.report import Column, Name, Paragraph, Row, Section, Subheading, Table
 
 
@@ -96,10 +96,7 @@ def _step_table(found: PaperAudit) -> Table:
             cells=(
                 titles[one.row],
                 fixed(one.published, 2),
-                fixed(one.travel, 3) if one.scatter is None else "—",
-                fixed(one.static, 3)
-                if one.scatter is None
-                else f"{fixed(one.scatter[0], 2)} to {fixed(one.scatter[1], 2)}",
+                *step_cells(one),
                 values_of(one.law, found.values.load)
                 if one.scatter is None
                 else f"(5), sgn $v$ added, no rule for rest; {values_of(one.law)}",
@@ -113,6 +110,14 @@ def _step_table(found: PaperAudit) -> Table:
         " Which of these it was cannot be told from the paper."
     )
     return Table(columns=columns, rows=rows, caption=caption)
+
+
+def step_cells(one: StepTravel) -> tuple[str, str]:
+    """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
+    if one.scatter is None:
+        return fixed(one.travel, 3), fixed(one.static, 3)
+    low, high = one.scatter
+    return "—", f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
 def _creep_text(found: PaperAudit) -> str:
