@@ -1,5 +1,6 @@
 """The block diagram with a fixed step: what it does wrong, and what it converges to."""
 
+import itertools
 import math
 
 import numpy as np
@@ -286,8 +287,13 @@ def test_two_contacts_break_away_as_one_does(rule):
 
 
 def test_a_body_at_rest_that_is_not_exceeded_stays_but_where_sgn_0_is_0():
-    block = SpringBlock(mass=1.0, drive=Pulse(level=3.0, duration=1.0))
-    for break_away in ("zero", "kinetic", "static"):
+    for break_away, block in itertools.product(
+        ("zero", "kinetic", "static"),
+        (
+            SpringBlock(mass=1.0, drive=Pulse(level=3.0, duration=1.0)),
+            SpringBlock(mass=0.7, incline=0.3),  # forces that leave roundings
+        ),
+    ):
         solver = FixedStep(dt=0.01, stick_rule=False, break_away=break_away)
         run = simulate(block, LAW, t_end=0.1, solver=solver)
         assert bool(run["x"][-1] == 0.0) is (break_away != "zero")

@@ -6,6 +6,7 @@ from tests.contact_cases import coulomb
 from tests.pair_cases import LAW, LAWS, OTHER, PUSH, Pair, axis
 
 from stickslip import Coulomb, Dahl, EventDriven, FixedStep, TwoFeet, TwoLinkArm, plots, simulate
+from stickslip.drives import Pulse
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.results import Status
@@ -105,3 +106,19 @@ def test_printed_forms_take_one_contact():
     message = r"one contact.*has left, right: give CoulombViscous\(...\)"
     with pytest.raises(InputError, match=message):
         simulate(Pair(), form, t_end=0.1, solver=FixedStep(dt=1e-2))
+
+
+@pytest.mark.parametrize(
+    ("break_away", "front", "rear"), [("kinetic", 0.6, 0.2), ("static", 0.8, 0.3)]
+)
+def test_loads_react_to_the_friction_with_which_feet_break_away(break_away, front, rear):
+    push = Pulse(level=30.0, duration=1.0)
+    body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, drive=push)
+    laws = {"front": coulomb(0.6, 0.8), "rear": coulomb(0.2, 0.3)}
+    run = simulate(body, laws, t_end=0.01, solver=FixedStep(dt=0.01, break_away=break_away))
+    ahead, behind = (float(run[f"normal_force:{foot}"][0]) for foot in ("front", "rear"))
+    friction = front * ahead + rear * behind
+    # the weight, and the moment about the centre of mass
+    assert ahead + behind == pytest.approx(2.0 * 9.81, rel=1e-12)
+    assert 0.3 * ahead - 0.2 * behind == pytest.approx(0.15 * friction, rel=1e-12)
+    assert run["v"][-1] == pytest.approx(0.01 * (30.0 - friction) / 2.0, rel=1e-12)

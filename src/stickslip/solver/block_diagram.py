@@ -316,18 +316,25 @@ class Diagram(BlockDiagram):
         if self.soft is not None:
             return self._softly(self.soft, law, t, y), normal
         if not z:  # only memories latch
-            sliding = v != 0.0 or self.break_away == "zero"
-            return law.force(v, normal) if sliding else self._at_rest(law, normal, needed), normal
+            if v != 0.0 or self.break_away == "zero":
+                return law.force(v, normal), normal
+            return self._out_of_rest(law, normal, needed), normal
         with self.latches[0]:
             return law.force(v, normal, z), normal
 
-    def _at_rest(self, law: FrictionLaw, normal: float, needed: float) -> float:
-        """Return friction at rest: what is needed, up to break-away, and beyond it a level."""
+    def _rests(self, t: float, y: Sequence[float], held: bool) -> bool:
+        """Whether friction holds the body, by a rule or because it is at rest and not pushed on."""
+        exempt = self.break_away == "zero" or self.soft is not None or bool(self.bristles)
+        if held or exempt or isinstance(self.law, PrintedForm) or y[self.slip] != 0.0:
+            return held
+        return self._can_hold(t, y)
+
+    def _out_of_rest(self, law: FrictionLaw, normal: float, needed: float) -> float:
+        """Return the friction with which a body breaks away."""
         side = 1 if needed > 0.0 else -1
-        level = float(law.towards(side).break_away(normal))
-        if abs(needed) <= level:
-            return needed
-        return side * level if self.break_away == "static" else law.force(side * CREEP, normal)
+        if self.break_away == "static":
+            return side * float(law.towards(side).break_away(normal))
+        return float(law.force(side * CREEP, normal))
 
     def _softly(
         self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]
@@ -365,7 +372,7 @@ class Diagram(BlockDiagram):
 
     @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        (stuck,) = held
+        stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
         n = self.equations.sizes.coordinates
         *accelerations, _, _, _ = self._free(t, y, friction)
@@ -397,7 +404,7 @@ class Diagram(BlockDiagram):
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        (stuck,) = held
+        stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
         v = y[self.slip]
         return [t, *y, friction, normal, 0.0 if stuck else float((v > 0) - (v < 0))]

@@ -223,7 +223,12 @@ class ContactDiagram(BlockDiagram):
         if self.break_away == "zero" or not any(resting):
             return self._at(t, y, tuple(held))
         kept, pushed = self._decided(t, y)
-        return self._at(t, y, tuple(a or b for a, b in zip(kept, held, strict=True)), pushed)
+        n = self.coordinates
+        rests = (
+            own or (one and not self._bends(slip - n))
+            for slip, one, own in zip(self.slips, kept, held, strict=True)
+        )
+        return self._at(t, y, tuple(rests), pushed)
 
     def _bends(self, i: int) -> bool:
         """Whether bristles carry friction along a coordinate, whatever holds them at rest."""
