@@ -90,7 +90,7 @@ def _power(random: Random, level: float, speed: float) -> tuple[str, Curve]:
     one = PowerViscous(
         kinetic_coefficient=level * float(random.choice([0.0, 0.3, 1.0])),
         viscous_coefficient=level / speed**n * float(random.uniform(1.0, 3.0)),
-        exponent=n,
+        viscous_exponent=n,
     )
     return "power-viscous", Sliding(one)
 

@@ -111,7 +111,7 @@ def _power_viscous(random: Random, s: Sizes) -> FrictionLaw:
     return PowerViscous(
         kinetic_coefficient=s.level,
         viscous_coefficient=share * s.level / s.speed**exponent,
-        exponent=exponent,
+        viscous_exponent=exponent,
     )
 
 

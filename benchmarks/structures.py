@@ -331,13 +331,12 @@ def true_parameters(truth: Truth) -> dict[str, float]:
         f"friction.forward_{drag}_coefficient": p.viscous,
         f"friction.backward_{drag}_coefficient": back,
         "friction.viscous_exponent": p.exponent,
-        "friction.exponent": p.exponent,
         "friction.stribeck_velocity": p.stribeck_velocity,
         "friction.fading_exponent": p.stribeck_exponent,
     }
     if p.length:
         found["friction.bristle_stiffness"] = p.forward / p.length
-        found["friction.exponent"] = found["friction.yield_exponent"] = p.bristle_exponent
+        found["friction.yield_exponent"] = p.bristle_exponent
     return found if p.forward != p.backward else found | {"mechanism.offset": p.offset}
 
 

@@ -187,7 +187,7 @@ def _law(random: Random, truth: str, level: float, load: float, speed: float) ->
         return PowerViscous(
             kinetic_coefficient=level,
             viscous_coefficient=viscous * speed ** (1.0 - exponent),
-            exponent=exponent,
+            viscous_exponent=exponent,
         )
     if truth == "direction-dependent":
         ratio = float(random.uniform(0.6, 0.9)) ** int(random.choice((-1, 1)))

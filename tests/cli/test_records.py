@@ -315,7 +315,7 @@ def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
     chosen = {one["parameter"]: one["value"] for one in same["fit"]["estimates"]}
     for path, value in chosen.items():  # select leaves out what ends at its bound of 0
         assert fitted[path] == pytest.approx(value, rel=1e-4, abs=1e-5)
-    has_exponent = [("friction.exponent" in found) for found in (fitted, chosen)]
+    has_exponent = [("friction.yield_exponent" in found) for found in (fitted, chosen)]
     assert has_exponent == [name == "dahl-exponent"] * 2
 
 

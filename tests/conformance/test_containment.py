@@ -36,7 +36,7 @@ def test_embedded_values_give_the_friction_of_the_simpler_law(kind, one, velocit
 def test_values_that_the_richer_law_cannot_take_are_not_embedded():
     from stickslip import Dahl, LuGre
 
-    yields_sharply = Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e4, exponent=0.5)
+    yields_sharply = Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e4, yield_exponent=0.5)
     (one,) = [c for c in LuGre.contained if c.law == "dahl"]
     assert one.embed(yields_sharply) is None
 

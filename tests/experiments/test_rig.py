@@ -720,7 +720,7 @@ def test_a_trial_that_does_not_fit_the_mechanism_is_refused(parts, message):
     [
         ({"laws": {"coulom": LAW}}, "unknown friction law 'coulom'"),
         ({"laws": {"dahl": LAW}}, "must be that law"),
-        ({"assumed": {"dahl": ("exponent",)}}, "law in Rig.assumed 'dahl'"),
+        ({"assumed": {"dahl": ("yield_exponent",)}}, "law in Rig.assumed 'dahl'"),
         ({"mechanism": "block"}, "must be a Mechanism"),
         ({"t_end": 0.0}, r"Rig.t_end \(t_end\) must be above 0 s"),
     ],

@@ -31,7 +31,7 @@ def need_tools() -> None:
 
 COULOMB = Coulomb(kinetic_coefficient=0.25)
 STRIBECK = Stribeck(
-    kinetic_coefficient=0.2, static_coefficient=0.35, stribeck_velocity=0.02, exponent=2
+    kinetic_coefficient=0.2, static_coefficient=0.35, stribeck_velocity=0.02, fading_exponent=2
 )
 LUGRE = LuGre(
     kinetic_coefficient=0.2,

@@ -225,10 +225,10 @@ def test_the_bristles_of_mujoco_are_those_of_the_law(law, rotary):
 
 def test_bristles_that_mujoco_does_not_have_become_a_level_and_a_damping():
     for law in (
-        replace(BRISTLES, exponent=1.0),
+        replace(BRISTLES, fading_exponent=1.0),
         replace(BRISTLES, viscous_exponent=0.5),
         replace(BRISTLES, static_switch=True),
-        Dahl(kinetic_coefficient=1.0, bristle_stiffness=2e3, exponent=2.0),
+        Dahl(kinetic_coefficient=1.0, bristle_stiffness=2e3, yield_exponent=2.0),
     ):
         found = export(law, "mjcf", load=1.0, largest_speed=1.0)
         (text,) = found.files.values()

@@ -78,7 +78,7 @@ def test_json_has_values_units_intervals_covariance_and_provenance(fitted, tmp_p
     np.testing.assert_allclose(found["covariance"], known.covariance, rtol=1e-12)
     assert found["provenance"] == f"law.toml, SHA-256 {rig.digest}"
     assert found["largest_speed"] == 1.0
-    assert found["shape"] == {"exponent": 2.0}
+    assert found["shape"] == {"fading_exponent": 2.0}
 
 
 def test_a_fit_and_its_file_give_the_same_program(fitted, tmp_path):

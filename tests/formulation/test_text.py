@@ -78,7 +78,7 @@ def test_a_number_changes_no_text_and_an_exponent_does():
     first = formulate(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.1)).text
     assert formulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.2)).text == first
     plain = Dahl(kinetic_coefficient=0.2, bristle_stiffness=100.0)
-    square = Dahl(kinetic_coefficient=0.2, bristle_stiffness=100.0, exponent=2.0)
+    square = Dahl(kinetic_coefficient=0.2, bristle_stiffness=100.0, yield_exponent=2.0)
     assert formulate(SpringBlock(mass=1.0), plain) != formulate(SpringBlock(mass=1.0), square)
 
 

@@ -155,7 +155,7 @@ def test_directions_keep_parameters_that_the_law_of_one_direction_names_otherwis
     values |= {"forward_fading_exponent": 0.7, "backward_fading_exponent": 1.0}
     values |= {"forward_viscous_coefficient": 0.3, "backward_viscous_coefficient": 0.0}
     one = kind(**values)
-    assert one.towards(1) == Stribeck(**ahead, viscous_coefficient=0.3, exponent=0.7)
+    assert one.towards(1) == Stribeck(**ahead, viscous_coefficient=0.3, fading_exponent=0.7)
     expected = 1.5 + 0.2 * math.exp(-0.5)  # at half the Stribeck velocity, exponent 1
     assert one.force(-0.1, load=1.0) == pytest.approx(-expected, rel=1e-15)
     assert one.break_away(1.0) == 1.7  # the smaller one

@@ -15,7 +15,7 @@ SMOOTH = 1e-11
 
 
 def law(n, level=0.0, sigma=SIGMA):
-    return PowerViscous(kinetic_coefficient=level, viscous_coefficient=sigma, exponent=n)
+    return PowerViscous(kinetic_coefficient=level, viscous_coefficient=sigma, viscous_exponent=n)
 
 
 def travel(n, v=V0):

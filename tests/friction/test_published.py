@@ -37,7 +37,7 @@ STRIBECK = Stribeck(
     static_coefficient=MU_S,
     stribeck_velocity=V_S,
     viscous_coefficient=S2,
-    exponent=1,
+    fading_exponent=1,
 )
 DAHL = Dahl.from_forces(load=N, kinetic_force=MU_K * N, bristle_stiffness=S0)
 LUGRE = LuGre.from_forces(

@@ -158,8 +158,8 @@ def test_what_an_input_adds_needs_what_it_adds_to_and_is_like_it():
 @pytest.mark.parametrize(
     ("beside", "held"),
     [
-        ({"second": 0.2}, {"friction.exponent"}),  # a second memory has no place in LuGre's law
-        ({}, {"friction.exponent"}),
+        ({"second": 0.2}, {"friction.fading_exponent"}),  # a second memory has no place in LuGre's law
+        ({}, {"friction.fading_exponent"}),
     ],
 )
 def test_an_exponent_is_looked_for_under_the_name_of_the_law_that_has_it(beside, held):
@@ -173,11 +173,11 @@ def test_an_exponent_is_looked_for_under_the_name_of_the_law_that_has_it(beside,
 def test_coefficients_are_those_of_the_law_over_the_load():
     fit = fitted(level=2.0, stribeck=1.0, viscous=3.0, par={"stribeck": (0.1, 2.0)})
     found = composed_law(fit, 4.0)
-    assert found.held == ("friction.exponent",)
+    assert found.held == ("friction.fading_exponent",)
     law = found.specification.law
     assert law.kinetic_coefficient == pytest.approx(0.5)
     assert law.static_coefficient == pytest.approx(0.75)
-    assert (law.stribeck_velocity, law.exponent) == (0.1, 2.0)
+    assert (law.stribeck_velocity, law.fading_exponent) == (0.1, 2.0)
     assert law.viscous_coefficient == 3.0
     # the same friction, at a speed where the surplus has faded to 1/e
     assert law.force(0.1, 4.0) == pytest.approx(2.0 + np.exp(-1.0) + 0.3)

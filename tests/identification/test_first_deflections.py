@@ -128,18 +128,18 @@ def test_a_law_whose_exponent_is_whole_at_the_start_is_fitted_with_its_exponent(
     x = simulate(axis, own, t_end=float(t[-1])).at(t)["x"]
     record = Measurement(time=t, position=x, force=force)
     start = Dahl(kinetic_coefficient=3.0, bristle_stiffness=2400.0, viscous_coefficient=2.0)
-    free = ("kinetic_coefficient", "bristle_stiffness", "exponent", "viscous_coefficient")
+    free = ("kinetic_coefficient", "bristle_stiffness", "yield_exponent", "viscous_coefficient")
     settings = RecordSettings(starts=1)
     found = fit(Axis(inertia=3.0), start, record, vary=free, route="shooting", settings=settings)
     # the first deflections of segments are those of the measured motion, sampled
     assert found.law.bristle_stiffness == pytest.approx(800.0, rel=0.05)
-    assert found.law.exponent == pytest.approx(1.0, abs=0.1)
+    assert found.law.yield_exponent == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("exponent", [0.3, 0.7, 1.3, 2.0, 3.0])
 @pytest.mark.parametrize("start", [0.0, 4e-4, -8e-4, 2e-3])
 def test_a_bristle_that_yields_sharply_or_softly_follows_its_equation(exponent, start):
-    law = Dahl(kinetic_coefficient=25.0, bristle_stiffness=3e4, exponent=exponent)
+    law = Dahl(kinetic_coefficient=25.0, bristle_stiffness=3e4, yield_exponent=exponent)
     for v in (0.01, -0.01):
         path = Path(
             time=np.array([0.0, 0.1]),

@@ -57,7 +57,7 @@ TRUE: Mapping[str, FrictionLaw] = {
             forward_viscous_coefficient=5.0,
             backward_viscous_coefficient=9.0,
         ),
-        PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=6.0, exponent=0.4),
+        PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=6.0, viscous_exponent=0.4),
         QuadraticDrag(kinetic_coefficient=0.3, viscous_coefficient=4.0, quadratic_coefficient=20.0),
         Stribeck(
             kinetic_coefficient=0.25,
@@ -68,7 +68,7 @@ TRUE: Mapping[str, FrictionLaw] = {
         Dahl(
             kinetic_coefficient=0.4,
             bristle_stiffness=4e3,
-            exponent=0.6,
+            yield_exponent=0.6,
             viscous_coefficient=3.0,
         ),
         LuGre(
@@ -93,7 +93,7 @@ def motion(t: Array) -> tuple[Array, Array]:
 
 def yielding(x: Array, law: Dahl) -> Array:
     """Return Dahl's deflections in closed form: a power of displacement between turns."""
-    k, n = law.bristle_stiffness / law.kinetic_coefficient, law.exponent
+    k, n = law.bristle_stiffness / law.kinetic_coefficient, law.yield_exponent
     share = [0.0]
     for step in np.diff(x):
         r = 1.0 - share[-1] * np.sign(step)
@@ -294,7 +294,7 @@ def test_a_law_of_several_bristles_needs_nothing_but_its_equations():
 
 @pytest.mark.parametrize("exponent", [0.05, 0.5, 1.0, 1.5])
 def test_steps_across_many_presliding_lengths_stay_stable(exponent):
-    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e6, exponent=exponent)
+    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e6, yield_exponent=exponent)
     x = loops(np.full(4, 1e-2), samples=20)  # a step is 2000 presliding lengths
     path = Motion(
         time=1.0 * np.arange(len(x)),
@@ -317,7 +317,7 @@ def test_a_sudden_yield_is_met_where_the_closed_form_has_it():
     # r = (1 - (1 - n) k x)^(1 / (1 - n)), and 0 from x = 1 / ((1 - n) k) on
     n, k = 0.3, 1e4
     x = np.linspace(0.0, 3e-4, 301)
-    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=0.5 * k, exponent=n)
+    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=0.5 * k, yield_exponent=n)
     path = Motion(time=x, velocity=np.ones(301), load=np.ones(301), travel=np.diff(x))
     z = follow(law, path, np.zeros((1, 1)))[0, :, 0]
     r = np.maximum(1.0 - (1.0 - n) * k * x, 0.0) ** (1.0 / (1.0 - n))

@@ -35,7 +35,7 @@ def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit
     record = Measurement(time=t, position=x, friction=friction)
     found = fit(Axis(inertia=1.0), Dahl, record, settings=RecordSettings(starts=1))
     assert unit_of(found, "bristle_stiffness") == "N/m"
-    assert unit_of(found, "exponent") == "1"
+    assert unit_of(found, "yield_exponent") == "1"
 
 
 def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence():

@@ -51,7 +51,7 @@ def test_full_paths_last_names_and_patterns_stand_for_the_same():
     assert varied(None) == varied(LAW) == (None, ())
     assert varied([LAW, "inertia"]) == varied("inertia") == (None, ("mechanism.inertia",))
     assert varied("inertia", law=None) == (None, ("mechanism.inertia",))
-    assert varied([LAW, "exponent"], Stribeck) == ((LAW, "friction.exponent"), ())
+    assert varied([LAW, "fading_exponent"], Stribeck) == ((LAW, "friction.fading_exponent"), ())
 
 
 def test_a_pattern_leaves_out_what_is_fixed():
@@ -145,9 +145,9 @@ def test_a_fixed_level_of_the_usual_ones_is_held(driven):
 
 def test_more_than_the_usual_parameters_may_be_varied():
     usual = fit(AXIS, Stribeck, TABLE).free_parameters.paths
-    more = fit(AXIS, Stribeck, TABLE, vary=[LAW, "exponent"]).free_parameters.paths
-    assert "friction.exponent" not in usual
-    assert set(more) <= {*usual, "friction.exponent", "friction.stribeck_velocity"}
+    more = fit(AXIS, Stribeck, TABLE, vary=[LAW, "fading_exponent"]).free_parameters.paths
+    assert "friction.fading_exponent" not in usual
+    assert set(more) <= {*usual, "friction.fading_exponent", "friction.stribeck_velocity"}
     assert "friction.kinetic_coefficient" in more
 
 
@@ -160,9 +160,9 @@ def test_a_selection_varies_and_holds_what_is_said_of_the_mechanism(driven):
     assert "mechanism.inertia" in paths
     assert "mechanism.offset" not in paths
     with pytest.raises(InputError, match="when laws are compared"):
-        select(AXIS, None, driven, vary=[LAW, "friction.exponent"])
+        select(AXIS, None, driven, vary=[LAW, "friction.fading_exponent"])
     with pytest.raises(InputError, match="when laws are compared"):
-        select(AXIS, None, driven, fixed={"friction.exponent": 1.0})
+        select(AXIS, None, driven, fixed={"friction.fading_exponent": 1.0})
 
 
 def test_travels_hold_the_mechanism():

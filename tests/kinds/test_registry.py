@@ -238,7 +238,7 @@ def test_options_that_say_nothing_are_not_refused():
         ("dahl", ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient"]),
         (
             "dahl-exponent",
-            ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient", "exponent"],
+            ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient", "yield_exponent"],
         ),
         ("coulomb", None),
     ],
@@ -252,7 +252,7 @@ def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
     law, vary = way.law_and_parameters(name, ["friction.*", stiffness])
     assert (law, list(vary)) == (kind, [*own, stiffness])
     # what is named by itself is fitted alone, whatever the name stands for
-    assert way.law_and_parameters(name, ["exponent"]) == (kind, ["exponent"])
+    assert way.law_and_parameters(name, ["yield_exponent"]) == (kind, ["yield_exponent"])
 
 
 def test_what_is_held_is_not_varied_by_the_name():
@@ -265,9 +265,9 @@ def test_what_is_held_is_not_varied_by_the_name():
 def test_a_law_that_is_given_itself_keeps_what_is_asked_for():
     law = Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e3, viscous_coefficient=0.0)
     for given in (Dahl, law):
-        found, vary = kind_of_route("shooting").law_and_parameters(given, ["exponent"])
+        found, vary = kind_of_route("shooting").law_and_parameters(given, ["yield_exponent"])
         assert found is given
-        assert vary == ["exponent"]
+        assert vary == ["yield_exponent"]
 
 
 def test_of_travels_a_name_is_the_law_alone_and_of_steps_the_name_stays():

@@ -488,7 +488,7 @@ def test_friction_that_differs_by_direction_is_no_certainty_where_nobody_asked_f
 @pytest.mark.slow
 @pytest.mark.parametrize("settings", [(0.08, 0.04, 0.12, 0.06, 0.1), (0.08, 0.12, 0.05)])
 def test_a_level_holds_for_powers_of_the_speed_that_nobody_asked_for(settings):
-    truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.3, exponent=0.5)
+    truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.3, viscous_exponent=0.5)
     verdict = select(RIG, PLAIN, readings(truth, settings, uncertainty=5e-4))
     level = verdict.best.fit.estimate("kinetic_coefficient")
     (alone,) = [one for one in verdict.best.alone if one.path == level.path]
@@ -501,7 +501,7 @@ def test_a_level_holds_for_powers_of_the_speed_that_nobody_asked_for(settings):
 
 @pytest.mark.slow
 def test_laws_tried_beside_the_candidates_are_never_named():
-    truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6, exponent=2.0)
+    truth = PowerViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6, viscous_exponent=2.0)
     measured = readings(truth, (0.04, 0.06, 0.08, 0.1, 0.12), uncertainty=1e-4)
     verdict = select(RIG, PLAIN, measured)
     assert verdict.best is None
@@ -509,7 +509,7 @@ def test_laws_tried_beside_the_candidates_are_never_named():
     asked = select(RIG, [*PLAIN, "power-viscous"], measured)
     assert asked.best.name == "power-viscous"
     assert not asked.best.beside
-    exponent = asked.best.fit.estimate("exponent")
+    viscous_exponent = asked.best.fit.estimate("viscous_exponent")
     assert exponent.low <= 2.0 <= exponent.high
 
 
@@ -547,7 +547,7 @@ def test_advice_has_the_uncertainty_of_what_it_predicts_and_truth_meets_it():
 
 @pytest.mark.slow
 def test_a_power_of_the_speed_is_found_where_the_level_alone_fits_on_another_branch():
-    law = PowerViscous(kinetic_coefficient=0.1, viscous_coefficient=1.2, exponent=0.5)
+    law = PowerViscous(kinetic_coefficient=0.1, viscous_coefficient=1.2, viscous_exponent=0.5)
     settings = (0.06, 0.08, 0.1, 0.12, 0.14, 0.16)
     # read with errors of 0.5 mm; the best fit cannot leave more than the truth does
     errors = np.array([0.45, -0.3, 0.2, -0.6, 0.5, -0.2]) * 1e-3

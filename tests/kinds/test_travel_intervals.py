@@ -125,7 +125,7 @@ def test_intervals_hold_a_law_that_explains_the_travels_as_well_along_a_valley_t
 def test_nuisances_that_take_up_the_noise_do_not_make_it_small():
     rig = Axis(inertia=1.0, drive=Pulse(level=20.0, duration=0.2))
     path, settings = "mechanism.drive.level", (14.0, 20.0, 28.0)
-    truth = PowerViscous(kinetic_coefficient=5.0, viscous_coefficient=0.5, exponent=2.0)
+    truth = PowerViscous(kinetic_coefficient=5.0, viscous_coefficient=0.5, viscous_exponent=2.0)
     errors = np.array([1e-3, -1e-3, 1e-3])
     measurement, _ = readings(rig, truth, path, settings, errors, stated=False)
     level = fit(rig, PowerViscous, measurement).estimate("kinetic_coefficient")

@@ -164,7 +164,7 @@ def test_a_block_that_starts_where_its_spring_ends_slides_to_rest():
 
 def test_a_body_that_stops_at_once_and_waits_long_breaks_away():
     law = Stribeck(
-        kinetic_coefficient=0.0, static_coefficient=1.0, stribeck_velocity=1.0, exponent=2.0
+        kinetic_coefficient=0.0, static_coefficient=1.0, stribeck_velocity=1.0, fading_exponent=2.0
     )
     axis = Axis(inertia=1.0, drive=Ramp(rate=1.0))
     run = simulate(axis, law, t_end=3.0, y0={"v": 1e-149}, throw=False)
@@ -182,7 +182,7 @@ def test_what_is_held_by_stiff_parts_stays_where_it_is(stiffness):
 @pytest.mark.parametrize("exponent", [1.0, 2.0])
 def test_a_speed_that_starts_on_a_switch_of_the_law_falls_below_it(exponent):
     law = Stribeck(
-        kinetic_coefficient=0.1, static_coefficient=0.2, stribeck_velocity=1.0, exponent=exponent
+        kinetic_coefficient=0.1, static_coefficient=0.2, stribeck_velocity=1.0, fading_exponent=exponent
     )
     lift = Sine(amplitude=0.1, frequency=1.0)
     layer = 36.0 ** (1.0 / exponent)
@@ -278,7 +278,7 @@ def test_torques_that_cancel_but_for_rounding_break_nothing_away(torque, press):
     )
     laws = {
         "clutch-1": None,
-        "clutch-2": PowerViscous(kinetic_coefficient=0.0, viscous_coefficient=10.0, exponent=2.0),
+        "clutch-2": PowerViscous(kinetic_coefficient=0.0, viscous_coefficient=10.0, viscous_exponent=2.0),
         "clutch-3": Coulomb(kinetic_coefficient=0.1),
     }
     run = simulate(train, laws, t_end=1.0, throw=False)

@@ -183,7 +183,7 @@ def test_a_body_leaves_rest_where_friction_falls_with_infinite_slope():
         static_coefficient=0.2,
         stribeck_velocity=0.1,
         viscous_coefficient=1.0,
-        exponent=0.7,
+        fading_exponent=0.7,
     )
     block = TowedBlock(mass=0.1, stiffness=100.0, speed=0.001307)
     run = simulate(block, law, t_end=3.0)

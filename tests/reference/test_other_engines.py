@@ -57,7 +57,7 @@ def modelica_law(coulomb, stribeck):
         static_coefficient=coulomb + stribeck,
         stribeck_velocity=0.5,
         viscous_coefficient=1.0,
-        exponent=1,
+        fading_exponent=1,
         break_away_coefficient=1.001 * (coulomb + stribeck),
     )
 

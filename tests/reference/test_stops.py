@@ -167,7 +167,7 @@ def test_a_body_that_begins_at_its_stop_with_speed_into_it_bounces_at_once():
         Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e4),
         LuGre(
             kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=0.001,
-            bristle_stiffness=1e4, bristle_damping=100.0, exponent=1.5,
+            bristle_stiffness=1e4, bristle_damping=100.0, fading_exponent=1.5,
         ),
     ],
     ids=lambda law: law.name,

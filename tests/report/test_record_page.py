@@ -556,13 +556,13 @@ def test_what_went_to_0_is_not_said_to_have_been_given(loops):
 
 
 def test_a_value_that_nobody_gave_says_where_it_comes_from(loops):
-    law = dataclasses.replace(loops.closest.fit.law, exponent=2.0)
+    law = dataclasses.replace(loops.closest.fit.law, yield_exponent=2.0)
     fit = dataclasses.replace(loops.closest.fit, law=law, estimates=())
-    plain_law = dataclasses.replace(fit, law=dataclasses.replace(law, exponent=1.0))
-    balanced = dataclasses.replace(loops.closest, from_balance=("friction.exponent",))
+    plain_law = dataclasses.replace(fit, law=dataclasses.replace(law, yield_exponent=1.0))
+    balanced = dataclasses.replace(loops.closest, from_balance=("friction.yield_exponent",))
 
     def said(fit, of=None):
-        return {line.label: line.formula for line in law_lines(fit, of)}["exponent"]
+        return {line.label: line.formula for line in law_lines(fit, of)}["yield exponent"]
 
     assert said(fit) == "$n$ = 2, taken as given"
     assert said(fit, balanced) == "$n$ = 2, found by the force balance and held in the fit"
@@ -739,7 +739,7 @@ def test_the_heading_of_the_map_says_the_minimum_of_a_curve_that_rises_again():
         static_coefficient=9.6,
         stribeck_velocity=0.02,
         viscous_coefficient=16.0,
-        exponent=1.0,
+        fading_exponent=1.0,
     )
     v, force = characteristic(law, 1.0, 0.295)
     words = course(v[v > 0.0], force[v > 0.0], "m/s", "N")

@@ -56,7 +56,7 @@ def test_a_value_that_the_simpler_law_does_not_allow_begins_at_its_limit():
     v = np.concatenate([-v[::-1], v])
     friction = np.sign(v) * 5.0 * np.abs(v) ** 0.12 + noise()
     thin = fit(AXIS, PowerViscous, Measurement(velocity=v, friction=friction), settings=SETTINGS)
-    assert thin.law.exponent < 0.2
+    assert thin.law.viscous_exponent < 0.2
     begins = [begin for _, begin in one_part_less(thin)]
     powers = [one.law.viscous_exponent for one in begins if hasattr(one.law, "viscous_exponent")]
     assert powers == [0.2]
@@ -70,7 +70,7 @@ def test_levels_of_both_directions_begin_at_their_mean():
     one, begin = found["power-viscous"]
     levels = both.law.forward_kinetic_coefficient, both.law.backward_kinetic_coefficient
     assert begin.values["friction.kinetic_coefficient"] == pytest.approx(np.mean(levels))
-    assert {*one.free} == {"kinetic_coefficient", "viscous_coefficient", "exponent"}
+    assert {*one.free} == {"kinetic_coefficient", "viscous_coefficient", "viscous_exponent"}
 
 
 @pytest.mark.parametrize(("force", "step", "told"), [(0, 0, False), (1, 0, False), (0, 1, True)])
@@ -124,5 +124,5 @@ def test_a_law_with_less_is_named_where_it_predicts_as_well(spare, errors, named
 def test_an_exponent_that_may_be_1_is_not_told_from_viscous_friction():
     found = fit(AXIS, law("level + power"), table(0.0), settings=SETTINGS)
     assert not unidentified(found)
-    assert untold(found) == {"exponent"}
+    assert untold(found) == {"yield_exponent"}
     assert next(one.name for one, _ in one_part_less(found)) == "coulomb-viscous"

@@ -557,7 +557,7 @@ def test_each_law_moves_a_block_as_it_does_alone(kind):
 
 
 def test_drag_that_sets_in_with_the_motion_is_that_of_the_closed_form():
-    law = PowerViscous(kinetic_coefficient=0.3, viscous_coefficient=2.0, exponent=2.0)
+    law = PowerViscous(kinetic_coefficient=0.3, viscous_coefficient=2.0, viscous_exponent=2.0)
     pad = Lining(radius=0.1, load=10.0)
     brake = DiscBrake(inertia=0.5, pads=(pad,), drive=Pulse(level=1.0, duration=9.0))
     run = run_of(brake, law, 5.0)

@@ -50,7 +50,7 @@ RIGS["spring-block, uphill, square"] = SpringBlock(
 SMOOTH_LAWS = {name: example_of(LAWS[name]) for name in FIRST}
 BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states == ("z",)}
 SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if not law.states}
-SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], exponent=n) for n in (1.0, 1.5)}
+SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], fading_exponent=n) for n in (1.0, 1.5)}
 BRISTLE_LAWS |= {
     f"{name}, switch": replace(law, static_switch=True) for name, law in BRISTLE_LAWS.items()
 }
@@ -74,7 +74,7 @@ def at(run, t, state, path):
 def test_every_sensitivity_is_that_of_the_variational_equations(rig, law):
     # steps of 1e-12 on both sides, through layers that enlarge them some thousand times; a broken
     # exponent has no Taylor series at v = 0, and collocation loses its order there
-    whole = float(getattr(law, "exponent", 1.0)).is_integer()
+    whole = float(getattr(law, "fading_exponent", 1.0)).is_integer()
     assert mismatch(Case(rig, law, 1.3, (0.01, 0.2))) <= (1e-8 if whole else 5e-7)
 
 
@@ -333,7 +333,7 @@ def test_unknown_states_and_parameters_are_refused_with_the_nearest_names():
     with pytest.raises(UnknownNameError, match=r"Did you mean 'friction\.kinetic_coefficient'"):
         run.sensitivity("x", "friction.kinetic_coeficient")
     with pytest.raises(UnknownNameError, match=r"unknown parameter 'exponent'"):
-        run.sensitivity("x", "exponent")  # whole: it shapes the equations
+        run.sensitivity("x", "fading_exponent")  # whole: it shapes the equations
 
 
 def test_a_last_name_that_two_parameters_have_is_refused_with_both():

@@ -139,7 +139,7 @@ def as_lugre(law: FrictionLaw) -> LuGre | None:
         )
     if not isinstance(law, LuGre) or law.static_switch:
         return None
-    return law if law.exponent == 2.0 and law.viscous_exponent == 1.0 else None
+    return law if law.fading_exponent == 2.0 and law.viscous_exponent == 1.0 else None
 
 
 def bristle_step(law: LuGre, load: float, inertia: float) -> tuple[float, float]:

@@ -151,7 +151,7 @@ class FrictionLaw(Parametrised, ABC):
     composition: ClassVar[Any] = None
     """The parts that it is composed of, whose text `law` reads; None of a law in equations."""
     made_of: ClassVar[Any] = None
-    """The composition made ready, with its fields and their meanings."""
+    """The composition made ready, with its fields."""
     typical: ClassVar[Typical | None] = None
     """Values as they occur, with their source."""
     passivity: ClassVar[Passivity | None] = None

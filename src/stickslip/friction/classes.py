@@ -32,6 +32,7 @@ from stickslip.friction.notation import (
     read,
     summed,
     terms_of,
+    without_optional,
 )
 from stickslip.friction.parts.base import (
     Extra,
@@ -286,11 +287,10 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
 
     def towards(self: Any, direction: int) -> Any:
         kind, prefix = one_way(), SIDES[1 if direction > 0 else -1][0]
-        mine = {meaning: field for field, meaning in c.meanings.items()}
         values: dict[str, Any] = {}
-        for name, meaning in kind.made_of.meanings.items():
-            own = mine.get(prefix + meaning, mine.get(meaning))
-            values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
+        for name, field in kind.made_of.fields.items():
+            own = next((one for one in (prefix + name, name) if one in c.fields), None)
+            values[name] = field.default if own is None else getattr(self, own)
         if kind.states:
             values["static_switch"] = self.static_switch
         one: Any = unchecked(kind, **values)
@@ -445,8 +445,6 @@ class Entry:
 
     composition: str
     """Its parts, as they are written in the entry."""
-    names: Mapping[str, str]
-    """Fields by the names that parts have for them, where these differ."""
     statement: type
     """The class statement, which says what the law is called and where it comes from."""
 
@@ -486,7 +484,7 @@ class Entry:
         """The class of the law."""
         said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
         space = {**said, "__module__": PUBLIC}
-        c = Composition(read(self.composition), self.names)
+        c = Composition(read(self.composition))
         made = _made(c, self.statement.__name__, space)
         made.__doc__ = self._documented(made)
         return made
@@ -533,7 +531,7 @@ CATALOGUE: dict[str, Entry] = {}
 """Entries by the name of their law, in the order in which they are listed."""
 
 
-def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[type], Entry]:
+def composed(text: str) -> Callable[[type], Entry]:
     """Return what makes a class statement an entry of the catalogue.
 
     The statement says what the law is called and where it comes from. It may give parameters a
@@ -541,7 +539,7 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
     """
 
     def entered(statement: type) -> Entry:
-        entry = Entry(composition=text, names=names or {}, statement=statement)
+        entry = Entry(composition=text, statement=statement)
         return CATALOGUE.setdefault(entry.name, entry)
 
     return entered
@@ -549,10 +547,15 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
 
 @functools.cache
 def _by_parts() -> Mapping[str, Entry]:
-    """Return the entries by their canonical composition; of equal ones the first."""
+    """Return the entries by canonical compositions, with optional parts and without.
+
+    Of equal ones it is the first.
+    """
     found: dict[str, Entry] = {}
     for entry in CATALOGUE.values():
-        found.setdefault(canonical(read(entry.composition)), entry)
+        term = read(entry.composition)
+        for form in (term, without_optional(term)):
+            found.setdefault(canonical(form), entry)
     return MappingProxyType(found)
 
 
@@ -596,7 +599,7 @@ def class_of(term: Term) -> type[FrictionLaw]:
 
 @functools.cache
 def _by_text(text: str) -> type[FrictionLaw]:
-    c = Composition(read(text), {})  # refuses what cannot stand together, optional parts included
+    c = Composition(read(text))  # refuses what cannot stand together
     entry = _by_parts().get(canonical(c.term))
     if entry is not None:
         return entry.law

@@ -105,8 +105,6 @@ class Composition:
     ----------
     term : Term
         The term.
-    names : mapping of str to str
-        Fields by the names that parts have for them, where these differ.
 
     Raises
     ------
@@ -114,10 +112,9 @@ class Composition:
         If the parts cannot stand together; the message says what can.
     """
 
-    def __init__(self, term: Term, names: Mapping[str, str]) -> None:
-        self.term, self.renamed = term, names
+    def __init__(self, term: Term) -> None:
+        self.term = term
         self.fields: dict[str, Parameter] = {}
-        self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
         self.factors: dict[str, Leaf] = {}
         self.argument = ""
@@ -319,19 +316,16 @@ class Composition:
         """Enter the parameters of a part; return what they are called where that differs."""
         names: dict[str, str | tuple[str, str]] = {}
         for one in name.parameters:
-            plain = name.meaning(one.name, stem)
-            given = self.renamed.get(plain, plain)
+            given = name.meaning(one.name, stem)
             doubled = sides == "all" or (bool(sides) and one.quantity.scale in PER_DIRECTION)
             made = []
             for prefix, mark in SIDES.values() if doubled else (("", ""),):
-                field, meaning = prefix + given, prefix + plain
+                field = prefix + given
                 if owner and field in self.fields:
                     self._refuse(
                         f"has {field} twice: put all that {name} multiplies in one pair of"
                         " brackets, and write it once."
                     )
-                if self.meanings.setdefault(field, meaning) != meaning:
-                    self._refuse(f"has two parameters called {field}, of different meaning.")
                 change = functools.partial(self._placed, owner or name.name, prefix, mark, inside)
                 hint = with_marks(one.hint, change)
                 self.fields[field] = dataclasses.replace(one, name=field, hint=hint)
@@ -361,7 +355,7 @@ class Composition:
             symbol=symbol,
             low=-math.inf if positive else q.low,
             above=0.0 if positive else q.above,
-            at_least=q.at_least and prefix + self.renamed.get(q.at_least, q.at_least),
+            at_least=q.at_least and prefix + q.at_least,
             scale=q.scale + mark if q.scale in PER_DIRECTION else q.scale,
         )
 

@@ -18,6 +18,7 @@ from stickslip.friction.notation import (
     canonical,
     summed,
     terms_of,
+    without_optional,
 )
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Becomes
@@ -84,13 +85,12 @@ def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[
     """
     if kind.made_of is None:
         return
-    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
     for term, values, limits in _reductions(kind.made_of.term):
         try:
-            left = {*Composition(term, {}).meanings.values()} - {*values, *limits}
+            left = {*Composition(term).fields} - {*values, *limits}
         except InputError:  # parts that cannot stand together
             continue
-        yield term, frozenset(field for one, field in fields.items() if one not in left)
+        yield term, frozenset(kind.made_of.fields) - left
 
 
 @functools.cache
@@ -112,11 +112,16 @@ def _below(kind: type[FrictionLaw]) -> Mapping[str, tuple[Values, tuple[str, ...
 
 
 def _forms(term: Term, kind: type[FrictionLaw]) -> Iterator[str]:
-    """Yield the compositions of a law: its own, and those that exponents at their defaults make."""
+    """Yield the compositions of a law: its own, and those that exponents at their defaults make.
+
+    Optional parts that are not given are not there either.
+    """
     yield canonical(term)
-    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
+    given = [one.name for name in term.parts() if name.name in OPTIONAL for one in name.parameters]
+    if given and all(getattr(kind, name, dataclasses.MISSING) is None for name in given):
+        yield canonical(without_optional(term))
     for simpler, values, limits in _reductions(term):
-        here = {fields[one]: value for one, value in values.items() if one in fields}
+        here = {one: value for one, value in values.items() if one in kind.made_of.fields}
         shapes = (kind.made_of.fields[name].quantity.structural for name in here)
         at_default = all(getattr(kind, name, None) == value for name, value in here.items())
         if here and not limits and all(shapes) and at_default:
@@ -157,8 +162,10 @@ def _nearest(
                 seen.add(canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
                 there = named(simpler)
-                # a law that is tried only on request stands between no others
-                if there is None or (there.on_request and not kind.on_request):
+                # without its optional parts it is itself; a law that is tried only on request
+                # stands between no others
+                is_own = there is not None and there.name == kind.name
+                if there is None or is_own or (there.on_request and not kind.on_request):
                     below.append(state)
                 else:
                     find(there, *state[1:])
@@ -199,33 +206,30 @@ def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:
 def _containment(
     c: Composition, simpler: type[FrictionLaw], values: Values, limits: tuple[str, ...]
 ) -> Containment:
-    mine = {meaning: field for field, meaning in c.meanings.items()}
-    theirs = {meaning: field for field, meaning in simpler.made_of.meanings.items()}
+    mine, theirs = c.fields, simpler.made_of.fields
     found: dict[str, float | str] = {
-        field: theirs[meaning]
-        for meaning, field in mine.items()
-        if meaning in theirs and meaning not in (*values, *limits)
+        field: field for field in mine if field in theirs and field not in (*values, *limits)
     }
-    gone = [mine[one] for one in limits if one in mine]
-    for meaning in values:
-        value = values[meaning]
+    gone = [one for one in limits if one in mine]
+    for field in values:
+        value = values[field]
         while isinstance(value, str) and value in values:
             value = values[value]
-        if meaning not in mine:
+        if field not in mine:
             continue
         if value in limits:  # of both directions, which became one before
-            gone.append(mine[meaning])
+            gone.append(field)
         elif not (isinstance(value, str) and value not in theirs):
-            found[mine[meaning]] = theirs[value] if isinstance(value, str) else value
+            found[field] = value
     defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
     where: dict[str, Any] = {
         field: defaults[field]
-        for field in theirs.values()
+        for field in theirs
         if field not in reached and defaults[field] not in (None, dataclasses.MISSING)
     }
-    power = theirs.get("viscous_exponent")
-    if power in where and "viscous_exponent" not in mine and "viscous_exponent" not in values:
+    power = "viscous_exponent"
+    if power in where and power not in mine and power not in values:
         where[power] = 1.0  # whatever its default is
     return Containment(
         law=simpler.name,
@@ -306,8 +310,8 @@ def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
     """Yield what is left where both directions are equal, or lose the same part."""
     # without a prefix as well: [levels] leaves some parameters to both directions
     prefixes = [*(prefix for prefix, _ in SIDES.values()), ""]
-    meanings = Composition(inner, {}).meanings.values()
-    yield inner, {side + one: one for one in meanings for side in prefixes if side}, ()
+    fields = Composition(inner).fields
+    yield inner, {side + one: one for one in fields for side in prefixes if side}, ()
     for simpler, values, limits in _reductions(inner):
         both = {
             side + one: side + value if isinstance(value, str) else value

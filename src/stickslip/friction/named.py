@@ -154,7 +154,7 @@ class DirectionDependent:
     backward_viscous_coefficient = 0.0
 
 
-@composed("level + power", names={"viscous_exponent": "exponent"})
+@composed("level + power")
 class PowerViscous:
     """A constant level plus a power of the speed, as for shear-thinning lubricants.
 
@@ -168,13 +168,13 @@ class PowerViscous:
     name = "power-viscous"
     title = "Coulomb + power of speed"
     sources = ("coulomb1785", "bittencourt2012")
-    typical = Typical(values={**SLIDING, "exponent": 0.5})
+    typical = Typical(values={**SLIDING, "viscous_exponent": 0.5})
     defects = "Below 1 the power has no bounded slope at rest: below 1e-6 m/s it is linear."
-    fit_order = ("kinetic_coefficient", "viscous_coefficient", "exponent")
+    fit_order = ("kinetic_coefficient", "viscous_coefficient", "viscous_exponent")
 
-    exponent: Annotated[
+    viscous_exponent: Annotated[
         float,
-        Quantity("n", above=0, structural=True, scale="none", bounds=(0.2, 3.0), start=0.8),
+        Quantity("p", above=0, structural=True, scale="none", bounds=(0.2, 3.0), start=0.8),
         Doc("Power of the speed: 1 is viscous friction, below 1 the lubricant thins."),
     ] = 0.5
 
@@ -196,7 +196,7 @@ class QuadraticDrag:
     quadratic_coefficient = 0.0
 
 
-@composed("level + stribeck + viscous + peak", names={"fading_exponent": "exponent"})
+@composed("level + stribeck + viscous + peak")
 class Stribeck:
     """A kinetic level, a static excess that decays with speed, and a viscous part.
 
@@ -225,7 +225,7 @@ class Stribeck:
     viscous_coefficient = 0.0
 
 
-@composed("dahl(level) + power", names={"yield_exponent": "exponent"})
+@composed("dahl(level) + power")
 class Dahl:
     """Elastic at small displacements, Coulomb friction at large ones: hysteresis without stiction.
 
@@ -247,14 +247,14 @@ class Dahl:
         "kinetic_coefficient",
         "bristle_stiffness",
         "viscous_coefficient",
-        "exponent",
+        "yield_exponent",
     )
 
     viscous_coefficient = 0.0
     viscous_exponent = 1.0
 
 
-@composed("lugre(level + stribeck) + power", names={"fading_exponent": "exponent"})
+@composed("lugre(level + stribeck) + power")
 class LuGre:
     """Presliding, Stribeck curve, frictional lag and rate-dependent break-away with one state.
 

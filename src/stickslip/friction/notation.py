@@ -19,7 +19,7 @@ from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import Quantity
 
 OPTIONAL = ("step", "peak")
-"""Parts that laws of one name may have or not."""
+"""Parts that a law of a name may lack: without values for them, it is the law that lacks them."""
 BOTH_WAYS = "both_ways"
 """What stands around terms that have parameters of their own for each direction."""
 PER_DIRECTION = ("level", "slope")
@@ -336,8 +336,19 @@ def _canonical(term: Term) -> Iterator[str]:
         case Product(first=first, factors=factors):
             text = canonical(first)
             yield " * ".join((f"({text})" if "+" in text else text, *sorted(map(str, factors))))
-        case _ if str(term) not in OPTIONAL:
+        case _:
             yield str(term)
+
+
+def without_optional(term: Term) -> Term:
+    """Return a sum without the parts that it may lack.
+
+    Examples
+    --------
+    >>> without_optional(read("level + stribeck + viscous + peak"))
+    level + stribeck + viscous
+    """
+    return summed(tuple(item for item in terms_of(term) if str(item) not in OPTIONAL))
 
 
 TOKEN = re.compile(

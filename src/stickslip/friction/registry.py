@@ -139,7 +139,7 @@ def special_specifications() -> tuple[CandidateSpec, ...]:
                 "stribeck-exponent",
                 "Stribeck with exponent",
                 stribeck,
-                (*stribeck.fit_order, "exponent"),
+                (*stribeck.fit_order, "fading_exponent"),
             ),
             ("dahl", "Dahl", dahl, PLAIN_DAHL),
             ("dahl-power", "Dahl + power of speed", dahl, (*PLAIN_DAHL, power)),

@@ -215,7 +215,7 @@ def covers(name: str, path: str) -> bool:
 
     Examples
     --------
-    >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.exponent")
+    >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.yield_exponent")
     (True, False)
     """
     return fnmatchcase(path if "." in name else path.rpartition(".")[2], name)

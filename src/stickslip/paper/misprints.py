@@ -183,7 +183,7 @@ def _twins(values: PaperValues) -> dict[str, FrictionLaw]:
             static_coefficient=mu_s,
             stribeck_velocity=values.stribeck_velocity,
             viscous_coefficient=viscous,
-            exponent=1,
+            fading_exponent=1,
         ),
         "dahl": Dahl.from_forces(
             load=load,

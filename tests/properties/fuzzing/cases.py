@@ -242,7 +242,7 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
         start[mechanism.coordinates[0]] = getattr(mechanism, "compression", size.length)
         layer = getattr(law, "stribeck_velocity", None)
         if layer is not None and rng.random() < 0.5:
-            start[slip] = layer * 36.0 ** (1.0 / getattr(law, "exponent", 2.0))
+            start[slip] = layer * 36.0 ** (1.0 / getattr(law, "fading_exponent", 2.0))
         elif isinstance(law, PowerViscous):
             start[slip] = PLATEAU
     else:

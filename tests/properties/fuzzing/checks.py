@@ -492,7 +492,7 @@ def obeys_newtons_law(e: Evidence) -> Found:
 
 def falls_at_once(laws: Iterable[FrictionLaw]) -> bool:
     """Whether the friction of one of several laws falls infinitely steeply from rest."""
-    return any(isinstance(law, Stribeck) and law.exponent < 1.0 for law in laws)
+    return any(isinstance(law, Stribeck) and law.fading_exponent < 1.0 for law in laws)
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def force_map(
     >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
     >>> friction = np.sign(np.cos(2.0 * np.pi * t)) * 3.0
     >>> record = Measurement(time=t, position=x, friction=friction, load=6.0)
-    >>> problem = force_map(Dahl, Axis(inertia=1.0), record, held=["exponent"])
+    >>> problem = force_map(Dahl, Axis(inertia=1.0), record, held=["yield_exponent"])
     >>> found = search(problem, starts=1)
     >>> round(float(found.best.values[0]), 2)
     0.5

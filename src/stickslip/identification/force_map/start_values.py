@@ -520,8 +520,8 @@ def looked_for(
     >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
     >>> looked_for(law, whole=False, held=["bristle_stiffness"])
     ['friction.kinetic_coefficient', 'friction.viscous_coefficient']
-    >>> looked_for(law, whole=False, free=["exponent"], held=[])
-    ['friction.exponent']
+    >>> looked_for(law, whole=False, free=["yield_exponent"], held=[])
+    ['friction.yield_exponent']
     """
     own = {f"friction.{name}" for name in _wanted(type(law))}
     standing = {path for path, _, _ in parameters(law, "friction")}

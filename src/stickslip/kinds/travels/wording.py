@@ -31,7 +31,9 @@ ADVICE = {
         " friction before the stop gives $v_s$."
     ),
     "viscous_coefficient": "Record the velocity of one run: its curvature gives $sigma_2$.",
-    "exponent": "Record the velocity of one run: how its decay changes with the speed gives $n$.",
+    "viscous_exponent": (
+        "Record the velocity of one run: how its decay changes with the speed gives $p$."
+    ),
 }
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
