@@ -16,9 +16,11 @@ import typing
 from abc import ABCMeta
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typing_extensions import Doc, override
+
+from stickslip.errors import ParameterError, UnknownNameError
 
 SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
 """Where a section of a docstring begins that follows the one on parameters."""
@@ -38,6 +40,16 @@ class Described(ABCMeta):
         Growth of the friction force with the slip speed.
         sigma_2: at least 0 N s/m.
     """
+
+    if not TYPE_CHECKING:  # type checkers read off the fields what a constructor takes
+
+        def __call__(cls, *args: Any, **values: Any) -> Any:
+            """Make an object; what does not fit its fields is refused by their names."""
+            try:
+                return super().__call__(*args, **values)
+            except TypeError:
+                _check_names(cls, args, values)
+                raise
 
     @property
     def __signature__(cls) -> inspect.Signature:
@@ -70,6 +82,40 @@ class Described(ABCMeta):
     @__doc__.setter
     def __doc__(cls, text: str | None) -> None:
         type.__dict__["__doc__"].__set__(cls, text)
+
+
+def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object]) -> None:
+    """Refuse arguments of a constructor without a name, of an unknown one, and missing ones."""
+    if inspect.isabstract(kind) or not dataclasses.is_dataclass(kind):
+        return
+    fields = {one.name: one for one in dataclasses.fields(kind) if one.init}
+    hints = _hints(kind)
+    quantities = {name: [*marks(hints.get(name))] for name in fields}
+    symbols = {
+        name: mark.symbol
+        for name, found in quantities.items()
+        for mark in found
+        if hasattr(mark, "symbol")
+    }
+    for name in values:
+        if name not in fields:
+            raise UnknownNameError(f"parameter of {kind.__name__}", name, fields, symbols)
+    by_place = [name for name, one in fields.items() if not one.kw_only]
+    if len(args) > len(by_place):
+        first = next((name for name in fields if name not in values), "")
+        cure = f"{kind.__name__}({first}=...)" if first else f"{kind.__name__}(...)"
+        raise ParameterError(
+            f"{kind.__name__} takes parameters by name: write {cure}, got {args[-1]!r} without one."
+        )
+    missing = dataclasses.MISSING
+    for name, one in fields.items():
+        given = name in values or name in by_place[: len(args)]
+        if one.default is one.default_factory is missing and not given:
+            said = next((str(mark) for mark in quantities[name] if hasattr(mark, "symbol")), "")
+            raise ParameterError(
+                f"{kind.__name__} lacks {name}" + (f" ({said})" if said else "") + ": give it by"
+                f" name, {kind.__name__}({name}=...)."
+            )
 
 
 def alternatives(hint: Any) -> tuple[Any, ...]:

@@ -1,7 +1,7 @@
 """The exceptions of stickslip: each is ours and also the built-in a caller would expect."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from typing_extensions import override
 
@@ -59,21 +59,32 @@ class UnknownNameError(InputError, LookupError):
         The unknown name.
     known : iterable of str
         The known ones.
+    symbols : mapping of str to str, optional
+        Symbols by known name, to which the name may be close as well.
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        name, known = str(name), tuple(sorted(known))
-        self.kind, self.name, self.known = kind, name, known
-        close = nearest(name, known)
+    def __init__(
+        self, kind: str, name: str, known: Iterable[str], symbols: Mapping[str, str] | None = None
+    ) -> None:
+        name, known, symbols = str(name), tuple(sorted(known)), dict(symbols or {})
+        self.kind, self.name, self.known, self.symbols = kind, name, known, symbols
+
+        def shown(one: str) -> str:
+            return f" ({symbols[one]})" if one in symbols else ""
+
+        named = [one for one in known if symbols.get(one) == name]
+        close = " or ".join(f"{one!r}{shown(one)}" for one in named or _near(name, known, symbols))
         more = f" and {len(known) - MOST} more" if len(known) > MOST else ""
-        listed = ", ".join(map(_shortened, known[:MOST])) + more
+        listed = ", ".join(_shortened(one) + shown(one) for one in known[:MOST]) + more
         hint = f"Did you mean {close}?" if close else f"Known: {listed or 'none'}."
         super().__init__(f"unknown {kind} {_shortened(name)!r}. {hint}")
 
     @override
-    def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
+    def __reduce__(
+        self,
+    ) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...], dict[str, str]]]:
         """Rebuild from what it was made of, so that it crosses processes."""
-        return type(self), (self.kind, self.name, self.known)
+        return type(self), (self.kind, self.name, self.known, self.symbols)
 
 
 class TracingError(StickslipError, TypeError):
@@ -108,10 +119,16 @@ def nearest(name: str, known: Iterable[str]) -> str:
     >>> nearest("frction", ["friction", "mechanism"])
     "'friction'"
     """
+    return " or ".join(map(repr, _near(name, known, {})))
+
+
+def _near(name: str, known: Iterable[str], symbols: Mapping[str, str]) -> list[str]:
+    """Return the known names that are closest to a name, or whose symbols are; two at most."""
     if len(name) > COMPARED:
-        return ""
-    near = [word for word in known if len(word) <= COMPARED]
-    return " or ".join(repr(word) for word in difflib.get_close_matches(name, near, n=2))
+        return []
+    words = {symbols[one]: one for one in known if one in symbols} | {one: one for one in known}
+    near = [word for word in words if len(word) <= COMPARED]
+    return [*dict.fromkeys(words[one] for one in difflib.get_close_matches(name, near, n=2))]
 
 
 def check_size(

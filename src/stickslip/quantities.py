@@ -765,15 +765,33 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
 
 
 def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
-    """Return the full path for a full path, or for a last name that only one of the known has."""
+    """Return the full path for a full path, or for a last name that only one of the known has.
+
+    Where their quantities are known, a symbol stands for the name.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> full_path("mu_k", {f"friction.{n}": one for n, one in fields_of(Coulomb).items()})
+    'friction.kinetic_coefficient'
+    """
     if path in known:
         return path
+    symbols = {}
+    if isinstance(known, Mapping):
+        symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
     same = [full for full in known if full.rpartition(".")[2] == path]
+    if not same:
+        place, _, symbol = path.rpartition(".")
+        within = (full for full, one in symbols.items() if one == symbol)
+        same = [full for full in within if place in ("", full.rpartition(".")[0])]
     if len(same) == 1:
         return same[0]
+    if same:
+        raise UnknownNameError(kind, path, same, symbols)
     ends = {full.rpartition(".")[2] for full in known}
     closer = not nearest(path, known) and bool(nearest(path, ends))
-    raise UnknownNameError(kind, path, same or (ends if closer else known))
+    raise UnknownNameError(kind, path, ends if closer else known, {} if closer else symbols)
 
 
 def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
@@ -787,6 +805,9 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
     >>> list(all_paths(block, "mechanism"))[-1]
     'mechanism.drive.start'
     """
+    if isinstance(root, Group):
+        below = (all_paths(member, f"{prefix}.{name}") for name, member in root.members)
+        return {path: quantity for paths in below for path, quantity in paths.items()}
     found = {f"{prefix}.{name}": quantity for name, quantity in fields_of(type(root)).items()}
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
@@ -798,6 +819,36 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
                 if isinstance(item, Parametrised):
                     found.update(all_paths(item, f"{path}.{index}"))
     return found
+
+
+def standing_path(
+    path: str, known: Mapping[str, Quantity], roots: Mapping[str, Parametrised]
+) -> str:
+    """Return the full path of a parameter that stands in the equations, as `full_path` does.
+
+    What is a parameter of one of the roots (by prefix) but does not stand there is refused with the
+    reason.
+    """
+    try:
+        return full_path(path, known)
+    except UnknownNameError:
+        declared: dict[str, Quantity] = {}
+        for prefix, root in roots.items():
+            declared |= all_paths(root, prefix)
+        with contextlib.suppress(UnknownNameError):
+            full = full_path(path, declared)
+            raise ParameterError(_absence(full, declared[full])) from None
+        raise
+
+
+def _absence(path: str, quantity: Quantity) -> str:
+    """Return why a parameter does not stand in the equations, and the cure."""
+    if not quantity.structural:
+        return f"{path} ({quantity.symbol}) was not given, so it does not vary: give it a value."
+    return (
+        f"{path} ({quantity.symbol}) is a whole number, which shapes the equations and does not"
+        " vary in them: give it a value that is not whole, such as 1.000001 for 1."
+    )
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:

@@ -1,13 +1,16 @@
 """Laws composed of parts: one line gives class, equations, formula, names and what they contain."""
 
 import dataclasses
+import itertools
 import math
 import pickle
 import re
+from random import Random
 from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
+from tests.support import quick
 
 from stickslip import Axis, LuGre, Measurement, SpringBlock, Stribeck, fit, load_rig, simulate
 from stickslip.drives import Sine
@@ -26,8 +29,9 @@ from stickslip.friction import (
     specification,
 )
 from stickslip.friction.classes import equations_of
-from stickslip.friction.notation import read
+from stickslip.friction.notation import Around, Product, Sum, read
 from stickslip.friction.parts import PARTS
+from stickslip.friction.parts.base import Level, Slip
 from stickslip.identification.estimation.parameters import starting_law
 from stickslip.maths import Latches
 from stickslip.quantities import Quantity, fields_of
@@ -78,6 +82,123 @@ CONTACT = {
     "motor": 1.3, "external": -0.7, "transmitted": 2.0, "gravity": -0.4,
     "position": 0.3, "temperature": 8.0, "pressure": 2e4,
 }  # fmt: skip
+
+
+LEVELS = (
+    "step", "stribeck", "tustin", "lorentz", "hyperbolic", "logarithmic", "peak",
+)  # fmt: skip
+FLOWS = (
+    "viscous", "power", "drag", "saturating", "polynomial[2]", "viscous + drag", "power + drag",
+)  # fmt: skip
+AROUND = (
+    "{}", "both_ways({})", "both_ways[levels]({})", "({}) * linear[temperature]", "tanh({})",
+    "root({})", "dahl({})", "lugre({})", "lugre_fading({})", "elasto_plastic({})", "bouc_wen({})",
+    "maxwell[3]({})", "gms[2]({})", "reset({})", "bliman_sorine({})",
+    "dahl(both_ways[levels]({}))", "lugre(both_ways({}))",
+)  # fmt: skip
+
+
+def compositions():
+    """Yield all sums of up to three levels on a level, around them something, and a flow."""
+    for count in range(4):
+        for more in itertools.combinations(LEVELS, count):
+            levels = " + ".join(("level", *more))
+            for around in AROUND:
+                yield around.format(levels)
+                for flow in FLOWS:
+                    yield f"{around.format(levels)} + {flow}"
+                    if around.startswith("both_ways"):
+                        yield around.format(f"{levels} + {flow}")
+
+
+def random_law(kind, random):
+    """Return a law with random values, its levels in their order."""
+    values, ranks = {}, {"kinetic": 0.1, "static": 0.4, "break_away": 0.7}
+    for name, quantity in fields_of(kind).items():
+        rank = next((low for word, low in ranks.items() if f"{word}_coefficient" in name), None)
+        value = (rank or quantity.start or 0.2) * (1.0 + 0.5 * random.random())
+        values[name] = min(value, quantity.high)
+    return bound(kind(**values), CONTACT)
+
+
+class Side:
+    """The parameters of one direction of slip, by the names that parts have for them."""
+
+    def __init__(self, one, prefix):
+        self.one, self.prefix = one, prefix
+
+    def __getattr__(self, name):
+        own = {name, self.prefix + name} & {*fields_of(type(self.one))}
+        return getattr(self.one, max(own, key=len))
+
+
+def by_parts(term, p, speed):
+    """Return level and force of steady sliding, and the level at rest, part by part."""
+    match term:
+        case Sum(items=items):
+            level, flow, rest = zip(*(by_parts(one, p, speed) for one in items), strict=True)
+            return sum(level), sum(flow), max(rest)
+        case Around(head=head, inner=inner):
+            level, flow, rest = by_parts(inner, p, speed)
+            if head.role == "sign":
+                return level * head.part.shape(p, Slip(speed=speed, along=speed)), flow, 0.0
+            return level, flow, rest * (head.part.peak(p) if head.role == "memory" else 1.0)
+        case Product(first=first):
+            (slope,) = (name for name in fields_of(type(p.one)) if name.endswith("ature_slope"))
+            times = 1.0 + getattr(p.one, slope) * CONTACT["temperature"]
+            return tuple(times * one for one in by_parts(first, p, speed))
+    slip = Slip(speed=speed, along=speed)
+    if term.role == "flow":
+        return 0.0, term.part.flow(p, slip), 0.0
+    rest = getattr(p, term.part.rest) if isinstance(term.part, Level) else 0.0
+    return term.part.sliding(p, slip) or 0.0, 0.0, rest
+
+
+def lost(text):
+    """Return why a text does not run as it reads; None if it does, or is no law."""
+    try:
+        kind = law(text)
+    except InputError:
+        return None
+    parts, own = (
+        {str(name) for name in term.parts() if name.name != "both_ways"}
+        for term in (read(text), kind.composition)
+    )
+    if parts - own or not own - parts <= {"step", "peak"}:
+        return f"{text} has the class of {kind.composition}"
+    if law(str(kind.composition)) is not kind:
+        return f"{kind.composition} is not the text of its law"
+    random = Random(text)
+    one = random_law(kind, random)
+    one = bound(dataclasses.replace(one, **{
+        name: None for name in fields_of(kind)
+        if any(f"{low}_coefficient" in name for low in ("static", "break_away"))
+        and not any(name.endswith(p.name) for n in read(text).parts() for p in n.part.parameters)
+    }), CONTACT)  # fmt: skip
+    load, rests = 2.0, []
+    for sign, prefix in ((1.0, "forward_"), (-1.0, "backward_")):
+        speed = 10.0 ** random.uniform(-3.0, 0.0)
+        level, flow, rest = by_parts(read(text), Side(one, prefix), speed)
+        rests.append(rest * load)
+        expected = sign * (level * load + flow)
+        if one.steady(sign * speed, load) != pytest.approx(expected, rel=1e-12):
+            return f"{text}: friction at {sign * speed} is {one.steady(sign * speed, load)}"
+    if one.break_away(load) != pytest.approx(min(rests), rel=1e-12):
+        return f"{text}: break-away is {one.break_away(load)}"
+    return None
+
+
+NAMED_BEFORE = (
+    "level + step + power", "dahl(level + step) + power", "both_ways(level + step + viscous)",
+    "level + stribeck + power + peak", "lugre(level + stribeck + peak) + power",
+    "level + viscous + step", "level + stribeck + viscous",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("step", quick(("211", "1"), "211"))
+def test_what_is_read_is_what_runs_part_by_part(step):
+    texts = [*NAMED_BEFORE, *itertools.islice(compositions(), 0, None, int(step))]
+    assert [one for one in map(lost, texts) if one] == []
 
 
 def started(kind):

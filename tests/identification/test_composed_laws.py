@@ -158,7 +158,10 @@ def test_what_an_input_adds_needs_what_it_adds_to_and_is_like_it():
 @pytest.mark.parametrize(
     ("beside", "held"),
     [
-        ({"second": 0.2}, {"friction.fading_exponent"}),  # a second memory has no place in LuGre's law
+        (
+            {"second": 0.2},
+            {"friction.fading_exponent"},
+        ),  # a second memory has no place in LuGre's law
         ({}, {"friction.fading_exponent"}),
     ],
 )

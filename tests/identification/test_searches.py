@@ -108,7 +108,10 @@ def test_a_stribeck_velocity_is_found_over_two_decades(v_s):
 def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
     v = np.linspace(-1.0, 1.0, 2001)
     law = Stribeck(
-        kinetic_coefficient=18.0, static_coefficient=26.0, stribeck_velocity=0.05, fading_exponent=1.0
+        kinetic_coefficient=18.0,
+        static_coefficient=26.0,
+        stribeck_velocity=0.05,
+        fading_exponent=1.0,
     )
     friction = law.force(v, 1.0) + 0.05 * np.random.default_rng(2).normal(size=2001)
     table = Measurement(velocity=v, friction=friction)

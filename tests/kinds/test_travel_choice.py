@@ -509,8 +509,8 @@ def test_laws_tried_beside_the_candidates_are_never_named():
     asked = select(RIG, [*PLAIN, "power-viscous"], measured)
     assert asked.best.name == "power-viscous"
     assert not asked.best.beside
-    viscous_exponent = asked.best.fit.estimate("viscous_exponent")
-    assert exponent.low <= 2.0 <= exponent.high
+    found = asked.best.fit.estimate("viscous_exponent")
+    assert found.low <= 2.0 <= found.high
 
 
 @pytest.mark.slow

@@ -182,7 +182,10 @@ def test_what_is_held_by_stiff_parts_stays_where_it_is(stiffness):
 @pytest.mark.parametrize("exponent", [1.0, 2.0])
 def test_a_speed_that_starts_on_a_switch_of_the_law_falls_below_it(exponent):
     law = Stribeck(
-        kinetic_coefficient=0.1, static_coefficient=0.2, stribeck_velocity=1.0, fading_exponent=exponent
+        kinetic_coefficient=0.1,
+        static_coefficient=0.2,
+        stribeck_velocity=1.0,
+        fading_exponent=exponent,
     )
     lift = Sine(amplitude=0.1, frequency=1.0)
     layer = 36.0 ** (1.0 / exponent)
@@ -278,7 +281,9 @@ def test_torques_that_cancel_but_for_rounding_break_nothing_away(torque, press):
     )
     laws = {
         "clutch-1": None,
-        "clutch-2": PowerViscous(kinetic_coefficient=0.0, viscous_coefficient=10.0, viscous_exponent=2.0),
+        "clutch-2": PowerViscous(
+            kinetic_coefficient=0.0, viscous_coefficient=10.0, viscous_exponent=2.0
+        ),
         "clutch-3": Coulomb(kinetic_coefficient=0.1),
     }
     run = simulate(train, laws, t_end=1.0, throw=False)

@@ -189,7 +189,11 @@ DAHL = Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e7)
         (DAHL, {"friction.bristle_stiffness": "upper"}, True),  # bristles that do not give way
         (DAHL, {}, False),
         (DAHL, {"friction.kinetic_coefficient": "upper"}, False),
-        (dataclasses.replace(DAHL, yield_exponent=2.0), {"friction.bristle_stiffness": "upper"}, False),
+        (
+            dataclasses.replace(DAHL, yield_exponent=2.0),
+            {"friction.bristle_stiffness": "upper"},
+            False,
+        ),
         (Coulomb(kinetic_coefficient=2.0), {}, False),  # which does not contain it
     ],
 )

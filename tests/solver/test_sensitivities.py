@@ -50,7 +50,9 @@ RIGS["spring-block, uphill, square"] = SpringBlock(
 SMOOTH_LAWS = {name: example_of(LAWS[name]) for name in FIRST}
 BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states == ("z",)}
 SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if not law.states}
-SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], fading_exponent=n) for n in (1.0, 1.5)}
+SMOOTH_LAWS |= {
+    f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], fading_exponent=n) for n in (1.0, 1.5)
+}
 BRISTLE_LAWS |= {
     f"{name}, switch": replace(law, static_switch=True) for name, law in BRISTLE_LAWS.items()
 }

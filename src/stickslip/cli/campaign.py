@@ -285,10 +285,14 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         for root, prefix in ((case.mechanism, "mechanism"), (case.law, "friction"))
         for path, known, _ in parameters(cast("Any", root), prefix)
     }
+    varying = {
+        path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
+        for path, unit in units.items()
+    }
     found = {}
     for name, given in _leaves(table):
-        path = full_path(name, list(units))
-        known = ranges.get(path, Quantity(path.rpartition(".")[2], units[path]))
+        path = full_path(name, varying)
+        known = varying[path]
         own: Any = given if isinstance(given, dict) else {"values": given}
         kind = next((FACTORS[key] for key in FACTORS if key in own), None)
         at = f"{name} in {where}"
@@ -304,7 +308,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
             known = Quantity(known.symbol)
-            own = {**own, "times": full_path(own["times"], list(units))}
+            own = {**own, "times": full_path(own["times"], varying)}
         read: dict[str, Any] = {}
         for key, value in own.items():
             wanted = Quantity(known.symbol, known.unit) if key == "sd" else known

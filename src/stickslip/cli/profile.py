@@ -154,7 +154,7 @@ def _interval(
         for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
         for full, quantity, _ in parameters(root, prefix)
     }
-    full = full_path(path.strip(), list(known))
+    full = full_path(path.strip(), known)
     return full, range_of(f"--interval {full}", ends, known[full])
 
 

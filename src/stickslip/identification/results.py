@@ -249,7 +249,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     def estimate(self, name: str) -> Estimate:
         """Return the estimate of a parameter, by its path or its last name."""
         known = {estimate.path: estimate for estimate in self.estimates}
-        return known[full_path(name, list(known))]
+        return known[full_path(name, {path: one.quantity for path, one in known.items()})]
 
     @final
     def to_toml(self) -> str:

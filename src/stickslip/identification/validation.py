@@ -180,7 +180,8 @@ def _varied(
                 f"vary takes {LAW!r} and parameters of the mechanism when laws are compared,"
                 f" got {name}: fit that law alone."
             )
-    known = [*of_law, *(path for path, _, _ in parameters(mechanism, "mechanism"))]
+    own = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
+    known = {**of_law, **own}
     return varied_paths(names, known, values, (LAW,))
 
 
@@ -215,7 +216,10 @@ def covers(name: str, path: str) -> bool:
 
     Examples
     --------
-    >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.yield_exponent")
+    >>> (
+    ...     covers("visc*", "friction.viscous_coefficient"),
+    ...     covers("mechanism.*", "friction.yield_exponent"),
+    ... )
     (True, False)
     """
     return fnmatchcase(path if "." in name else path.rpartition(".")[2], name)

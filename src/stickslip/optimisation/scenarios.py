@@ -101,12 +101,12 @@ def _grid(
     """Return evenly spread values of each parameter, ends included, in all combinations."""
     if type(points) is not int or points < 2:
         raise ParameterError(not_whole("points", 2, points))
-    known = [
-        path
+    known = {
+        path: quantity
         for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
-        for path, _, _ in parameters(root, prefix)
+        for path, quantity, _ in parameters(root, prefix)
         if not path.startswith(f"mechanism.{motor_of(mechanism)}.")
-    ]
+    }
     axes = {full_path(path, known): _range(path, ends) for path, ends in interval.items()}
     if points ** len(axes) > MOST_POINTS:
         raise InputError(

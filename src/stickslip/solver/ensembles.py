@@ -19,7 +19,7 @@ from stickslip.kernels.batch import EVIDENCE
 from stickslip.kernels.sensitivities import sense_size
 from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, full_path, parameters, vary
+from stickslip.quantities import Quantity, parameters, standing_path, vary
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.base import path_units
 from stickslip.solver.certify import passes
@@ -33,7 +33,12 @@ from stickslip.solver.initial_states import (
 )
 from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
 from stickslip.solver.run import FIRST_ROWS, work_of
-from stickslip.solver.sensitivities import Directions, directions_of
+from stickslip.solver.sensitivities import (
+    Directions,
+    directions_of,
+    quantities_of,
+    roots_of,
+)
 from stickslip.trajectory import Ensemble
 
 Array = NDArray[np.float64]
@@ -334,9 +339,11 @@ def _outputs(
                 f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes,"
                 f" EventCount or Sensitivity, got {output!r}."
             )
-    paths = list(_quantities(mechanism, law, model))
+    known, roots = quantities_of(mechanism, law, model), roots_of(mechanism, law)
     return {
-        name: replace(o, parameter=full_path(o.parameter, paths)) if is_gradient(o) else o
+        name: replace(o, parameter=standing_path(o.parameter, known, roots))
+        if is_gradient(o)
+        else o
         for name, o in outputs.items()
     }
 
@@ -352,10 +359,11 @@ def check_columns(
     model = formulate(mechanism, law)
     if not isinstance(varied, Mapping):
         raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
-    known = _quantities(mechanism, law, model)
+    known = quantities_of(mechanism, law, model)
     check_size("ensemble", sum(map(np.size, varied.values())), FEWER)
+    roots = roots_of(mechanism, law)
     given = {
-        full_path(path, list(known)): _numbers(path, values) for path, values in varied.items()
+        standing_path(path, known, roots): _numbers(path, values) for path, values in varied.items()
     }
     if len(given) < len(varied):
         raise InputError("parameters must name each parameter only once, got: " + ", ".join(varied))
@@ -371,14 +379,6 @@ def check_columns(
     columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
     _check(mechanism, law, model, columns, known)
     return columns, count
-
-
-def _quantities(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> dict[str, Quantity]:
-    """Return what can vary by full path."""
-    known = {f"initial.{state}": Quantity(state) for state in model.states}
-    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        known |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
-    return known
 
 
 def as_numbers(path: str, values: ArrayLike) -> Array:

@@ -49,6 +49,8 @@ def status_of(code: int, model: Model) -> Status:
 
 PLACES = 200
 """Places of a run at which a mass matrix that was given is looked at."""
+SMOOTH_TOLERANCE, BRISTLE_TOLERANCE = 1e-12, 1e-8
+"""Tolerances that hold if none is given: without bristles, and with them, whose steps cost more."""
 TIGHTEST = 1e-13
 """Least tolerance: rounding is not far below it."""
 
@@ -73,10 +75,12 @@ class EventDriven(Solver):
     True
     """
 
-    tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] = 1e-12
-    """Local error of a step over the largest value so far, in smooth modes."""
-    stiff_tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] = 1e-8
-    """The same in modes with bristles."""
+    tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] | None = None
+    """Local error of a step over the largest value so far. If it is not given, 1e-12 with laws
+    without bristles and 1e-8 with others."""
+    stiff_tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] | None = None
+    """The same with bristles, where one solver runs laws of both kinds; `tolerance` if not
+    given."""
     max_steps: Annotated[float, Quantity("n", low=1)] = 1_000_000
     """Steps after which a run is given up: ``Trajectory.cause`` then says what made them short."""
     estimate_error: bool = False
@@ -100,8 +104,10 @@ class EventDriven(Solver):
     def tolerance_for(self, law: FrictionLaw | Laws) -> float:
         """Return the tolerance that holds for a law, or for several."""
         laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
-        stiff = any(one.states for one in laws)
-        return self.stiff_tolerance if stiff else self.tolerance
+        if not any(one.states for one in laws):
+            return SMOOTH_TOLERANCE if self.tolerance is None else self.tolerance
+        given = (one for one in (self.stiff_tolerance, self.tolerance) if one is not None)
+        return next(given, BRISTLE_TOLERANCE)
 
     @override
     def run(
@@ -125,12 +131,8 @@ class EventDriven(Solver):
         run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
-        finer = replace(
-            self,
-            tolerance=max(0.5 * self.tolerance, TIGHTEST),
-            stiff_tolerance=max(0.5 * self.stiff_tolerance, TIGHTEST),
-            estimate_error=False,
-        )
+        half = max(0.5 * tolerance, TIGHTEST)
+        finer = replace(self, tolerance=half, stiff_tolerance=None, estimate_error=False)
         other = finer.run(mechanism, law, y0=y0, t_end=t_end)
         error = _difference(run, other)
         return replace(run, certificate=replace(run.certificate, error_estimate=error))

@@ -14,13 +14,28 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.sensitivities import columns_at, sense_size
 from stickslip.kernels.state_layout import EVENTS, STEPS
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import full_path
+from stickslip.quantities import Parametrised, Quantity, parameters, standing_path
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import Inputs, schedule_slopes
 from stickslip.solver.initial_states import start_slopes
 from stickslip.solver.run import Record, work_of
 
 Array = NDArray[np.float64]
+
+
+def roots_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> Mapping[str, Parametrised]:
+    """Return what has the parameters of a run, by the prefix of their paths."""
+    return {"mechanism": mechanism, "friction": law}
+
+
+def quantities_of(
+    mechanism: Mechanism, law: FrictionLaw | Laws, model: Model
+) -> Mapping[str, Quantity]:
+    """Return what can vary by full path."""
+    known = {f"initial.{state}": Quantity(state) for state in model.states}
+    for prefix, root in roots_of(mechanism, law).items():
+        known |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
+    return known
 
 
 @dataclass(frozen=True)
@@ -94,8 +109,9 @@ class Sensing:
     def __call__(self, t: Array, paths: Sequence[str]) -> Array:
         """Return sensitivities (n, states, paths) at times (n,)."""
         model = formulate(self.mechanism, self.law, slopes=True)
-        known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
-        full = [full_path(path, known) for path in paths]
+        roots = roots_of(self.mechanism, self.law)
+        known = quantities_of(self.mechanism, self.law, model)
+        full = [standing_path(path, known, roots) for path in paths]
         record = self.record
         runner = runner_of(model, compiled=self._takes_code(model))
         table = self.inputs.table[None, :]

@@ -341,8 +341,10 @@ def draws_of(
         if not draws:
             raise InputError("no parameter of the law or of the mechanism has an uncertainty.")
         return draws
-    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    spreads = {full_path(name, list(values)): one for name, one in uncertainties.items()}
+    declared = [*parameters(mechanism, "mechanism")]
+    values = {path: value for path, _, value in declared}
+    known = {path: quantity for path, quantity, _ in declared}
+    spreads = {full_path(name, known): one for name, one in uncertainties.items()}
     random = np.random.default_rng([seed, 1])  # independent of the draws of the law
     kept: list[dict[str, float]] = []
     tried = 0

@@ -50,9 +50,9 @@ def axis_of(
     >>> axis_of(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0), "inertia", [1, 2])
     ('mechanism.inertia', array([1., 2.]))
     """
-    known = [f"initial.{name}" for name in states_of(mechanism, law)]
+    known = {f"initial.{name}": Quantity(name) for name in states_of(mechanism, law)}
     for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        known += [found for found, _, _ in parameters(root, prefix)]
+        known |= {found: quantity for found, quantity, _ in parameters(root, prefix)}
     full = full_path(path, known)
     array = np.atleast_1d(as_numbers(full, values))
     if array.ndim > 1 or not array.size or not np.isfinite(array).all():

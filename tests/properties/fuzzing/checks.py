@@ -447,7 +447,7 @@ def obeys_newtons_law(e: Evidence) -> Found:
     pairs = list(zip(names, mechanism.rates, strict=True))
     fastest = {name: float(np.abs(e.seen[rate]).max()) for name, rate in pairs}
     unit = max(fastest.values()) or 1.0
-    share = e.solver.stiff_tolerance if e.case.has_bristles else e.solver.tolerance
+    share = e.solver.tolerance_for(e.case.law)
     begins = 10.0 * share / STATES * e.least_speed
     for start, end in _steps(e):
         t = np.array([start, *(start + (end - start) * NODES), end])

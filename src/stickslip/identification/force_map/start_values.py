@@ -526,11 +526,8 @@ def looked_for(
     own = {f"friction.{name}" for name in _wanted(type(law))}
     standing = {path for path, _, _ in parameters(law, "friction")}
     within = {path for path in standing if path.count(".") > 1}
-    known = _values(law)
-    if free is not None:
-        named = {full_path(name, list(known)) for name in free if name != LAW}
-    else:
-        named = set()
+    known = {path: quantity for path, (quantity, _) in _values(law).items()}
+    named = {full_path(name, known) for name in free or () if name != LAW}
     usual = free is None or LAW in free
     found = [
         path
@@ -538,7 +535,7 @@ def looked_for(
         if path in named
         or (usual and (path in within or (path in own and (whole or path in standing))))
     ]
-    names = [*known, "mechanism.offset", "measurement.offset.friction"]
+    names = {**known, **dict.fromkeys(("mechanism.offset", "measurement.offset.friction"))}
     out = {full_path(name, names) for name in held if name != "offset"}
     return [path for path in found if path not in out]
 

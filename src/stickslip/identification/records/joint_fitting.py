@@ -677,7 +677,7 @@ class _Asked:
         values = fixed_values(fixed, known, lambda path: path.partition(".")[0])
         names = (LAW,) if vary_ is None else names_of(vary_)
         whole_laws = (LAW, *(f"friction.{name}.*" for name in kinds))
-        varied = varied_paths(names, [*quantities, *own], values, whole_laws)
+        varied = varied_paths(names, {**quantities, **own}, values, whole_laws)
         linear = tuple(path for path in varied if path in own)
         for record in measurement.records():
             for path in record.overrides:

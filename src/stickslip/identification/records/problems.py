@@ -372,7 +372,7 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
 def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, hold = wanted.mechanism, choice.settings.holding
-    known = [path for path, *_ in parameters(mechanism, "mechanism")]
+    known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
     unknown = [full_path(name, known) for name in wanted.unknown]
     masses = [path for path in unknown if is_mass(mechanism, path)]
     others = [path for path in unknown if path not in masses]

@@ -68,7 +68,7 @@ def inertia_of(
     if not names:
         return None
     known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
-    path = full_path(names[0], list(known))
+    path = full_path(names[0], known)
     found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
     value = found["inertia"]
     if value <= 0.0 and _says_little(found):
@@ -244,7 +244,7 @@ def law_unknowns(
     known = known or {}
     names = [name for name in kind.fit_order if name not in known]
     if free is not None:
-        known_paths = [f"friction.{name}" for name in fields_of(kind)]
+        known_paths = {f"friction.{name}": quantity for name, quantity in fields_of(kind).items()}
         wanted = set(names) if LAW in free else set()
         wanted |= {full_path(n, known_paths).partition(".")[2] for n in free if n != LAW}
         names = [name for name in (*kind.fit_order, *fields_of(kind)) if name in wanted]
@@ -369,7 +369,7 @@ def mechanism_unknowns(
     known: Mapping[str, tuple[Quantity, float]] = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
-    paths = [full_path(name, list(known)) for name in unknown]
+    paths = [full_path(name, {path: one for path, (one, _) in known.items()}) for name in unknown]
     if scales.two_sided and not law.directional:
         paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
     found = []
