@@ -174,3 +174,7 @@ def not_whole(name: str, least: int, value: object) -> str:
     'steps must be a whole number of at least 1, got 2.5.'
     """
     return f"{name} must be a whole number of at least {least}, got {value!r}."
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -4,15 +4,21 @@ import importlib
 import sys
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 
 def attach(
-    package: str, homes: Mapping[str, str], namespaces: Collection[str] = ()
+    package: str,
+    homes: Mapping[str, str],
+    namespaces: Collection[str] = (),
+    *,
+    inside: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return the ``__getattr__`` and ``__dir__`` of a package whose names are loaded lazily.
 
     Type checkers and editors cannot follow them: what they read is the ``__init__.pyi`` that
-    ``tools/stubs.py`` writes from the same table.
+    ``tools/stubs.py`` writes from the same table. Names `inside` are loaded, and not listed: other
+    subpackages use them, and users do not.
 
     Examples
     --------
@@ -26,14 +32,15 @@ def attach(
     def load(name: str) -> object:
         if name in namespaces:
             return importlib.import_module(f"{package}.{name}")
-        if name not in homes:
+        home = homes.get(name) or inside.get(name)
+        if home is None:
             there = _elsewhere(package, name, namespaces)
             raise AttributeError(
                 f"module {package!r} has no attribute {name!r}{there}",
                 name=name,
                 obj=sys.modules[package],
             )
-        return getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
+        return getattr(importlib.import_module(f"{package}.{home}"), name)
 
     return load, lambda: sorted([*homes, *namespaces])
 

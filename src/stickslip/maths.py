@@ -270,3 +270,7 @@ class Latches:
 
 _AT_HAND: ContextVar[Latches | None] = ContextVar("latches", default=None)
 """The flags by which equations are evaluated."""
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -939,3 +939,7 @@ def turned(unit: str, turning: bool = True) -> str:
     ('N m s/rad', '1', 'm')
     """
     return TURNED.get(unit, unit) if turning else unit
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -59,6 +59,12 @@ def test_listing_names_loads_nothing():
     assert run.stdout.strip() == "set()"
 
 
+@pytest.mark.parametrize("name", stickslip.NAMESPACES)
+def test_a_public_module_lists_its_public_names_only(name):
+    door = importlib.import_module(f"stickslip.{name}")
+    assert dir(door) == sorted(door.__all__)
+
+
 def test_a_name_that_is_nowhere_is_an_ordinary_attribute_error():
     assert not hasattr(stickslip, "Sine")
     assert not hasattr(stickslip, "lawz")

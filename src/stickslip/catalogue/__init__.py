@@ -11,3 +11,7 @@ from stickslip.catalogue.dataset import (
 )
 
 __all__ = ["CacheLocation", "Column", "DataFile", "Dataset", "cache_folder", "dataset", "names"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -392,7 +392,7 @@ class CoulombViscousStatic(_SetValuedLaw):
 class Dahl(_BristleLaw):
     kinetic_coefficient: float
     bristle_stiffness: float
-    exponent: float = ...
+    yield_exponent: float = ...
     viscous_coefficient: float = ...
     viscous_exponent: float = ...
     def __init__(
@@ -402,7 +402,7 @@ class Dahl(_BristleLaw):
         kinetic_coefficient: _Given,
         bristle_stiffness: _Given,
         viscous_coefficient: _Given = ...,
-        exponent: _Given = ...,
+        yield_exponent: _Given = ...,
         viscous_exponent: _Given = ...,
     ) -> None: ...
     @_override
@@ -720,7 +720,7 @@ class LuGre(_BristleLaw):
     kinetic_coefficient: float
     static_coefficient: float
     stribeck_velocity: float
-    exponent: float = ...
+    fading_exponent: float = ...
     bristle_stiffness: float
     bristle_damping: float
     viscous_coefficient: float = ...
@@ -735,7 +735,7 @@ class LuGre(_BristleLaw):
         bristle_stiffness: _Given,
         bristle_damping: _Given,
         viscous_coefficient: _Given = ...,
-        exponent: _Given = ...,
+        fading_exponent: _Given = ...,
         viscous_exponent: _Given = ...,
     ) -> None: ...
     @_override
@@ -861,13 +861,13 @@ class PoppStelter(_SetValuedLaw):
 class PowerViscous(_SetValuedLaw):
     kinetic_coefficient: float
     viscous_coefficient: float
-    exponent: float = ...
+    viscous_exponent: float = ...
     def __init__(
         self,
         *,
         kinetic_coefficient: _Given,
         viscous_coefficient: _Given,
-        exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
     ) -> None: ...
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...
@@ -1005,7 +1005,7 @@ class Stribeck(_SetValuedLaw):
     kinetic_coefficient: float
     static_coefficient: float
     stribeck_velocity: float
-    exponent: float = ...
+    fading_exponent: float = ...
     viscous_coefficient: float = ...
     break_away_coefficient: float | None = ...
     def __init__(
@@ -1016,7 +1016,7 @@ class Stribeck(_SetValuedLaw):
         stribeck_velocity: _Given,
         viscous_coefficient: _Given = ...,
         break_away_coefficient: _Given | None = ...,
-        exponent: _Given = ...,
+        fading_exponent: _Given = ...,
     ) -> None: ...
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...

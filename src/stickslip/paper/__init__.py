@@ -46,3 +46,7 @@ __all__ = [
     "stribeck_creeps",
     "study_cart",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

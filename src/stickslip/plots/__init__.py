@@ -159,4 +159,4 @@ INSIDE = {
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
-__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)
+__getattr__, __dir__ = attach(__name__, HOMES, inside=INSIDE)

@@ -48,8 +48,8 @@ class EventDriven(_EventDriven):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
         *,
-        tolerance: _Given = ...,
-        stiff_tolerance: _Given = ...,
+        tolerance: _Given | None = ...,
+        stiff_tolerance: _Given | None = ...,
         max_steps: _Given = ...,
         estimate_error: bool = ...,
         tier: _Tier = ...,

@@ -45,3 +45,7 @@ __all__ = [
     "cycles_in",
     "validate",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -5,3 +5,7 @@ from stickslip.testing.mechanisms import check_mechanism
 from stickslip.testing.report import ConformanceFinding, Report
 
 __all__ = ["ConformanceFinding", "Report", "check_friction", "check_mechanism"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
