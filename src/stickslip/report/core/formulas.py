@@ -5,6 +5,7 @@ from typing import Any, Final, NamedTuple
 from unicodedata import normalize
 from xml.etree import ElementTree
 
+from stickslip.errors import InputError
 from stickslip.friction import PrintedForm, RightEquation
 from stickslip.report.core.markup import equation_parts, lowered, math_tree, plain, raised
 
@@ -144,19 +145,29 @@ def _flat(element: ElementTree.Element) -> list[ElementTree.Element]:
 def _text(element: ElementTree.Element) -> str:
     parts = [_row(child) if child.tag in {"mrow", "mstyle"} else _text(child) for child in element]
     match element.tag:
-        case "msub" | "munder":  # what a sum is over stands under it
+        case "msub" | "munder" if element.tag == "msub" or element[0].tag == "mo":
+            # what a sum is over stands under it
             return lowered(parts[0], parts[1].replace(" ", ""))
         case "msup":
             return raised(parts[0], parts[1])
-        case "msubsup":
+        case "msubsup" | "munderover":
             return raised(lowered(parts[0], parts[1].replace(" ", "")), parts[2])
-        case "mfrac":
+        case "msqrt" | "mroot":
+            inner, *index = parts if element.tag == "mroot" else [" ".join(parts)]
+            of = inner if re.fullmatch(r"\w+", inner) else f"({inner})"
+            return f"{''.join(index) and raised('', index[0])}√{of}"
+        case "mfrac" if not element.attrib:
             if parts == ["1", "2"]:
                 return "½"
             above = f"({parts[0]})" if re.search(r".[+−]", parts[0]) else parts[0]
             below = f"({parts[1]})" if re.search(r"[ +−/]", parts[1]) else parts[1]
             whole = f"{above}/{below}"
             return whole if re.fullmatch(r"d\w/d\w", whole) else f"({whole})"
-        case "mover":
-            return parts[0] + _DOTS.get(parts[1], parts[1])
-    return " ".join((element.text or "").split())  # also its spaces that do not break
+        case "mover" if parts[1] in _DOTS:
+            return parts[0] + _DOTS[parts[1]]
+        case "mi" | "mn" | "mo" | "mtext" | "mspace":
+            return " ".join((element.text or "").split())  # also its spaces that do not break
+    raise InputError(
+        f"the formula cannot be set as plain text: of {''.join(element.itertext())!r} the element"
+        f" {element.tag} is not known; write it with fractions, roots, powers and indices."
+    )

@@ -167,6 +167,8 @@ def math_tree(latex: str, *, display: bool = True) -> ElementTree.Element:
         if element.tag == "mo" and element.text in {"|", "/"}:
             # Browsers space these like signs of relation, whatever stands beside them.
             element.attrib |= {"lspace": "0", "rspace": "0"}
+        if (element.text or "").startswith("\\"):
+            raise InputError(f"cannot read the equation {latex!r}: {element.text} is not known.")
     for element in root.iter():
         row = [None, *element, None]
         for before, child, after in zip(row, element, row[2:], strict=False):
