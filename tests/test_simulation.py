@@ -1,6 +1,7 @@
 """The verb `simulate`: its arguments, how it ends, and what it refuses."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -8,11 +9,15 @@ import pytest
 from stickslip import (
     Axis,
     Coulomb,
+    Dahl,
     EventDriven,
     FixedStep,
     LuGre,
+    RecordSettings,
     SpringBlock,
+    Stribeck,
     TowedBlock,
+    TwoFeet,
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse
@@ -36,7 +41,7 @@ def test_an_end_time_that_is_no_time_is_refused(t_end):
         simulate(BLOCK, LAW, t_end=t_end)
 
 
-@pytest.mark.parametrize("law", [None, "coulomb", Coulomb, 0.25, BLOCK], ids=str)
+@pytest.mark.parametrize("law", [None, SpringBlock, 0.25, BLOCK], ids=str)
 def test_what_is_no_law_is_refused(law):
     with pytest.raises(InputError, match="law must be a friction law such as Coulomb, got"):
         simulate(BLOCK, law, t_end=1.0)
@@ -85,6 +90,56 @@ def test_giving_up_raises_or_is_told_as_asked():
     assert not run.status.complete
     assert run.certificate.steps == 3
     assert run.span[1] == run.t[-1] < 1.0
+
+
+def test_a_law_by_name_has_its_typical_values():
+    place = simulate(BLOCK, LAW, t_end=1.0)["x"][-1]
+    for given in ("coulomb", Coulomb, "level + step"):
+        assert simulate(BLOCK, given, t_end=1.0)["x"][-1] == place
+    feet = TwoFeet(mass=1.0, front=0.1, rear=0.1)
+    assert simulate(feet, {"front": "coulomb", "rear": Coulomb}, t_end=0.1).status.complete
+    with pytest.raises(UnknownNameError, match="Did you mean 'coulomb'"):
+        simulate(BLOCK, "coulom", t_end=1.0)
+    with pytest.raises(InputError, match="has no typical values"):
+        simulate(BLOCK, "level + power + drag", t_end=1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "said"),
+    [
+        (Coulomb, {"mu": 0.25}, r"of Coulomb 'mu'.*'kinetic_coefficient' \(mu_k\)"),
+        (Coulomb, {"mu_k": 0.25}, r"'mu_k'. Did you mean 'kinetic_coefficient' \(mu_k\)\?"),
+        (Coulomb, {}, r"Coulomb lacks kinetic_coefficient \(mu_k: at least 0\)"),
+        (SpringBlock, {"mas": 1.0}, r"SpringBlock 'mas'. Did you mean 'mass' \(m\)\?"),
+        (Pulse, {"levl": 1.0, "duration": 1.0}, r"Pulse 'levl'. Did you mean 'level'"),
+        (EventDriven, {"tol": 1e-6}, r"EventDriven 'tol'. Did you mean 'tolerance'"),
+        (FixedStep, {}, r"FixedStep lacks dt \(dt: above 0 s\)"),
+        (RecordSettings, {"horizont": 1.0}, r"RecordSettings 'horizont'"),
+        (Stribeck, {"exponent": 1.0}, r"Did you mean 'fading_exponent' \(n\)\?"),
+    ],
+)
+def test_a_wrong_name_of_a_parameter_is_refused_with_the_nearest(kind, values, said):
+    with pytest.raises(InputError, match=said) as caught:
+        kind(**values)
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+def test_a_parameter_without_its_name_is_refused():
+    with pytest.raises(InputError, match=r"write Coulomb\(kinetic_coefficient=...\), got 0.25"):
+        Coulomb(0.25)
+
+
+def test_the_tolerance_governs_laws_with_bristles_and_without():
+    bristles = Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e3)
+    steps = [
+        simulate(BLOCK, bristles, t_end=0.5, solver=solver).certificate.steps
+        for solver in (EventDriven(tolerance=1e-4), EventDriven(), EventDriven(tolerance=1e-10))
+    ]
+    assert steps[0] < 0.5 * steps[1] < 0.5 * steps[2]
+    both = EventDriven(tolerance=1e-6, stiff_tolerance=1e-4)
+    assert [both.tolerance_for(law) for law in (bristles, Coulomb(kinetic_coefficient=0.2))] == [
+        1e-4, 1e-6
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(

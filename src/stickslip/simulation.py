@@ -1,19 +1,19 @@
 """Joins a mechanism, a law and a solver."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import quantity
 from stickslip.friction import (
-    Friction,
     FrictionLaw,
     Laws,
     PrintedForm,
     assigned,
     bristle_names,
     is_bound,
+    with_typical_values,
 )
 from stickslip.mechanisms import Mechanism, checked_contacts, input_names, slip_of
 from stickslip.quantities import Quantity, beginning
@@ -28,11 +28,14 @@ if TYPE_CHECKING:
 ALWAYS = ("friction", "normal_force", "mode")
 """Columns that every run has beside its states."""
 END = Quantity("T", "s", above=0)
+OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str
+GivenFriction: TypeAlias = OneLaw | Mapping[str, OneLaw | None] | Laws
+"""A law, its type or its name, for all contacts or by the name of the contact."""
 
 
 def simulate(
     mechanism: Mechanism,
-    law: Friction | PrintedForm,
+    law: GivenFriction | PrintedForm,
     *,
     t_end: float,
     y0: Mapping[str, float] | Sequence[float] | None = None,
@@ -45,10 +48,10 @@ def simulate(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw, mapping of str to FrictionLaw, or PrintedForm
-        What holds it back. Where several contacts rub, the law of each by the contact's name, None
-        where there is none, or one law that all share. Printed forms need
-        ``solver=FixedStep(...)``.
+    law : FrictionLaw, type or str, mapping of str to these, or PrintedForm
+        What holds it back; a type or a name, such as ``"coulomb"``, has the typical values of the
+        law. Where several contacts rub, the law of each by the contact's name, None where there is
+        none, or one law that all share. Printed forms need ``solver=FixedStep(...)``.
     t_end : float
         Last time [s].
     y0 : mapping or sequence, optional
@@ -113,7 +116,7 @@ def refuse(run: Trajectory, *, certified: bool = True) -> None:
 
 def ensemble(
     mechanism: Mechanism,
-    law: Friction,
+    law: GivenFriction,
     parameters: Mapping[str, "ArrayLike"],
     *,
     t_end: float,
@@ -132,7 +135,7 @@ def ensemble(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw or mapping of str to FrictionLaw
+    law : FrictionLaw, type or str, or mapping of str to these
         What holds it back, as in `simulate`.
     parameters : mapping
         What varies: arrays (n,), or numbers for all runs, by path, such as
@@ -250,8 +253,10 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     """Return the law, or the laws by contact; refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
-    if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
-        raise no_law(law)
+    if isinstance(law, Mapping):
+        law = {contact: None if one is None else _with_values(one) for contact, one in law.items()}
+    elif not isinstance(law, PrintedForm | Laws):
+        law = _with_values(law)
     names = tuple(contact.name for contact in checked_contacts(mechanism))
     if not names:
         raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")
@@ -271,6 +276,21 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
     for contact, one in own.items():
         _check_inputs(mechanism, contact, one)
+    return found
+
+
+def _with_values(given: object) -> FrictionLaw:
+    """Return a law, of a type or a name with its typical values; refuse what is no law."""
+    is_type = isinstance(given, type) and issubclass(given, FrictionLaw)
+    if not (is_type or isinstance(given, FrictionLaw | str)):
+        raise no_law(given)
+    found = with_typical_values(given)  # type: ignore[arg-type]  # as was checked
+    if found is None:
+        name = given if isinstance(given, str) else given.name
+        raise InputError(
+            f"the law {name} has no typical values: give it with values, such as"
+            f' law("{name}")(...) of stickslip.friction.'
+        )
     return found
 
 

@@ -1,8 +1,21 @@
 """Levels of an axis that has no load are forces, and are said in N wherever they stand."""
 
 import numpy as np
+import pytest
 
-from stickslip import Axis, Coulomb, Dahl, DirectionDependent, Measurement, RecordSettings, fit
+from stickslip import (
+    Axis,
+    Coulomb,
+    Dahl,
+    DirectionDependent,
+    Measurement,
+    Pendulum,
+    RecordSettings,
+    TwoMassAxis,
+    fit,
+)
+from stickslip.identification import FreeParameter, FreeParameters, told
+from stickslip.quantities import fields_of
 
 
 def table(**more):
@@ -36,6 +49,29 @@ def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit
     found = fit(Axis(inertia=1.0), Dahl, record, settings=RecordSettings(starts=1))
     assert unit_of(found, "bristle_stiffness") == "N/m"
     assert unit_of(found, "yield_exponent") == "1"
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "units"),
+    [
+        (Pendulum(mass=0.7, length=0.43), {"mass": "kg", "length": "m", "inertia": "kg m^2"}),
+        (Axis(inertia=0.02, rotary=True), {"inertia": "kg m^2", "stiffness": "N m/rad"}),
+        (TwoMassAxis(motor_inertia=1.0, load_inertia=1.0, stiffness=1.0, rotary=True),
+         {"load_inertia": "kg m^2", "damping": "N m s/rad"}),
+    ],
+)  # fmt: skip
+def test_parameters_of_what_turns_keep_units_of_their_own(mechanism, units):
+    swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
+    unknowns = FreeParameters(
+        tuple(
+            FreeParameter(
+                path=f"mechanism.{name}", quantity=fields_of(type(mechanism))[name], start=1
+            )
+            for name in units
+        )
+    )
+    found = told(unknowns, mechanism, swing).items
+    assert [one.quantity.unit for one in found] == [*units.values()]
 
 
 def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence():

@@ -58,7 +58,8 @@ def test_no_command_of_latex_is_left_in_the_text(latex):
 
 SHOWN = {
     "ddot": "\N{COMBINING DIAERESIS}", "dot": "\N{COMBINING DOT ABOVE}", "frac": "/", "ge": "≥",
-    "le": "≤", "neq": "=\N{COMBINING LONG SOLIDUS OVERLAY}", "operatorname": "sgn|sign", "sqrt": "√", "sum": "∑", "tfrac": "[/½]",
+    "le": "≤", "neq": "=\N{COMBINING LONG SOLIDUS OVERLAY}", "operatorname": "sgn|sign",
+    "sqrt": "√", "sum": "∑", "tfrac": "[/½]",
 }  # fmt: skip
 """What commands look like; all others are the names of letters and functions, or only set apart."""
 APART = {"begin", "end", "left", "quad", "right", "text", "textstyle"}

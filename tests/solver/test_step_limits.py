@@ -47,6 +47,13 @@ BRISTLES = LuGre(
 FEW_OF_A_RIDGE = EventDriven(max_steps=2000, tier="python")
 
 
+def test_a_moment_of_inertia_is_no_mass_in_grams():
+    wheel = Axis(inertia=0.02, stiffness=1e9, rotary=True)
+    run = simulate(wheel, LAYER, t_end=9.0, y0={"x": 1e-3}, solver=FEW, throw=False)
+    assert "mechanism.inertia = 0.02 kg m²" in run.cause
+    assert "mechanism.stiffness = 1 × 10⁹ N m/rad" in run.cause
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class Ridge(Mechanism):

@@ -25,7 +25,7 @@ from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import capital, joined, number, unit_text
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, law_type, with_typical_values
 from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of
@@ -253,15 +253,13 @@ def law_with_values(given: Given, load: float) -> FrictionLaw:
     >>> law_with_values("coulomb", 1.0)
     Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
     """
-    if isinstance(given, FrictionLaw):
-        return given
-    kind: object = law_type(given) if isinstance(given, str) else given
-    if not (isinstance(kind, type) and issubclass(kind, FrictionLaw)):
+    law: Any = law_type(given) if isinstance(given, str) else given
+    is_type = isinstance(law, type) and issubclass(law, FrictionLaw)
+    if not (is_type or isinstance(law, FrictionLaw)):
         raise InputError(
             f"a law must be a FrictionLaw, its type, or its name or composition, got {given!r}."
         )
-    typical = getattr(kind, "typical", None)
-    return starting_law(kind, load) if typical is None else kind(**typical.values)
+    return with_typical_values(law) or starting_law(law, load)
 
 
 def _matched(law: FrictionLaw, first: FrictionLaw) -> tuple[FrictionLaw, str]:

@@ -115,6 +115,7 @@ INSIDE = {
     "said_of": "classes",
     "simpler_laws": "registry",
     "specification": "registry",
+    "with_typical_values": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -53,6 +53,7 @@ from stickslip.friction.registry import rungs as rungs
 from stickslip.friction.registry import simpler_laws as simpler_laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
+from stickslip.friction.registry import with_typical_values as with_typical_values
 from stickslip.friction.sources import CITATIONS as CITATIONS
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar

@@ -122,6 +122,20 @@ def law_type(name: str) -> type[FrictionLaw]:
     return kind
 
 
+def with_typical_values(given: FrictionLaw | type[FrictionLaw] | str) -> FrictionLaw | None:
+    """Return a law; one that is given by type or name with its typical values, None if it has none.
+
+    Examples
+    --------
+    >>> with_typical_values("coulomb")
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    """
+    if isinstance(given, FrictionLaw):
+        return given
+    kind = law_type(given) if isinstance(given, str) else given
+    return None if kind.typical is None else kind(**kind.typical.values)
+
+
 def special_specifications() -> tuple[CandidateSpec, ...]:
     """Return the candidates for records that are laws with other parameters free than usual.
 

@@ -32,6 +32,7 @@ from stickslip.kernels.state_layout import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.solver.backend import runner_of
+from stickslip.solver.base import path_units
 from stickslip.solver.drive_schedule import Inputs
 from stickslip.solver.run import Record
 from stickslip.trajectory import Event
@@ -266,11 +267,11 @@ def cause_of_zeno(events: Sequence[Event], t: float) -> str:
 
 def _values(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, str]:
     """Return the parameters in words, by path."""
-    roots = ((mechanism, "mechanism"), (law, "friction"))
+    roots, units = ((mechanism, "mechanism"), (law, "friction")), path_units(mechanism, law)
     return {
-        path: f"{path} = {quantity(value, declared.unit, 3)}"
+        path: f"{path} = {quantity(value, units[path], 3)}"
         for root, prefix in roots
-        for path, declared, value in parameters(root, prefix)
+        for path, _, value in parameters(root, prefix)
     }
 
 

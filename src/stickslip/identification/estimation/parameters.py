@@ -406,21 +406,33 @@ def in_forces(
 def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
     """Return the unknowns in the units of what was measured: about an axis, forces are torques.
 
+    Parameters of a mechanism say themselves which other unit they have then, if any: the mass and
+    the length of a pendulum stay a mass and a length.
+
     Examples
     --------
     >>> from stickslip.quantities import Quantity
-    >>> offset = FreeParameters(
-    ...     (FreeParameter(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
+    >>> units = {"mass": Quantity("m", "kg"), "offset": Quantity("o", "N", or_unit="N m")}
+    >>> unknowns = FreeParameters(
+    ...     tuple(
+    ...         FreeParameter(path=f"mechanism.{name}", quantity=unit, start=0.0)
+    ...         for name, unit in units.items()
+    ...     )
     ... )
     >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
-    >>> turned_as(swing, offset).items[0].quantity.unit
-    'N m'
+    >>> [item.quantity.unit for item in turned_as(swing, unknowns).items]
+    ['kg', 'N m']
     """
-    pairs = [
-        (item, turned(item.quantity.unit, measurement.turning)) for item in free_parameters.items
-    ]
+    pairs = [(item, _unit_of(item, turning=measurement.turning)) for item in free_parameters.items]
     items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
     return replace(free_parameters, items=tuple(items))
+
+
+def _unit_of(item: FreeParameter, *, turning: bool) -> str:
+    """Return the unit of an unknown where motion is straight, or about an axis."""
+    if item.path.startswith("mechanism."):
+        return (turning and item.quantity.or_unit) or item.quantity.unit
+    return turned(item.quantity.unit, turning)
 
 
 def told(

@@ -453,7 +453,7 @@ class StartEstimate:
             items.append(
                 FreeParameter(
                     path=constant,
-                    quantity=Quantity("o", "N"),
+                    quantity=Quantity("o", "N", or_unit="N m"),
                     start=self.offset,
                     low=-most,
                     high=most,

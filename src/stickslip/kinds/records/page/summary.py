@@ -165,7 +165,9 @@ def _assigned(fit: RecordFit, name: str, of: RecordCandidate | None) -> str:
         said = "found by the force balance and held in the fit"
     elif value == type(fit.law).__dataclass_fields__[name].default:
         said = "as usual"
-    return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, {said}"
+    units = {one.path: one.quantity.unit for one in fit.held.items}
+    text = formatting.quantity(value, units.get(path, quantity.unit))
+    return f"${quantity.symbol}$ = {text}, {said}"
 
 
 def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:
