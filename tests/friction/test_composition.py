@@ -71,6 +71,8 @@ FREE = (
     "dahl(both_ways(level * linear[temperature])) + viscous",
     "tanh((level + stribeck) * linear[gravity] + weight[motor]) + viscous",
     "(level + step) * linear[temperature] + viscous",
+    "maxwell[3](level * linear[temperature] + weight[transmitted])",
+    "reset(both_ways[levels](level + stribeck) * linear[temperature]) + viscous",
     "level + stribeck + logarithmic + polynomial[3]",
     "lugre(level + logarithmic) + viscous",
     "makkar + viscous",
@@ -428,6 +430,14 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ),
         ("level + weight[gravity] + weight[gravity]", r"weight.gravity. twice"),
         ("gear[motor]", "gear has no argument"),
+        (
+            "maxwell[2](both_ways[levels](level) + weight[motor])",
+            r"weight.motor. and both_ways inside maxwell, whose force would jump where slip turns",
+        ),
+        (
+            "reset(both_ways(level * ripple[position]))",
+            "by different ratios: .* dahl, lugre or gms",
+        ),
         ("level *", "expected the name of a part at character 8, got the end"),
         ("level + stribek", "part at character 9 of the friction law .*: .stribek."),
         ("level +", "expected the name of a part at character 8, got the end"),

@@ -28,6 +28,8 @@ from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.maths import Latches, latched
+from stickslip.mechanisms import given_inputs
+from stickslip.quantities import fields_of
 
 CURVE = {
     "kinetic_coefficient": 1.0,
@@ -217,6 +219,27 @@ def test_latches_of_arrays_turn_entry_by_entry():
     assert slips(*now) == [0.0, 1.0, 1.0]
     flags.turn()
     assert slips(*now) == [1.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("inside", ["level * linear[temperature]", "level + weight[temperature]"])
+@pytest.mark.parametrize("memory", ["maxwell[4]", "reset"])
+def test_elements_around_a_level_that_moves_run_and_slide_at_that_level(memory, inside):
+    kind = law(f"{memory}({inside})")
+    more = {"bristle_damping": 0.0, "sticking_surplus": 0.2} if memory == "reset" else {}
+    slope = {name: 0.3 for name in fields_of(kind) if "temperature" in name}
+    own = kind(kinetic_coefficient=1.0, bristle_stiffness=1e3, **slope, **more)
+    heat = Sine(amplitude=0.5, frequency=3.0)
+    driven = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=10.0)
+    run = simulate(given_inputs(driven, {"temperature": heat}), own, t_end=2.0)
+    t = np.linspace(0.0, 2.0, 1001)
+    seen = run.at(t)
+    value = 0.5 * np.sin(6.0 * np.pi * t)
+    moving = 1.0 + 0.3 * (value if "*" in inside else np.abs(value))
+    z = np.array([seen[name] for name in own.states])
+    slides = (z * np.sign(seen["v"]) >= np.array([[2.0 * (i + 1) / (len(z) + 1) * 1e-3]
+                                                  for i in range(len(z))])).all(axis=0)  # fmt: skip
+    assert slides.sum() > 100
+    np.testing.assert_allclose(np.abs(seen["friction"])[slides], moving[slides], rtol=1e-9)
 
 
 def forces_along(own, x, duration=1e3):

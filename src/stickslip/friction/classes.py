@@ -185,10 +185,15 @@ def _set_valued(c: Composition) -> dict[str, Any]:
 def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     """Return the equations of a law with a memory."""
     memory = cast(Memory, leaf.part)
+    # what inputs change scales the force, stiffness included, as a load does: limits of deflections
+    # that moved would leave what slides behind, or free it again without end
+    fixed = [
+        dataclasses.replace(one, factors=(), modulated={}) for one in c.inside if not one.inputs
+    ]
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
         choose = _by_velocity(velocity)
-        rest = _rest(c.inside, self, choose)
+        rest = _rest(fixed, self, choose)
         slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 

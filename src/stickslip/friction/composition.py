@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, NoReturn, TypeAlias, final
+from typing import Any, NoReturn, TypeAlias, cast, final
 
 from typing_extensions import override
 
@@ -20,7 +20,7 @@ from stickslip.friction.notation import (
     Term,
     terms_of,
 )
-from stickslip.friction.parts.base import Extra, Factor, Level, Parameter, Part, Slip
+from stickslip.friction.parts.base import Extra, Factor, Level, Memory, Parameter, Part, Slip
 from stickslip.quantities import Quantity
 
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
@@ -290,6 +290,8 @@ class Composition:
                 f"has {self.inside[0]} without level, by which a memory divides: write level +"
                 f" {self.inside[0]}."
             )
+        if self.memory is not None:
+            self._check_ratio(self.memory)
         for leaves in (self.inside, self.outside):
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
             names = [part.name for part in levels]
@@ -309,6 +311,28 @@ class Composition:
                 )
             if "peak" in names and all(part.rest != "static_coefficient" for part in levels):
                 self._refuse("has peak without a static surplus: write level + stribeck + peak.")
+
+    def _check_ratio(self, memory: Leaf) -> None:
+        """Refuse inputs that change the levels of both directions by different ratios.
+
+        States that stop at limits keep them where an input changes the level, and their force grows
+        with the ratio of the level to what it is without inputs.
+        """
+        names = [name for leaf in self.inside for name in leaf.names.values()]
+        if not (cast(Memory, memory.part).limited and any(isinstance(one, tuple) for one in names)):
+            return
+        first = self.inside[0].factors
+        shared = all(leaf.factors == first for leaf in self.inside)
+        shared &= not any("coefficient" in name for leaf in self.inside for name in leaf.modulated)
+        told = [str(leaf) for leaf in self.inside if leaf.inputs]
+        told += [str(one) for leaf in self.inside for one in leaf.factors]
+        split = any(isinstance(one, tuple) for leaf in first for one in leaf.names.values())
+        if told and (split or not shared or any(leaf.inputs for leaf in self.inside)):
+            self._refuse(
+                f"has {told[0]} and both_ways inside {memory.part.name}, whose force would jump"
+                f" where slip turns, as the input changes the levels of both directions by"
+                " different ratios: leave one of them out, or take dahl, lugre or gms."
+            )
 
     def _enter(
         self, name: Name, sides: str, *, inside: bool = False, stem: str = "", owner: str = ""

@@ -4,10 +4,12 @@ import functools
 import itertools
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import cast
 
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction.composition import Composition, Leaf
-from stickslip.friction.parts.base import Extra, Flow, Level, SmoothLevel
+from stickslip.friction.parts.base import Extra, Flow, Level, Memory, SmoothLevel
 
 SGN = r"\operatorname{sgn} v"
 GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta", "xi")
@@ -31,16 +33,29 @@ def formula_of(c: Composition) -> str:
     if c.memory is not None:
         sides = (0, 1) if c.directional else (None,)
         curves = [" + ".join(_levels(c, c.inside, side)) for side in sides]
-        same = len(set(curves)) == 1
-        cases = rf"\begin{{cases}} {curves[0]} & v > 0 \\ {curves[-1]} & v < 0 \end{{cases}}"
-        terms += [
-            _placed(c, c.memory, c.memory.part.tex_where),
-            f"g = {curves[0] if same else cases}",
-        ]
+        terms += [_placed(c, c.memory, c.memory.part.tex_where), f"g = {_cases(curves)}"]
+        told = any(leaf.inputs or leaf.factors or leaf.modulated for leaf in c.inside)
+        if told and cast(Memory, c.memory.part).limited:
+            # inputs leave the limits of deflections as they are
+            base = [leaf for leaf in c.inside if isinstance(leaf.part, Level)][-1:]
+            rests = [
+                _placed(c, replace(leaf, modulated={}), _tex(STANDARD[leaf.part.rest]), side)
+                for leaf in base
+                for side in sides
+            ]
+            where = rf"g_0 = {_cases(rests)}" if base else r"g_0 = g(0) \text{ without inputs}"
+            terms = [*(term.replace("g(0)", "g_0") for term in terms), where]
     for leaf in (*c.inside, *c.outside):
         terms += [_placed(c, leaf, leaf.part.tex_where)] if leaf.part.tex_where else []
     terms += _rest(c)
     return r", \quad ".join(terms)
+
+
+def _cases(curves: Sequence[str]) -> str:
+    """Return the LaTeX of both directions, or of one that holds in both."""
+    if len(set(curves)) == 1:
+        return curves[0]
+    return rf"\begin{{cases}} {curves[0]} & v > 0 \\ {curves[-1]} & v < 0 \end{{cases}}"
 
 
 def _force(c: Composition, side: int | None = None) -> str:

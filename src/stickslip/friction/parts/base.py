@@ -27,7 +27,7 @@ class Slip:
     inputs: tuple[Scalar, ...] = ()
     """The contact inputs that the part asks for."""
     rest: Scalar = None
-    """Level at rest, over the load, of the curve that a memory is around."""
+    """Level at rest, over the load, of the curve that a memory is around, without contact inputs."""
 
 
 @final
@@ -192,6 +192,8 @@ class Memory(Part, ABC):
     opposes: ClassVar[bool] = False
     drops: ClassVar[bool] = False
     """Whether its force falls at once where a state reaches its limit."""
+    limited: ClassVar[bool] = False
+    """Whether its states stop at limits, which the level at rest sets."""
     usual: ClassVar[str] = "level"
     """The level curve that its title does not mention."""
 

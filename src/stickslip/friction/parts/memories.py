@@ -224,6 +224,7 @@ class Maxwell(Elements):
 
     name = "maxwell"
     title = "Maxwell slip"
+    limited = True
     tex = r"\textstyle\frac{g}{g(0)} \frac{\sigma_0}{{0}} \sum_i z_i"
     tex_where = (
         r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v <"
@@ -309,7 +310,7 @@ class Reset(Memory):
     name = "reset"
     title = "reset integrator"
     compared = False
-    drops = True
+    drops = limited = True
     tex = r"\left(\tfrac{g}{g(0)} (1 + a)\, \sigma_0 z + \sigma_1 \dot z\right)"
     tex_where = (
         r"\dot z = v \text{ while } \sigma_0 z \operatorname{sgn} v < g(0),"
