@@ -119,7 +119,7 @@ class Certificate(metaclass=Described):
     """How near the run came to what would have ended it, by the name of the event: the least margin
     over the largest, 0 where it ended so. Empty where nothing of the kind can happen."""
     warnings: tuple[str, ...] = ()
-    """What the run came near to."""
+    """What the run came near to, and the work of friction that drove it."""
     problems: tuple[str, ...] = ()
     """Why the run is not certified; empty if it is."""
 

@@ -86,6 +86,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "ALWAYS": "base",
     "CITATIONS": "sources",
     "CandidateSpec": "registry",
     "Composition": "composition",

@@ -1,13 +1,14 @@
 """The certificate of a run: evidence that does not come from error control."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formatting import number, percent
+from stickslip.formatting import number, percent, quantity
 from stickslip.formulation import PAINLEVE
+from stickslip.friction import ALWAYS, FrictionLaw, Laws, law_of
 from stickslip.kernels import enums
 from stickslip.kernels.state_layout import (
     AMBIGUOUS,
@@ -36,6 +37,7 @@ from stickslip.kernels.state_layout import (
     WORKS,
     Y,
 )
+from stickslip.mechanisms import Contact, Mechanism
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
 from stickslip.trajectory import Certificate
@@ -51,6 +53,10 @@ RESIDUAL_LIMIT = 1e-6
 """Events are located to rounding of the time; a steep guard at a late time leaves this much."""
 DEPENDENT = 1e-14
 """Singular value of slip rows, over the largest and for each row, that is rounding."""
+NODES, MOST_ROWS = 4, 5_000
+"""Places in a step at which the power of friction is looked at, and most steps for that."""
+GIVEN = 1e-9
+"""Share of the work of friction that is rounding."""
 SHARED = 1e-9
 """Weight of a row in a sum that vanishes, of squares 1, below which it has no part in it."""
 
@@ -151,6 +157,59 @@ def _warning(name: str, share: float) -> str:
     if name == PAINLEVE:
         return f"the equations came within {percent(share)} of the Painlevé paradox"
     return f"{name}: the margin fell to {percent(share)} of its largest value"
+
+
+def driving(
+    mechanism: Mechanism, law: FrictionLaw | Laws, playback: Playback, certificate: Certificate
+) -> tuple[str, ...]:
+    """Return at which contacts friction did work on what it should brake, in sentences.
+
+    Without memory it is the work while friction is along the slip. Bristles give back what they
+    took, so that theirs is what they gave beyond that.
+    """
+    found = []
+    for contact in mechanism.contacts():
+        own = law_of(contact.name, law)
+        if own is None or not _may_drive(own):
+            continue
+        several = bool(playback.model.contacts)
+        taken = certificate.work[contact.name] if several else certificate.work_friction
+        given = max(-taken, 0.0) if own.states else _given(mechanism, contact, playback)
+        if given > GIVEN * abs(taken):
+            where = f" at {contact.name}" if several else ""
+            work = quantity(given, "J", 2)
+            did = f"gave {work} more than it took" if own.states else f"did {work} of work on it"
+            found.append(
+                f"friction drove the motion{where}: it {did}; the law {own.name} with these values"
+                " does not oppose slip at every speed"
+            )
+    return tuple(found)
+
+
+def _may_drive(law: FrictionLaw) -> bool:
+    """Whether friction may be along the slip; factors that would turn it end a run before."""
+    if law.passivity is ALWAYS or law.composition is None:
+        return law.passivity is not ALWAYS
+    parts = (name.part for name in law.composition.parts() if name.role != "factor")
+    return not all(part.opposes for part in parts)
+
+
+def _given(mechanism: Mechanism, contact: Contact, playback: Playback) -> float:
+    """Return the work that friction does at a contact while it is along the slip."""
+    starts, ends = playback.rows[:, 0], playback.rows[:, 1]
+    if len(starts) > MOST_ROWS:  # between evenly chosen times instead of all events
+        times = np.linspace(starts[0], ends[-1], MOST_ROWS + 1)
+        starts, ends = times[:-1], times[1:]
+    halves = 0.5 * (ends - starts)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    columns = playback((0.5 * (starts + ends) + halves * nodes[:, None]).ravel())
+    slip = contact.slip if isinstance(contact.slip, Mapping) else {contact.slip: 1.0}
+    rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
+    moving = {name: factor for name, factor in slip.items() if rates.get(name) in columns}
+    speed = sum(float(factor) * columns[rates[name]] for name, factor in moving.items())
+    name = f"friction:{contact.name}" if playback.model.contacts else "friction"
+    power = np.minimum(columns[name] * speed, 0.0).reshape(NODES, -1)
+    return float(-(weights @ power * halves).sum())
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:

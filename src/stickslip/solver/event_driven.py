@@ -18,7 +18,7 @@ from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
 from stickslip.mechanisms import MatrixMechanism, Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
-from stickslip.solver.certify import certify
+from stickslip.solver.certify import certify, driving
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.drive_schedule import Inputs, gather
 from stickslip.solver.initial_states import within_stops
@@ -253,6 +253,9 @@ def trajectory_of(
     elif status is Status.STEP_TOO_SMALL:
         cause = _cause_of_vanishing_mass(mechanism, playback)
         cause = cause or cause_of_small_steps(mechanism, law, model, inputs, record)
+    certificate = certify(playback, record.w, whole, tolerance)
+    driven = driving(mechanism, law, playback, certificate)
+    certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
     events = _events(mechanism, model, record)
     if status is Status.ZENO:
         cause = cause_of_zeno(events, playback.span()[1])
@@ -263,9 +266,7 @@ def trajectory_of(
         events=events,
         status=status,
         cause=cause,
-        certificate=_with_masses(
-            mechanism, playback, certify(playback, record.w, whole, tolerance)
-        ),
+        certificate=_with_masses(mechanism, playback, certificate),
         span=playback.span(),
         evaluate=playback,
         states=model.states,

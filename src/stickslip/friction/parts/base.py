@@ -27,7 +27,7 @@ class Slip:
     inputs: tuple[Scalar, ...] = ()
     """The contact inputs that the part asks for."""
     rest: Scalar = None
-    """Level at rest, over the load, of the curve that a memory is around, without contact inputs."""
+    """Level at rest, over the load, of the curve that a memory is around, at inputs of 0."""
 
 
 @final

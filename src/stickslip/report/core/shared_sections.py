@@ -248,7 +248,7 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
         ]
     steps = f"{book.steps:,} accepted, {book.rejected:,} rejected"
     items.append(KeyValue(key="Steps", value=steps))
-    items += [KeyValue(key="Near a limit", value=text, mark="warn") for text in book.warnings]
+    items += [KeyValue(key="Warning", value=text, mark="warn") for text in book.warnings]
     items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
     return tuple(items)
 
