@@ -13,6 +13,7 @@ from stickslip.friction import (
     assigned,
     bristle_names,
     is_bound,
+    law_type,
     with_typical_values,
 )
 from stickslip.mechanisms import Mechanism, checked_contacts, input_names, slip_of
@@ -281,15 +282,16 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
 
 def _with_values(given: object) -> FrictionLaw:
     """Return a law, of a type or a name with its typical values; refuse what is no law."""
-    is_type = isinstance(given, type) and issubclass(given, FrictionLaw)
-    if not (is_type or isinstance(given, FrictionLaw | str)):
+    if isinstance(given, FrictionLaw):
+        return given
+    kind = law_type(given) if isinstance(given, str) else given
+    if not (isinstance(kind, type) and issubclass(kind, FrictionLaw)):
         raise no_law(given)
-    found = with_typical_values(given)  # type: ignore[arg-type]  # as was checked
+    found = with_typical_values(kind)
     if found is None:
-        name = given if isinstance(given, str) else given.name
         raise InputError(
-            f"the law {name} has no typical values: give it with values, such as"
-            f' law("{name}")(...) of stickslip.friction.'
+            f"the law {kind.name} has no typical values: give it with values, such as"
+            f' law("{kind.name}")(...) of stickslip.friction.'
         )
     return found
 

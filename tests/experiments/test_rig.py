@@ -438,6 +438,18 @@ def test_overrides_are_read_as_on_a_command_line():
     assert (rig.t_end, rig.measurement.travel) == (5.0, 0.072)
 
 
+@pytest.mark.parametrize(
+    ("path", "full"),
+    [
+        ("m", "mechanism.mass"),
+        ("mu_k", "friction.kinetic_coefficient"),
+        ("friction.stribeck.v_s", "friction.stribeck.stribeck_velocity"),
+    ],
+)
+def test_an_override_may_end_with_the_symbol_that_tables_print(path, full):
+    assert load_rig(overrides={path: 0.3}).overridden == (full,)
+
+
 def test_an_override_may_be_a_whole_table():
     drive = '{type = "pulse", level = "10 N", duration = "100 ms"}'
     rig = load_rig(overrides={"mechanism.compression": "0", "mechanism.drive": drive})

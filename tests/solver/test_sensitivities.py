@@ -14,16 +14,18 @@ from tests.support import FIRST, example_of, pairs, quick
 from stickslip import (
     Axis,
     Coulomb,
+    Dahl,
     EventDriven,
     FixedStep,
     PendulumCart,
     SpringBlock,
     Stribeck,
     TowedBlock,
+    ensemble,
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 
@@ -334,8 +336,29 @@ def test_unknown_states_and_parameters_are_refused_with_the_nearest_names():
         run.sensitivity("friction", "inertia")
     with pytest.raises(UnknownNameError, match=r"Did you mean 'friction\.kinetic_coefficient'"):
         run.sensitivity("x", "friction.kinetic_coeficient")
-    with pytest.raises(UnknownNameError, match=r"unknown parameter 'exponent'"):
-        run.sensitivity("x", "fading_exponent")  # whole: it shapes the equations
+    with pytest.raises(ParameterError, match=r"fading_exponent \(n\) is a whole number, which"):
+        run.sensitivity("x", "fading_exponent")
+    with pytest.raises(ParameterError, match=r"break_away_coefficient \(mu_b\) was not given"):
+        run.sensitivity("x", "mu_b")
+
+
+def test_a_symbol_stands_for_the_name_of_its_parameter():
+    run = simulate(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], t_end=0.1, solver=PYTHON)
+    for symbol, name in (("mu_k", "kinetic_coefficient"), ("friction.v_s", "stribeck_velocity")):
+        np.testing.assert_array_equal(run.sensitivity("x", symbol), run.sensitivity("x", name))
+    levels = np.array([0.2, 0.3])
+    by_symbol = ensemble(RIGS["axis, sum"], KINETIC, {"mu_k": levels}, t_end=0.1)
+    assert list(by_symbol.parameters) == ["friction.kinetic_coefficient"]
+
+
+def test_next_to_a_whole_exponent_its_sensitivity_is_that_of_differences():
+    rig = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=2.0))
+    law = Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e3, yield_exponent=1.000001)
+    above, below = (replace(law, yield_exponent=1.0 + s * 1e-4) for s in (1.0, -1.0))
+    ends = [simulate(rig, one, t_end=0.3, solver=PYTHON)["x"][-1] for one in (above, below)]
+    run = simulate(rig, law, t_end=0.3, solver=PYTHON)
+    found = run.sensitivity("x", "yield_exponent")[-1]
+    assert found == pytest.approx((ends[0] - ends[1]) / 2e-4, rel=1e-3)
 
 
 def test_a_last_name_that_two_parameters_have_is_refused_with_both():

@@ -94,6 +94,7 @@ INSIDE = {
     "Laws": "by_contact",
     "Leaf": "composition",
     "OPTIONAL": "notation",
+    "PARTS": "parts",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",

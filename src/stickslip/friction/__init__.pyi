@@ -2,6 +2,7 @@
 from dataclasses import dataclass
 from typing import final
 
+from stickslip.friction.base import ALWAYS as ALWAYS
 from stickslip.friction.base import BristleLaw as BristleLaw
 from stickslip.friction.base import BristleLaw as _BristleLaw
 from stickslip.friction.base import Containment as Containment
@@ -27,6 +28,7 @@ from stickslip.friction.composition import Leaf as Leaf
 from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.containment import one_step_simpler as one_step_simpler
 from stickslip.friction.notation import OPTIONAL as OPTIONAL
+from stickslip.friction.parts import PARTS as PARTS
 from stickslip.friction.parts.curves import curves_beside as curves_beside
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS

@@ -39,7 +39,12 @@ def formula_of(c: Composition) -> str:
             # inputs leave the limits of deflections as they are
             base = [leaf for leaf in c.inside if isinstance(leaf.part, Level)][-1:]
             rests = [
-                _placed(c, replace(leaf, modulated={}), _tex(STANDARD[leaf.part.rest]), side)
+                _placed(
+                    c,
+                    replace(leaf, modulated={}),
+                    _tex(STANDARD[cast(Level, leaf.part).rest]),
+                    side,
+                )
                 for leaf in base
                 for side in sides
             ]

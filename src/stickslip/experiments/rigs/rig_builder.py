@@ -25,7 +25,14 @@ from stickslip.experiments.measurement import (
 )
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
-from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes, resolved
+from stickslip.experiments.readers.toml import (
+    LARGEST,
+    apply,
+    parse,
+    paths_of,
+    read_bytes,
+    resolved,
+)
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import (
     KnownLaws,
@@ -53,7 +60,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.formatting import joined
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import PARTS, FrictionLaw, Laws
 from stickslip.mechanisms import (
     LINKS,
     PREFIX,
@@ -68,7 +75,7 @@ from stickslip.mechanisms import (
     mechanisms,
     quantity_at,
 )
-from stickslip.quantities import Quantity, is_rotary, motion_kinds
+from stickslip.quantities import Quantity, fields_of, is_rotary, motion_kinds
 
 BUNDLED = "paper_rig.toml"
 SWING_FILE = ("file", "column", "unit")
@@ -84,7 +91,9 @@ def read_rig(
     else:
         file, data = str(path), read_bytes(path, largest=LARGEST)
     raw = parse(data, file)
-    overrides = resolved(raw, overrides, _settable(raw))
+    known = [*paths_of(raw), *_settable(raw)]
+    overrides = {_in_words(path, raw, known): value for path, value in overrides.items()}
+    overrides = resolved(raw, overrides, known)
     apply(raw, overrides)
     stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
@@ -236,6 +245,20 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:
         yield from (f"{PREFIX}.{one.name}" for one in fields(kind))
+
+
+def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
+    """Return a path that ends with a symbol with the name of the parameter there that has it."""
+    place, dot, symbol = str(path).rpartition(".")
+    if any(f".{full}".endswith(f".{path}") for full in known):
+        return path
+    table = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    declared = [] if kind is None else [*fields_of(kind).items()]
+    declared += [(one.name, one.quantity) for part in PARTS.values() for one in part.parameters]
+    ends = {f"{place}{dot}{name}" for name, quantity in declared if quantity.symbol == symbol}
+    there = [end for end in ends if any(f".{full}".endswith(f".{end}") for full in known)]
+    return there[0] if len(there) == 1 else path
 
 
 def _contacts(
