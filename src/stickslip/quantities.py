@@ -781,6 +781,8 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     if isinstance(known, Mapping):
         symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
     same = [full for full in known if full.rpartition(".")[2] == path]
+    if len(same) > 1:
+        raise UnknownNameError(kind, path, same)
     if not same:
         place, _, symbol = path.rpartition(".")
         within = (full for full, one in symbols.items() if one == symbol)

@@ -43,11 +43,10 @@ SHOOTING = {
     "stribeck_velocity": (0.05, 5e-4, 0.5),
     "bristle_stiffness": (8e3, 80.0, 8e6),
     "bristle_damping": (2.0 * 32000.0**0.5, 4e-3, 4e3),
-    "exponent": (1.5, 0.3, 5.0),
+    "fading_exponent": (1.5, 0.3, 5.0),
+    "yield_exponent": (0.8, 0.2, 3.0),
     "viscous_exponent": (0.6, 0.2, 1.5),
 }
-SHARP = (0.8, 0.2, 3.0)
-"""Those of an exponent that is no fading of a static surplus."""
 MAPPED = {
     "kinetic_coefficient": (2.0, 0.0, 220.0),
     "static_coefficient": (2.4, 0.0, 240.0),
@@ -60,7 +59,8 @@ MAPPED = {
     "stribeck_velocity": (0.05, 5e-5, 5.0),
     "bristle_stiffness": (1e4, 1.0, 1e8),
     "bristle_damping": (0.04, 0.0, 440.0),
-    "exponent": (None, 0.02, 10.0),
+    "fading_exponent": (None, 0.02, 10.0),
+    "yield_exponent": (None, 0.02, 10.0),
     "viscous_exponent": (1.0, 0.2, 1.5),
 }
 TRAVELS = {
@@ -76,11 +76,11 @@ TRAVELS = {
 OLD = {
     name: kind
     for name, kind in UNAIDED.items()
-    if {*fields_of(kind)} <= {*SHOOTING, "break_away_coefficient"}
+    if {*fields_of(kind)} <= {*SHOOTING, "break_away_coefficient"} and name != "power-viscous"
 }
 """Laws whose parameters all have names of this list, and so the ranges above.
 
-Leave out a law that gives one of these names another range.
+Left out is a law that gives one of these names another range.
 """
 assert {"coulomb", "stribeck", "lugre"} <= OLD.keys()
 
@@ -92,8 +92,7 @@ def test_simulated_segments_look_where_they_did(kind):
     assert {item.path.partition(".")[2] for item in items} == set(names)
     for item in items:
         name = item.path.partition(".")[2]
-        sharp = name == "exponent" and "stribeck_velocity" not in names
-        start, low, high = SHARP if sharp else SHOOTING[name]
+        start, low, high = SHOOTING[name]
         if item.quantity.above is not None and low == 0.0:
             low = 1e-6 * start
         assert (item.start, item.low, item.high) == pytest.approx((start, low, high), rel=1e-12)
@@ -114,8 +113,8 @@ def test_force_maps_look_where_they_did(kind):
         if item.quantity.above is not None and low == 0.0 and not item.above:
             low = 1e-9 * 2.2
         assert (item.start, item.low, item.high) == pytest.approx((start, low, high), rel=1e-12)
-        decades = ("stribeck_velocity", "bristle_stiffness", "exponent", "viscous_exponent")
-        assert item.log is (name in decades)
+        decades = ("stribeck_velocity", "bristle_stiffness")
+        assert item.log is (name in decades or name.endswith("_exponent"))
 
 
 @pytest.mark.parametrize("kind", OLD.values(), ids=OLD)
