@@ -173,7 +173,7 @@ def test_objects_cannot_be_changed(specimen):
 
 @for_all(SPECIMENS)
 def test_parameters_are_given_by_keyword(specimen):
-    with pytest.raises(TypeError, match="positional"):
+    with pytest.raises(ParameterError, match="takes parameters by name"):
         type(specimen)(1.0)
 
 
