@@ -141,7 +141,7 @@ def ensemble(
     parameters : mapping
         What varies: arrays (n,), or numbers for all runs, by path, such as
         ``"friction.kinetic_coefficient"``, ``"mechanism.drive.level"`` or ``"initial.x"``; the last
-        name alone will do where only one has it.
+        name, or the symbol, alone will do where only one has it.
     t_end : float
         Last time of every run [s].
     outputs : sequence of str or mapping, optional

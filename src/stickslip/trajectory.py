@@ -255,8 +255,8 @@ class Trajectory(InPanels):
         state : str
             Name of a state, such as ``"x"``.
         parameter : str
-            Path such as ``"friction.kinetic_coefficient"`` or ``"initial.x"``, or its last name
-            where only one has it.
+            Path such as ``"friction.kinetic_coefficient"`` or ``"initial.x"``, or its last name or
+            its symbol (``"mu_k"``) where only one has it.
 
         Returns
         -------

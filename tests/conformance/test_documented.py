@@ -10,7 +10,7 @@ import pytest
 from latex2mathml.converter import convert
 from tests.support import SEVERAL, SHOWN, example_of, for_all
 
-from stickslip.errors import ParameterError
+from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS, SOURCES, laws
 from stickslip.mechanisms import MECHANISMS, mechanisms
 from stickslip.quantities import fields_of
@@ -175,6 +175,9 @@ def test_objects_cannot_be_changed(specimen):
 def test_parameters_are_given_by_keyword(specimen):
     with pytest.raises(ParameterError, match="takes parameters by name"):
         type(specimen)(1.0)
+    unknown = rf"unknown parameter of {type(specimen).__name__} 'no_such'"
+    with pytest.raises(UnknownNameError, match=re.escape(unknown)):
+        type(specimen)(no_such=1.0)
 
 
 @for_all(SPECIMENS)

@@ -8,6 +8,7 @@ from typing import Literal, final
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.measurement import Measurement
@@ -170,7 +171,7 @@ class KnownLaws:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Rig:
+class Rig(metaclass=Described):
     """A mechanism, the friction values known for it, and its measurement.
 
     Parameters

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias, final
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.formatting import number
@@ -37,7 +38,7 @@ _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact:
+class Contact(metaclass=Described):
     """A frictional contact: the coordinate that slips, and the normal force.
 
     Parameters
@@ -88,7 +89,7 @@ class Contact:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stop:
+class Stop(metaclass=Described):
     """A hard stop: a coordinate that reaches its position bounces, or stays while it is pressed.
 
     Only a coordinate along which a contact slips can stay: where another one would, a run ends with
@@ -113,7 +114,7 @@ class Stop:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Guide:
+class Guide(metaclass=Described):
     """A coordinate with a prescribed motion: a drive gives its acceleration.
 
     Parameters
