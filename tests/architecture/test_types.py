@@ -204,7 +204,7 @@ law = Coulomb(kinetic_coefficient=0.25)
 reading = Measurement(travel=0.2)
 x: int = simulate("nonsense", 3)  # !
 simulate(block, law)  # !
-simulate(block, "coulomb", t_end=1.0)  # !
+simulate(block, 0.25, t_end=1.0)  # !
 simulate(block, law, t_end=1.0, tolerance=1e-3)  # !
 simulate(block, law, t_end=1.0, solver="rk4")  # !
 simulate(block, law, t_end=1.0).energy  # !

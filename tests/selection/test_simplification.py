@@ -124,5 +124,5 @@ def test_a_law_with_less_is_named_where_it_predicts_as_well(spare, errors, named
 def test_an_exponent_that_may_be_1_is_not_told_from_viscous_friction():
     found = fit(AXIS, law("level + power"), table(0.0), settings=SETTINGS)
     assert not unidentified(found)
-    assert untold(found) == {"yield_exponent"}
+    assert untold(found) == {"viscous_exponent"}
     assert next(one.name for one, _ in one_part_less(found)) == "coulomb-viscous"

@@ -91,9 +91,9 @@ def read_rig(
     else:
         file, data = str(path), read_bytes(path, largest=LARGEST)
     raw = parse(data, file)
-    known = [*paths_of(raw), *_settable(raw)]
-    overrides = {_in_words(path, raw, known): value for path, value in overrides.items()}
-    overrides = resolved(raw, overrides, known)
+    settable = [*paths_of(raw), *_settable(raw)]
+    overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
+    overrides = resolved(raw, overrides, settable)
     apply(raw, overrides)
     stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
