@@ -572,7 +572,11 @@ BAD_TEXT = {
         f"{MECHANISM}[friction]\nkinetic_coefficient = 0\n[friction.dahl]\nbristle_stiffness = 1",
         "friction.dahl: .*above 0, got 0",
     ),
-    "shared exponent": (f"{MECHANISM}[friction]\nexponent = 1", "depends on the law"),
+    "shared exponent": (
+        f"{MECHANISM}[friction]\nviscous_exponent = 1\n[friction.power-viscous]\n"
+        "kinetic_coefficient = 1",
+        "depends on the law",
+    ),
     "forces without load": (
         f"{MECHANISM}[friction.dahl.forces]\nbristle_stiffness = 1",
         r"friction.dahl.forces.load \(N\) is missing",
