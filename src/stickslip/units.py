@@ -32,13 +32,16 @@ WRITTEN: Final[Mapping[str, str]] = {
         "rpm": "RPM Upm UPM",
         "count": "cnt cnts inc incs Inc Ink Inkr Inkremente increment increments tick ticks"
         " pulse pulses Impulse digit digits",
-        "second": "sek Sek Sekunde Sekunden Sec",
-        "minute": "Minute Minuten",
-        "degree": "Grad degs",
-        "radian": "Rad",
-        "newton": "Newton",
-        "meter": "Meter",
-        "ampere": "Ampere",
+        "second": "sek Sek Sekunde Sekunden Sec SEC Secs Second Seconds",
+        "millisecond": "Msec Millisecond Milliseconds",
+        "minute": "Minute Minutes Minuten",
+        "degree": "Grad degs Deg DEG Degree Degrees",
+        "radian": "Rad RAD Radian Radians",
+        "newton": "Newton Newtons NEWTON",
+        "meter": "Meter Meters Metre Metres",
+        "millimeter": "Millimeter Millimeters Millimetres",
+        "ampere": "Ampere Amperes Amp Amps",
+        "volt": "Volt Volts",
         "kilogram": "Kg KG",
         "kilonewton": "KN",
     }.items()
@@ -50,6 +53,8 @@ _JOINED: Final = re.compile(
     r"(?P<force>(?:[mckdMµμu]|da)?N|kp|kgf|kg|g|A|V)(?P<length>[mckdµμu]?m)?(?P<time>s)?"
 )
 """Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
+_DOTTED: Final = re.compile(r"(?<=N)[.-](?=[mckdµμu]?m\b)")
+"""Mark in a torque in N.m or N-m."""
 CELSIUS: Final = "degC"
 """Unit of temperatures: coefficients of a law are those at 0 of it, and no contact is near 0 K."""
 _PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
@@ -254,6 +259,7 @@ def _one(unit: str) -> Any:
     registry = _registry()
     if unit == "1":
         return registry.Quantity(Decimal(1), "")
+    unit = _DOTTED.sub("*", unit)
     if re.fullmatch(_UNIT, unit) is None:
         raise ParameterError(f"has an unreadable unit {shown(unit)}")
     try:

@@ -364,6 +364,49 @@ def test_given_columns_are_not_guessed(tmp_path):
     assert guess.columns == {"time": "Zeit", "position": "Kanal1", "force": "Kanal2"}
 
 
+@pytest.mark.parametrize("name", ["v (mm/s)", "V", "v"])
+def test_a_column_that_is_named_keeps_the_unit_of_its_header(tmp_path, name):
+    file = tmp_path / "a.csv"
+    file.write_text("t (s),v (mm/s),F (kN)\n" + rows((T, X, F), ",", lambda x: f"{x:.4f}"))
+    guess = guess_data(file, columns={"velocity": name})
+    assert guess.columns["velocity"] == "v (mm/s)"
+    assert guess.units["velocity"] == "mm/s"
+    assert not any("no unit" in doubt for doubt in guess.doubts)
+
+
+def test_a_column_that_is_named_but_not_there_is_refused_with_the_names_there_are(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("t (s),a (mm),a (um),F (N)\n" + rows((T, X, X, F), ",", points))
+    with pytest.raises(InputError, match=r"unknown column .*'a'.*a \(mm\), a \(um\)"):
+        guess_data(file, columns={"position": "a"})  # which of two is not known
+
+
+INSTRUMENT_UNITS = {
+    "x [mm (Position)]": 1e-3, "x (um)": 1e-6, "x (Millimeters)": 1e-3, "dx (mm/sec)": 1e-3,
+    "omega (1/min)": np.pi / 30, "n [rpm]": np.pi / 30, "torque (N-m)": 1.0, "torque (mN.m)": 1e-3,
+    "F (Newtons)": 1.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "scale"), INSTRUMENT_UNITS.items())
+def test_units_are_read_as_instruments_write_them(tmp_path, header, scale):
+    quantity = {"x": "position", "t": "force", "F": "force"}.get(header[0], "velocity")
+    file = tmp_path / "a.csv"
+    other = "phi (rad)" if header[0] in "ont" else "pos (m)" * (quantity != "position") or "F (N)"
+    file.write_text(f"Time (Seconds),{header},{other}\n" + rows((T, X, F), ",", points))
+    name = header.partition(" [")[0]
+    guess = guess_data(file, columns={quantity: name})
+    record = read_data([file], guess.reading)
+    assert record.values(quantity) == pytest.approx(scale * X, abs=1e-4 * scale)
+    assert record.time == pytest.approx(T)
+
+
+def test_volts_in_the_end_of_a_name_are_no_velocity_but_may_drive(tmp_path):
+    guess = guess_data(table(tmp_path / "a.csv", t="t", x__mm="x", motor_V="F"))
+    assert set(guess.columns) == {"time", "position"}
+    assert any("'motor_V' may drive the axis" in doubt for doubt in guess.doubts)
+
+
 def test_the_rig_file_of_any_names_is_valid(tmp_path):
     name = 'Weg "links" \\ [mm]'
     file = tmp_path / "a b.csv"

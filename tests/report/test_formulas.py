@@ -66,7 +66,7 @@ APART = {"begin", "end", "left", "quad", "right", "text", "textstyle"}
 NAMES = {"arctan", "cos", "ln", "max", "min", "sin", "tanh"}
 
 
-@pytest.mark.parametrize("latex", [*LATEX, *(law(text).formula for text in FREE)])
+@for_all([*LATEX, *(law(text).formula for text in FREE)])
 def test_every_command_of_every_formula_is_seen_in_its_text(latex):
     text = normalize("NFD", formula_text(latex))
     for command in set(re.findall(r"\\([A-Za-z]+)", latex)) - APART:

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.cli.console import check_rig_file, print_json, refuse_overwriting, stdout
 from stickslip.documents import document, write_file
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import (
     Guess,
     Reading,
@@ -38,6 +38,8 @@ def run(
     refuse_overwriting(target, target.parent, force=force)
     try:
         guess = _guess(file, reading, urdf)
+    except UnknownNameError:
+        raise
     except InputError as error:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None

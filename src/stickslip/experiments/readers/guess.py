@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.described import Described
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import (
     BY_JOINT,
-    QUANTITIES,
     TRAVELS,
     Array,
     is_beside,
@@ -25,6 +24,13 @@ from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_t
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
+from stickslip.experiments.readers.header_units import (
+    LONGEST_HEADER,
+    STYLES,
+    SURE,
+    UNITS,
+    is_unit_of,
+)
 from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.steady_readings import are_steady_readings
@@ -77,19 +83,6 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
-UNITS: Final[Mapping[str, tuple[str, ...]]] = {
-    "time": ("s",),
-    "current": ("A",),
-    "friction": ("N", "N m", "1"),
-    **{
-        name: tuple(filter(None, (QUANTITIES[name].unit, QUANTITIES[name].or_unit)))
-        for name in ("position", "velocity", "force", "load", "reference")
-    },
-    "temperature": (CELSIUS,),
-    "pressure": ("Pa",),
-    **dict.fromkeys(("transmitted", "motor", "external", "gravity"), ("N", "N m")),
-}
-"""Kinds of units of each quantity."""
 WANTED: Final = (
     "soll",
     "set",
@@ -128,6 +121,8 @@ OTHER_WORDS: Final = ("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta")
 """The same as words of their own."""
 VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
+VOLTS: Final = ("V", "mV", "kV")
+"""Units that end a name as no other word does: motor_V is no velocity."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
 MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
@@ -192,17 +187,6 @@ CHECKED: Final = 5_000
 WHOLE, PART, INSIDE, LETTER, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 1.9, 0.5, 0.4
 """How much speaks for a column: its name, a part of it, a word in it, a letter, its unit, its
 numbers."""
-_STYLES: Final = (
-    re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
-    re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
-    re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
-    re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
-    re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
-    re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
-)
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
-SURE: Final = 3
-"""Of these, the first that hold whatever the unit is; in the others it may be any word."""
 CALENDAR: Final = ("a", "d")
 """Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
@@ -356,9 +340,11 @@ def guess_data(
     check_file(path)
     look_ahead(path, columns or {}, units or {})
     layout, reasons = layout_and_reasons(path)
-    given = dict(columns or {})
-    named = [name for one in given.values() for name in ([one] if isinstance(one, str) else one)]
+    named = [
+        n for one in (columns or {}).values() for n in ([one] if isinstance(one, str) else one)
+    ]
     frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
+    given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     _check_enough(frame, found)
     if motor_constant is not None and "current" not in found:
@@ -455,8 +441,11 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
         part.write_bytes(top[: top.rfind(b"\n") + 1])
         try:
             layout, _ = layout_and_reasons(part)
-            frame = read_frame(part, columns={}, units={}, layout=layout)
-            _check_enough(frame, assigned(frame, columns, units))
+            frame = read_frame(part, columns={}, units={}, layout=layout).as_headed()
+            given = {quantity: frame.column(column) for quantity, column in columns.items()}
+            _check_enough(frame, assigned(frame, given, units))
+        except UnknownNameError:
+            return  # which says what the names are, once all of the file was read
         except InputError as error:
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
@@ -513,12 +502,11 @@ def assigned(
     left = _of_one_joint(frame, given)
     for quantity, column in given.items():
         names = (column,) if isinstance(column, str) else column
-        own = [name for name in left if name in names or frame.names[name] in names]
-        left = [name for name in left if name not in own]
-        stated = frame.units.get(own[0]) if own else None
-        unit = units.get(quantity, stated)
+        left = [name for name in left if name not in names]
+        stated = frame.units.get(names[0])
+        unit = units.get(quantity) or _bare_and_unit(names[0], stated, quantity)[1]
         taken[quantity] = Found(
-            score=9.0, name=str(names[0]), unit=unit, stated=unit == stated, why="as given"
+            score=9.0, name=names[0], unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
     quantities = [q for q in NAMES if not (by_current and q == "force")]
@@ -596,8 +584,8 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
 def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
     """Return the name of a column without its unit, and the unit as it is spelt, or None."""
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
-    if unit is not None and unit.isupper() and not _fits(unit, quantity):
-        unit = unit.lower() if _fits(unit.lower(), quantity) else unit  # MM is no molarity
+    if unit is not None and unit.isupper() and not is_unit_of(unit, quantity):
+        unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
     if unit is None:
         plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
         return (plain, "V") if plain != bare else (bare, None)
@@ -606,7 +594,7 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
 
 def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     """Return how well name and unit of a column fit a quantity, and that in words."""
-    fits = unit is not None and _fits(unit, quantity)
+    fits = unit is not None and is_unit_of(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
     volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
     if unit is not None and not (fits or counts or volts):
@@ -614,7 +602,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
         return 0.0, ""
     score, why = _named_score(bare, quantity)
-    rivals = [other for other in NAMES if not fits or _fits(unit or "", other)]
+    rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
         told = any(part in PREFERRED for part in _parts(bare))
@@ -703,11 +691,13 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
 
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     """Return a name without the unit that it carries, one of the quantity if there is one."""
-    found = [style.fullmatch(name) for style in _STYLES]
+    if len(name) > LONGEST_HEADER:
+        return name, None
+    found = [style.fullmatch(name) for style in STYLES]
     words = {one["unit"].strip() for one in found[SURE:] if one}
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
-    own = [part for part in parts if _fits(part[1], quantity)]
+    own = [part for part in parts if is_unit_of(part[1], quantity)]
     if (
         not parts
         and len(name) > 1
@@ -715,12 +705,8 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
         and is_unit(name)
     ):
         return "", name  # counts, rpm
-    others = [part for part in parts if part[1] not in words]
+    others = [part for part in parts if part[1] not in words or part[1] in VOLTS]
     return next(iter((*own, *others)), (name, None))
-
-
-def _fits(unit: str, quantity: str) -> bool:
-    return any(is_of(unit, kind) for kind in UNITS[quantity])
 
 
 def _may_be_times(column: "pd.Series[Any]") -> bool:
@@ -1186,7 +1172,7 @@ def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
     for name in filter(None, frame.names):
         stated = frame.units.get(name)
         bare, unit = _bare_and_unit(name, stated, quantity)
-        fits = name == quantity if unit is None else _fits(unit, quantity)
+        fits = name == quantity if unit is None else is_unit_of(unit, quantity)
         if fits and _is_input(bare, quantity):
             yield Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
 
@@ -1207,7 +1193,7 @@ def _is_full(frame: Frame, name: str) -> bool:
 
 def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
-    spelt = [stated] if stated else [m["unit"] for one in _STYLES if (m := one.fullmatch(name))]
+    spelt = [stated] if stated else [m["unit"] for one in STYLES if (m := one.fullmatch(name))]
     return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
 
 
@@ -1222,8 +1208,7 @@ def _has_one_value(part: Frame, name: str) -> bool:
 
 def _may_drive(frame: Frame, name: str) -> bool:
     """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
-    unit = frame.units.get(name)
-    bare = name if unit else _unit_in_name(name, "force")[0]
+    bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
     volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)

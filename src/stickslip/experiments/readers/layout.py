@@ -280,8 +280,12 @@ def unit_in(cell: str) -> str:
     --------
     >>> unit_in("[mm]"), unit_in("(1/min)"), unit_in("in mm"), unit_in("N")
     ('mm', '1/min', 'mm', 'N')
+    >>> unit_in("mm (Position)")
+    'mm'
     """
-    bare = cell.strip().strip("[]()<>{}").strip()
+    unit, bracket, rest = cell.strip().partition(" (")  # and what is measured in it
+    named = unit and bracket and rest.endswith(")")
+    bare = (unit if named else cell).strip().strip("[]()<>{}").strip()
     return bare.removeprefix("in ") if bare != "in" else bare
 
 

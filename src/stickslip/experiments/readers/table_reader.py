@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from stickslip.errors import MOST_NUMBERS, InputError, ParameterError, UnknownNameError, check_size
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
 from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, format_of
-from stickslip.experiments.readers.layout import Layout
+from stickslip.experiments.readers.header_units import stated_unit, without_unit
+from stickslip.experiments.readers.layout import Layout, unit_in
 from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.time_stamps import seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
@@ -77,6 +78,13 @@ class Frame:
             names={own[key]: header for key, header in self.names.items()},
             units={own[key]: unit for key, unit in self.units.items()},
         )
+
+    def column(self, given: Column) -> Column:
+        """Return the column, or the two of a position, that a name stands for."""
+        if isinstance(given, str):
+            return _known_column(self.file, given, self.names)
+        first, second = (_known_column(self.file, name, self.names) for name in given)
+        return first, second
 
     def line(self, row: int) -> str:
         """Return where a row stands in the file."""
@@ -264,7 +272,8 @@ def _named(
         found_units.pop(key, None)
     for quantity, column in columns.items():
         key = _known_column(file, column, own)
-        names[quantity], found_units[quantity] = own[key], own_units[key]
+        names[quantity] = own[key]
+        found_units[quantity] = own_units[key] or stated_unit(own[key], quantity)
     _recognise(names, found_units, of_run=not columns and names.keys() >= RUN)
     for name, unit in units.items():
         if name not in names:
@@ -300,7 +309,8 @@ def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, s
             name, unit = header, None
         if name in names:
             raise ambiguous(file, name)
-        names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
+        names[name] = header
+        found_units[name] = "1" if unit in NO_UNIT else unit and (unit_in(unit) or None)
     return names, found_units
 
 
@@ -348,6 +358,9 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
     for word, quantity in {"t": "time", **of_run}.items():
         if of_run and column == quantity:
             return word
+    bare = [name for name in own if without_unit(name).casefold() == str(column).casefold()]
+    if len(bare) == 1:
+        return bare[0]
     # The coordinate of the only track has a short name too.
     short = [name for name in own if name.rpartition(SEPARATOR)[2].lower() == str(column).lower()]
     if len(short) == 1:
