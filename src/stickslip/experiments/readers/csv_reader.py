@@ -20,7 +20,6 @@ from stickslip.experiments.readers.layout import (
     cells_of,
     decoded,
     is_number,
-    labview_units,
     unit_in,
 )
 from stickslip.experiments.readers.table import Table
@@ -65,10 +64,9 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     dialect = dialect_of(text)
     if dialect is not None:
         try:
-            table, line = dialect.read(text)
+            return dialect.read(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
-        return Table(data=table, first_row=line)
     lines, start = _head(path, text)
     named = _tracks(lines)
     lines, start = (lines[1:], start + 1) if named else (lines, start)
@@ -91,6 +89,11 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> Table:
             f"{path}: is not in the code page {layout.encoding} of its layout (byte"
             f" 0x{data[error.start]:02x} at {error.start})."
         ) from None
+    dialect = dialect_of(text)
+    if dialect is not None:
+        raise InputError(
+            f"{path}: is a {dialect.title}, which is read without a layout: leave it out."
+        )
     many = layout.preface + LOOKED_AT
     upper = [line.rstrip("\r") for line in text.split("\n", many)[:many]]
     lines = upper[layout.preface :] if upper[-1] else upper[layout.preface : -1]
@@ -99,9 +102,6 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> Table:
     names = cells_of(lines[0].lstrip("\ufeff"), layout.separator)
     if layout.units_row:
         units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
-    else:
-        units = [*labview_units(names, upper[: layout.preface], layout.separator)]
-    if units:
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
     sample = lines[1 + layout.units_row :]

@@ -7,8 +7,9 @@ from typing import Final, final
 
 import pandas as pd
 
+from stickslip.experiments.readers.labview import LABVIEW, is_labview, read_labview
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope, read_scope
-from stickslip.experiments.readers.table import unequal_rows
+from stickslip.experiments.readers.table import Table, unequal_rows
 from stickslip.experiments.readers.video_tracks import is_blocks, read_blocks
 
 FRANKA: Final = "time, success_rate, state.q[0]"
@@ -30,13 +31,13 @@ def is_franka(text: str) -> bool:
     )
 
 
-def read_franka(text: str) -> tuple[pd.DataFrame, int]:
-    r"""Return the columns of a log with their units, and the line of its first row.
+def read_franka(text: str) -> Table:
+    r"""Return the columns of a log with their units.
 
     Examples
     --------
-    >>> table, line = read_franka("time, success_rate, state.q[0], state.tau_J[0]\n7,1,0.5,2.5\n")
-    >>> table.to_dict("list"), line
+    >>> table = read_franka("time, success_rate, state.q[0], state.tau_J[0]\n7,1,0.5,2.5\n")
+    >>> table.data.to_dict("list"), table.first_row
     ({'time [ms]': [7], 'success_rate': [1], 'state.q[0]': [0.5], 'state.tau_J[0]': [2.5]}, 2)
     """
     try:
@@ -45,7 +46,7 @@ def read_franka(text: str) -> tuple[pd.DataFrame, int]:
         )
     except (pd.errors.ParserError, ValueError) as error:
         raise unequal_rows(error) from None
-    return table.rename(columns={"time": "time [ms]"}), 2
+    return Table(data=table.rename(columns={"time": "time [ms]"}), first_row=2)
 
 
 @final
@@ -56,13 +57,14 @@ class Dialect:
     title: str
     is_text: Callable[[str], bool]
     """Whether a text, or the top of one, is of this kind."""
-    read: Callable[[str], tuple[pd.DataFrame, int]]
-    """Returns the table of a text, and the line of its first row."""
+    read: Callable[[str], Table]
+    """Returns the table of a text."""
 
 
 DIALECTS: Final = (
     Dialect(title="tracks of a video", is_text=is_blocks, read=read_blocks),
     Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
+    Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
     Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
 )
 

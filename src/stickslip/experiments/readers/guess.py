@@ -475,8 +475,7 @@ def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
     if found.units:
-        where = "row below the header" if layout.units_row else "labels of LabVIEW above the header"
-        reasons["units"] = f"{where}: {', '.join(found.units)}"
+        reasons["units"] = f"row below the header: {', '.join(found.units)}"
     if found.assumed:
         plain = found.assumed.replace(layout.thousands, "")
         reasons["thousands"] = (

@@ -25,8 +25,6 @@ MISSING: Final = ("", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none",
 """Words of cells, in any case, that stand for a number that is missing, or for none."""
 BRACKETS: Final = ("[]", "()", "<>", "{}")
 NO_UNIT: Final = ("-", "\N{EN DASH}", "\N{MINUS SIGN}", "1")
-_LABVIEW: Final = {"Time": "s", "Frequency": "Hz"}
-"""Units of what files of LabVIEW call the dimension of the first column."""
 _NUMBER: Final = re.compile(
     r"""[+-]?(?:\d+(?:[.'\ \u2019\u00a0\u202f]\d{3})*(?:[.,]\d*)?   # 12, 0,5, 1.592,0
         |\d{1,3}(?:,\d{3})+(?:\.\d*)?                               # 1,592.0
@@ -99,7 +97,7 @@ class Text:
     names: tuple[str, ...]
     """Names of the columns as they stand in the header."""
     units: tuple[str, ...]
-    """Units of the columns, from a row below or above the header; empty where there is none."""
+    """Units of the columns, from a row below the header; empty where there is none."""
     assumed: str
     """A whole number with a mark that is only assumed to part thousands; empty if none has."""
     rows: tuple[tuple[str, ...], ...]
@@ -194,7 +192,6 @@ def _table(
         header, units = heads[-2], tuple(unit_in(cell) for cell in last)
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
-    labels = labview_units(names, lines[:header], separator)
     decimal, thousands = _marks(text, rows, separator)
     grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
     sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
@@ -208,7 +205,7 @@ def _table(
             units_row=bool(units),
         ),
         names=names,
-        units=_padded(units, len(names)) if units else labels,
+        units=_padded(units, len(names)) if units else (),
         assumed="" if sure else next(iter(grouped), ""),
         rows=rows,
     )
@@ -287,28 +284,6 @@ def unit_in(cell: str) -> str:
     named = unit and bracket and rest.endswith(")")
     bare = (unit if named else cell).strip().strip("[]()<>{}").strip()
     return bare.removeprefix("in ") if bare != "in" else bare
-
-
-def labview_units(names: Sequence[str], above: Sequence[str], separator: str) -> tuple[str, ...]:
-    r"""Return the units that a file of LabVIEW has among the lines above its header.
-
-    Examples
-    --------
-    >>> above = ["Y_Unit_Label\tmm\tVolts", "X_Dimension\tTime\tTime", "***End_of_Header***"]
-    >>> labview_units(["X_Value", "Weg", "Kraft", "Comment"], above, "\t")
-    ('s', 'mm', 'volts', '')
-    """
-    rows = {cells[0]: cells for line in above if (cells := cells_of(line, separator))}
-    if "Y_Unit_Label" not in rows:
-        return ()
-    own = [unit for unit in rows.get("X_Unit_Label", [])[1:] if unit]
-    dimension = next((cell for cell in rows.get("X_Dimension", [])[1:] if cell), "")
-    unit_of_x = own[0] if own else _LABVIEW.get(dimension, "")
-    labels = _padded(rows["Y_Unit_Label"], len(names))
-    pairs = zip(names, labels, strict=False)
-    told = [unit_of_x if name == "X_Value" else unit for name, unit in pairs]
-    told = [unit if is_unit(unit) else unit.lower() for unit in map(unit_in, told)]
-    return tuple(unit if unit and is_unit(unit) else "" for unit in told)
 
 
 def _padded(cells: Sequence[str], width: int) -> tuple[str, ...]:

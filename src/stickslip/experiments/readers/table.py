@@ -1,13 +1,17 @@
 """What a reader of a file format returns, and errors of files that are damaged."""
 
+import io
 import json
+import warnings
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_size
 
 
 @final
@@ -21,6 +25,68 @@ class Table:
     """Line of the first row in the file, or 1 where there are no lines."""
     remarks: tuple[str, ...] = ()
     """What was decided in reading and a user should know, one sentence each."""
+
+
+def numbered_twice(names: Sequence[str]) -> list[str]:
+    """Return names of which those that come again have a number behind them.
+
+    Examples
+    --------
+    >>> numbered_twice(["x", "F", "x"])
+    ['x', 'F', 'x (2)']
+    """
+    seen: Counter[str] = Counter()
+    found = []
+    for name in names:
+        seen[name] += 1
+        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return found
+
+
+def merged(tables: Sequence[pd.DataFrame]) -> tuple[pd.DataFrame, bool]:
+    """Return tables by time as one with a column of times, and whether all have the same times.
+
+    Where they have not, cells are empty.
+
+    Examples
+    --------
+    >>> one = pd.DataFrame({"a": [1.0]}, index=pd.Index([0.0], name="t"))
+    >>> merged([one, one.rename(columns={"a": "b"})])[0].to_dict("list")
+    {'t': [0.0], 'a': [1.0], 'b': [1.0]}
+    """
+    if all(table.index.equals(tables[0].index) for table in tables):
+        return pd.concat(tables, axis=1).reset_index(), True
+    moments = sum(len(table) for table in tables)  # they may have none in common
+    columns = sum(table.shape[1] for table in tables)
+    check_size("the merged table", float(moments * columns), "give fewer channels")
+    once = [table[~table.index.duplicated()] for table in tables]
+    return pd.concat(once, axis=1).sort_index().reset_index(), False
+
+
+def rows_of(lines: Sequence[str], separator: str, decimal: str, width: int) -> pd.DataFrame:
+    """Return rows of cells as numbers, by the places of their columns; a blank cell is empty.
+
+    Examples
+    --------
+    >>> rows_of(["0;0,5", "1; "], ";", ",", 2).fillna(-1.0).to_dict("list")
+    {0: [0, 1], 1: [0.5, -1.0]}
+    """
+    check_size("the table", float(width * len(lines)), "split the file, or give fewer columns")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            return pd.read_csv(
+                io.StringIO("\n".join(lines)),
+                sep=separator,
+                decimal=decimal,
+                header=None,
+                names=list(range(width)),
+                index_col=False,
+                na_values=[" "],
+                low_memory=False,
+            )
+    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
+        raise unequal_rows(error) from None
 
 
 def unequal_rows(error: Exception) -> InputError:

@@ -16,6 +16,7 @@ from typing import Final
 import pandas as pd
 
 from stickslip.errors import InputError
+from stickslip.experiments.readers.table import Table
 from stickslip.units import shown
 
 SEPARATOR: Final = "/"
@@ -97,16 +98,16 @@ def is_blocks(text: str) -> bool:
     return text[: len(_BLOCKS)].lower() == _BLOCKS
 
 
-def read_blocks(text: str) -> tuple[pd.DataFrame, int]:
-    r"""Return blocks of rows as one table over all their times, and the line of its first row.
+def read_blocks(text: str) -> Table:
+    r"""Return blocks of rows as one table over all their times.
 
-    Cells stay texts. The line is 1 where there are several blocks, whose rows are merged.
+    Cells stay texts. Rows are counted from 1 where there are several blocks, which are merged.
 
     Examples
     --------
     >>> text = "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 866.0 320,5 \n"
-    >>> table, line = read_blocks(text)
-    >>> table.to_dict("records"), line
+    >>> table = read_blocks(text)
+    >>> table.data.to_dict("records"), table.first_row
     ([{'T': '0:00:00:00', 'X': '866.0', 'Y': '320.5'}], 3)
     """
     tracks: list[tuple[str, list[list[str]], list[int]]] = []
@@ -127,7 +128,8 @@ def read_blocks(text: str) -> tuple[pd.DataFrame, int]:
     if not several:
         first = tracks[0][2][0] if tracks else 1
         whole = tables[0] if tables else pd.DataFrame()
-        return whole.set_axis([line - first for line in tracks[0][2]] if tracks else []), first
+        lines = [line - first for line in tracks[0][2]] if tracks else []
+        return Table(data=whole.set_axis(lines), first_row=first)
     by_time = [table.set_index("T") for table in tables]
     for (track, _, _), table in zip(tracks, by_time, strict=True):
         if not table.index.is_unique:
@@ -137,7 +139,7 @@ def read_blocks(text: str) -> tuple[pd.DataFrame, int]:
                 " milliseconds."
             )
     merged = pd.concat(by_time, axis=1)
-    return merged.loc[sorted(merged.index, key=_moment)].reset_index(), 1
+    return Table(data=merged.loc[sorted(merged.index, key=_moment)].reset_index())
 
 
 def _moment(cell: str) -> float:

@@ -1,0 +1,167 @@
+"""Files of instruments are read as their programs write them: every channel, with its unit."""
+
+import numpy as np
+import pytest
+
+from stickslip import load_measurement
+from stickslip.errors import InputError
+from stickslip.experiments import Layout, guess_data, read_data
+
+N = 60
+T = np.arange(N) / 100
+X = 0.03 * np.sin(7.0 * T)
+F = 4.0 * np.cos(7.0 * T)
+
+
+def read(path):
+    """Return what a file seems to hold, and its measurement."""
+    guess = guess_data(path)
+    return guess, read_data([path], guess.reading)
+
+
+# --- TwinCAT Scope
+
+
+def scope(groups, separator="\t", decimal=".", ended=" ", end=""):
+    """Return an export of groups of channels: names, units, times [ms] and columns of values."""
+    lines = ["Name|axis", "File|axis.csv", '"Starttime of export"|1329|"Montag, 2. Mai"|15:56:24']
+    lines += ['"Endtime of export"|1330|"Montag, 2. Mai"|15:56:25', "", ""]
+    keys = {
+        "Name": lambda channel: channel[0],
+        "SymbolComment": lambda _: "",
+        "Data-Type": lambda _: "REAL64",
+        "SymbolName": lambda channel: f"MAIN.{channel[0].replace(' ', '_')}",
+        "Unit": lambda channel: channel[1],
+    }
+    for key, cell in keys.items():
+        lines.append("|".join(c for _, own in groups for c in (key, *map(cell, own))))
+    lines.append("")
+    for row in range(max(len(times) for times, _ in groups)):
+        cells = []
+        for times, own in groups:
+            there = row < len(times)
+            cells += [f"{times[row]:.6g}" if there else ended]
+            cells += [f"{values[row]:.6f}" if there else ended for _, _, values in own]
+        while cells and not cells[-1].strip() and not ended:
+            cells.pop()
+        lines.append("|".join(cells).replace(".", decimal))
+    return "\n".join([*lines, end]).replace("|", separator)
+
+
+POS, FORCE = ("ActPos", "mm (Position)", 1e3 * X), ("ActForce", "N (Force)", F)
+TEST = ("test space", "(None)", T)
+SCOPES = {
+    "double times": {"groups": [(1e3 * T, [POS]), (1e3 * T, [FORCE])]},
+    "one time": {"groups": [(1e3 * T, [POS, FORCE])]},
+    "mixed groups": {"groups": [(1e3 * T, [TEST]), (1e3 * T, [POS, FORCE, TEST])]},
+    "decimal comma": {"groups": [(1e3 * T, [POS, FORCE, TEST])], "decimal": ","},
+    "end": {"groups": [(1e3 * T, [POS, FORCE])], "end": "EOF\n"},
+    "commas": {"groups": [(1e3 * T, [POS, FORCE])], "separator": ",", "end": "EOF"},
+    "colons": {"groups": [(1e3 * T, [POS, FORCE])], "separator": ":"},
+    "blanks": {"groups": [(1e3 * T, [POS, FORCE])], "separator": " "},
+    "blanks in names": {"groups": [(1e3 * T, [POS, TEST, FORCE])], "separator": " "},
+    "semicolons": {"groups": [(1e3 * T, [POS]), (1e3 * T, [FORCE])], "separator": ";", "end": "\n"},
+}
+
+
+@pytest.mark.parametrize("layout", SCOPES.values(), ids=SCOPES)
+def test_every_channel_of_a_scope_is_read_with_its_unit(tmp_path, layout):
+    path = tmp_path / "scope.csv"
+    path.write_text(scope(**layout))
+    guess, record = read(path)
+    assert record.time == pytest.approx(T)
+    assert record.position == pytest.approx(X, abs=1e-8)
+    assert record.force == pytest.approx(F, abs=1e-5)
+    assert not any("no force" in doubt or "no unit" in doubt for doubt in guess.doubts)
+
+
+@pytest.mark.parametrize("ended", [" ", ""], ids=["cells of one blank", "shorter rows"])
+def test_a_slower_channel_of_a_scope_may_have_ended(tmp_path, ended):
+    path = tmp_path / "scope.csv"
+    slow = [("Temp", "°C", np.full(N // 5, 21.0))]
+    path.write_text(scope([(1e3 * T, [POS, FORCE]), (1e3 * T[::5], slow)], ended=ended))
+    guess, record = read(path)
+    assert record.position == pytest.approx(X, abs=1e-8)
+    assert set(guess.columns) == {"time", "position", "force"}
+
+
+def test_channels_of_a_scope_with_one_name_are_told_apart_by_their_symbols(tmp_path):
+    path = tmp_path / "scope.csv"
+    text = scope([(1e3 * T, [POS, ("ActPos", "mm (Position)", 2e3 * X), FORCE])])
+    path.write_text(text.replace("MAIN.ActPos", "MAIN.Axis1.Pos", 1))
+    guess = guess_data(path)
+    assert guess.columns["position"] in {"MAIN.Axis1.Pos", "MAIN.ActPos"}
+
+
+# --- LabVIEW
+
+
+def lvm(columns="One", segments=((0, N),), restart=False, unit="mm", decimal=".", spaced=False):
+    """Return a measurement file: which rows each segment has, and which columns of times."""
+    mark = "\t\t" if spaced else "\t"
+    lines = ["LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", "Multi_Headings\tYes"]
+    lines += [
+        f"Decimal_Separator\t{decimal}",
+        f"X_Columns\t{columns}",
+        "***End_of_Header***\t",
+        "\t",
+    ]
+    for begin, end in segments:
+        first = 0.0 if restart else T[begin]
+        lines += ["Channels\t2", f"Samples\t{end - begin}{mark}{end - begin}\t"]
+        lines += [f"Y_Unit_Label\t{unit}{mark}N\t", f"X_Dimension\tTime{mark}Time\t"]
+        lines += [f"X0\t{first:.6f}{mark}{first:.6f}\t", f"Delta_X\t0.01{mark}0.01\t"]
+        lines += ["***End_of_Header***\t\t"]
+        again = "X_Value\t" if columns == "Multi" else ""
+        lines += [f"X_Value\tPosition\t{again}Force\tComment"]
+        for row in range(begin, end):
+            time = "" if columns == "No" else f"{T[row] - T[begin] + first:.4f}"
+            again = f"{time}\t" if columns == "Multi" else ""
+            lines += [f"{time}\t{1e3 * X[row]:.6f}\t{again}{F[row]:.6f}"]
+        lines += [""]
+    lines.insert(-3, "***Start_Special***\n1\t2\n***End_Special***")
+    return "\n".join(lines).replace(".", decimal).replace("***End,", "***End.")
+
+
+LVMS = {
+    "one column of times": {},
+    "no column of times": {"columns": "No"},
+    "times of each channel": {"columns": "Multi"},
+    "tags beside their channels": {"columns": "Multi", "spaced": True},
+    "two segments": {"segments": ((0, 20), (20, N))},
+    "two segments without times": {"columns": "No", "segments": ((0, 20), (20, N))},
+    "decimal comma": {"columns": "No", "decimal": ","},
+    "a unit with its quantity": {"unit": "mm (Length)"},
+}
+
+
+@pytest.mark.parametrize("layout", LVMS.values(), ids=LVMS)
+def test_each_layout_of_labview_is_read(tmp_path, layout):
+    path = tmp_path / "a.lvm"
+    path.write_text(lvm(**layout))
+    guess, record = read(path)
+    assert record.time == pytest.approx(T)
+    assert record.position == pytest.approx(X, abs=1e-8)
+    assert record.force == pytest.approx(F, abs=1e-5)
+    assert guess.doubts == ()
+
+
+def test_segments_of_labview_whose_times_begin_again_are_trials(tmp_path):
+    path = tmp_path / "a.lvm"
+    path.write_text(lvm("No", segments=((0, 20), (20, N)), restart=True))
+    guess, record = read(path)
+    assert [trial.time.size for trial in record.trials] == [20, N - 20]
+    assert any("2 trials" in doubt for doubt in guess.doubts)
+
+
+def test_rows_that_a_header_of_labview_promises_are_missed(tmp_path):
+    path = tmp_path / "a.lvm"
+    path.write_text(lvm().replace(f"Samples\t{N}\t", "Samples\t400\t"))
+    assert any(f"400 samples, and there are {N} rows" in one for one in guess_data(path).doubts)
+
+
+def test_a_text_that_its_own_reader_knows_has_no_layout(tmp_path):
+    path = tmp_path / "a.lvm"
+    path.write_text(lvm())
+    with pytest.raises(InputError, match="measurement file of LabVIEW, which is read without"):
+        load_measurement(path, layout=Layout(separator="\t", preface=14))
