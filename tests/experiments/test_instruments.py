@@ -1,5 +1,8 @@
 """Files of instruments are read as their programs write them: every channel, with its unit."""
 
+import sys
+from datetime import datetime, timedelta
+
 import numpy as np
 import pytest
 
@@ -165,3 +168,126 @@ def test_a_text_that_its_own_reader_knows_has_no_layout(tmp_path):
     path.write_text(lvm())
     with pytest.raises(InputError, match="measurement file of LabVIEW, which is read without"):
         load_measurement(path, layout=Layout(separator="\t", preface=14))
+
+
+# --- TDMS and workbooks
+
+
+def tdms(path, groups):
+    """Write groups of channels: name, values, unit, and the first time and step of a waveform."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as file:
+        for group, channels in groups.items():
+            made = []
+            for name, values, unit, *wave in channels:
+                stated = {"unit_string": unit}
+                if wave:
+                    stated |= {"wf_start_offset": wave[0], "wf_increment": wave[1]}
+                made.append(nptdms.ChannelObject(group, name, values, properties=stated))
+            file.write_segment(made)
+    return path
+
+
+MM, NEWTON = ("Position", 1e3 * X, "mm"), ("Force", F, "N")
+WAVES = [(*MM, 0.0, 0.01), (*NEWTON, 0.0, 0.01)]
+TDMS = {
+    "waveforms": {"a": WAVES},
+    "a channel of times": {"a": [("Time", T, "s"), MM, NEWTON]},
+    "a unit with its quantity": {"a": [("Time", T, "s"), ("Position", X, "m (Length)"), NEWTON]},
+    "settings in a group": {"a": WAVES, "setup": [("gain", np.ones(3), "")]},
+}
+
+
+@pytest.mark.parametrize("groups", TDMS.values(), ids=TDMS)
+def test_channels_of_a_tdms_file_are_read_with_their_times_and_units(tmp_path, groups):
+    guess, record = read(tdms(tmp_path / "a.tdms", groups))
+    assert record.time == pytest.approx(T)
+    assert record.position == pytest.approx(X)
+    assert record.force == pytest.approx(F)
+    assert any("'setup'" in doubt for doubt in guess.doubts) == ("setup" in groups)
+
+
+def test_groups_of_a_tdms_file_with_the_same_channels_are_trials(tmp_path):
+    _, record = read(tdms(tmp_path / "a.tdms", {"one": WAVES, "two": WAVES}))
+    assert [trial.name for trial in record.trials] == ["trial one", "trial two"]
+
+
+def test_a_channel_of_another_length_is_said_not_to_be_read(tmp_path):
+    channels = [("Time", T, "s"), MM, NEWTON, ("Temp", np.ones(5), "degC")]
+    guess = guess_data(tdms(tmp_path / "a.tdms", {"a": channels}))
+    assert any("Not read" in doubt and "'Temp [degC]'" in doubt for doubt in guess.doubts)
+
+
+def test_a_tdms_file_that_was_cut_says_so(tmp_path):
+    path = tdms(tmp_path / "a.tdms", {"a": WAVES})
+    path.write_bytes(path.read_bytes()[:-160])
+    assert any("segment of the file is incomplete" in one for one in guess_data(path).doubts)
+
+
+@pytest.mark.parametrize(("ending", "kind"), [(".tdms", "TDMS file"), (".xlsx", "workbook")])
+def test_what_is_no_such_file_is_refused_in_one_line(tmp_path, ending, kind):
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(b"\0\0nothing of that kind" * 9)
+    with pytest.raises(InputError, match=f"is not a {kind}, or is damaged") as error:
+        guess_data(path)
+    assert "\n" not in str(error.value)
+
+
+def workbook(path, sheets):
+    """Write sheets of rows of cells."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, rows in sheets.items():
+        sheet = book.create_sheet(title)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+ROWS = [*zip(T.tolist(), (1e3 * X).tolist(), F.tolist(), strict=True)]
+BOOKS = {
+    "units in the header": [["Zeit [s]", "Weg [mm]", "Kraft [N]"], *ROWS],
+    "units in a row": [["Zeit", "Weg", "Kraft"], ["s", "mm", "N"], *ROWS],
+    "lines above": [["Prüfstand 3"], [], ["t (s)", "x (mm)", "F (N)"], *ROWS],
+    "a blank column": [[None, "t (s)", "x (mm)", "F (N)"], *([None, *row] for row in ROWS)],
+    "times of day": [
+        ["time", "x (mm)", "F (N)"],
+        *((datetime(2024, 3, 1) + timedelta(seconds=t), x, f) for t, x, f in ROWS),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rows", BOOKS.values(), ids=BOOKS)
+def test_a_sheet_is_read_as_if_it_had_been_saved_as_text(tmp_path, rows):
+    path = workbook(tmp_path / "a.xlsx", {"Info": [["Messung vom 3. Mai"]], "Daten": rows})
+    guess, record = read(path)
+    assert record.time - record.time[0] == pytest.approx(T, abs=1e-6)
+    assert record.position == pytest.approx(X)
+    assert record.force == pytest.approx(F)
+    assert guess.doubts[0] == "Read is the sheet 'Daten'; not read: 'Info'."
+
+
+def test_a_workbook_without_a_table_names_its_sheets(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", {"Info": [["Messung"]], "Mehr": [[1, 2]]})
+    with pytest.raises(InputError, match=r"no sheet has a row of names.*'Info' and 'Mehr'"):
+        guess_data(path)
+
+
+def test_a_cell_far_away_is_no_reason_to_take_memory(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.cell(row=200_000, column=16_384, value=1)
+    book.save(tmp_path / "a.xlsx")
+    with pytest.raises(InputError, match=r"no sheet has|cells exceed the limit"):
+        guess_data(tmp_path / "a.xlsx")
+
+
+@pytest.mark.parametrize(("package", "ending"), [("nptdms", ".tdms"), ("openpyxl", ".xlsx")])
+def test_a_package_that_is_missing_is_named(tmp_path, monkeypatch, package, ending):
+    monkeypatch.setitem(sys.modules, package, None)
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(b"PK")
+    with pytest.raises(InputError, match=rf"stickslip\[{ending[1:]}\]"):
+        guess_data(path)

@@ -244,8 +244,10 @@ def test_dates_are_seconds_since_the_first(write, tmp_path):
 
 
 def test_another_kind_of_file_is_refused_with_a_cure(write):
-    with pytest.raises(InputError, match=r"must be a .csv.* got .xlsx. Save a spreadsheet as CSV"):
-        load_measurement(write("x", "data.xlsx"))
+    with pytest.raises(
+        InputError, match=r"must be a .csv.* got .xls. Save other spreadsheets as CSV"
+    ):
+        load_measurement(write("x", "data.xls"))
 
 
 def test_a_missing_file_is_named(write):

@@ -59,7 +59,7 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
     if layout is not None:
-        return _read_as(path, data, layout)
+        return read_as(path, data, layout)
     text, encoding = _decoded(path, data)
     dialect = dialect_of(text)
     if dialect is not None:
@@ -80,7 +80,7 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     return _parsed(path, data, names, sample, found)
 
 
-def _read_as(path: Path, data: bytes, layout: Layout) -> Table:
+def read_as(path: Path, data: bytes, layout: Layout) -> Table:
     """Return the table of a file that holds it in a known way."""
     try:
         text = data.decode(layout.encoding)

@@ -13,7 +13,9 @@ from stickslip.experiments.readers.mdf import MDF, read_mdf
 from stickslip.experiments.readers.parquet import PARQUET, read_parquet
 from stickslip.experiments.readers.ros_bags import BAGS, METADATA, PARTS, read_bag
 from stickslip.experiments.readers.servo_json import read_servo
+from stickslip.experiments.readers.spreadsheet import SPREADSHEET, read_spreadsheet
 from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.tdms import TDMS, read_tdms
 
 TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
 """Endings of text files."""
@@ -41,6 +43,8 @@ FORMATS: Final = (
     Format(endings=PARQUET, read=read_parquet),
     Format(endings=(".mat",), read=read_mat),
     Format(endings=MDF, read=read_mdf),
+    Format(endings=TDMS, read=read_tdms),
+    Format(endings=SPREADSHEET, read=read_spreadsheet),
     Format(endings=MCAP, read=read_mcap, streamed=True),
     Format(endings=BAGS, read=read_bag, streamed=True),
     Format(endings=(METADATA,), read=read_bag, within=METADATA, beside=PARTS),

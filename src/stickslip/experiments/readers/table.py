@@ -7,11 +7,15 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Final, final
 
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
+from stickslip.units import shown
+
+MOST_LISTED: Final = 12
+"""Columns that a remark names."""
 
 
 @final
@@ -41,6 +45,22 @@ def numbered_twice(names: Sequence[str]) -> list[str]:
         seen[name] += 1
         found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
     return found
+
+
+def left_out(names: Sequence[str]) -> list[str]:
+    """Return that columns are not read, as they have other numbers of values than those read.
+
+    Examples
+    --------
+    >>> left_out(["state.q"]), left_out([])
+    (["Not read, as it has another number of values: 'state.q'."], [])
+    """
+    if not names:
+        return []
+    they = "it has" if len(names) == 1 else "they have"
+    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
+    listed = ", ".join(map(shown, names[:MOST_LISTED]))
+    return [f"Not read, as {they} another number of values: {listed}{more}."]
 
 
 def merged(tables: Sequence[pd.DataFrame]) -> tuple[pd.DataFrame, bool]:

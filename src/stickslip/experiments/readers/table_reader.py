@@ -206,7 +206,7 @@ def read_frame(
         *endings, last = (ending for one in FORMATS for ending in one.endings)
         raise InputError(
             f"{file}: must be a {', '.join(endings)} or {last} file, got"
-            f" {path.suffix or 'no file extension'}. Save a spreadsheet as CSV."
+            f" {path.suffix or 'no file extension'}. Save other spreadsheets as CSV."
         )
     wanted = [*dict.fromkeys((*single.values(), *also))]
     table = known.read(path, wanted) if layout is None else read_text(path, layout)
