@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from stickslip import load_measurement
+from stickslip import Measurement, check, load_measurement
 from stickslip.errors import InputError
 from stickslip.experiments import Layout, guess_data, read_data
 
@@ -291,3 +291,111 @@ def test_a_package_that_is_missing_is_named(tmp_path, monkeypatch, package, endi
     path.write_bytes(b"PK")
     with pytest.raises(InputError, match=rf"stickslip\[{ending[1:]}\]"):
         guess_data(path)
+
+
+# --- tribometers
+
+V = 8.0 * np.cos(9.0 * T + 0.1)  # [mm/s]
+MU = 0.4 + 0.01 * np.sin(5.0 * T)
+
+
+def steps(n=2, end="\n"):
+    """Return steps of a universal tribometer, friction as its size and with its sign."""
+    lines = ["Created by Viewer ver.2", f"Total number of steps = {n}", "", "Run # 1"]
+    for step in range(1, n + 1):
+        lines += [f"Step No. {step}", "", "Radius       = 4.0", "Data Count   = 60", ""]
+        lines += ["Fx,Fz,Z,X,V1,T,Ff,COF", "g,g,mm,mm,mm/sec,sec,g,", ""]
+        force = 200.0 * MU * np.sign(V)
+        cells = (force, -200 + 0 * T, -0.6 + 0 * T, 4 + 0 * T, V, T, abs(force), MU)
+        lines += [",".join(f"{cell:.5f}" for cell in row) for row in zip(*cells, strict=True)]
+        lines += ["", ""]
+    return end.join(lines)
+
+
+def traction(n=2, mark="."):
+    """Return steps as a traction machine writes them: names twice, columns without one."""
+    lines = ["MTM Test Data File", f"Number of steps in profile:\t{n}", ""]
+    for step in range(1, n + 1):
+        lines += [f"Step {step} started at 06/05/2024 19:5{step}:00", "Step type\tTraction"]
+        lines += ["SRR (%)\tTraction Coeff (-)\t\tStep Time (s)\tBall Load (N)\tWear (um)\t"]
+        lines[-1] += "Rolling Speed (mm/s)\tSliding Speed (mm/s)\tSRR (%)\tTraction Force (N)"
+        for t, v, mu in zip(T, abs(V), MU, strict=True):
+            row = (v / 0.25, mu, None, t, 20.0, 300 + t, 25.0, v, v / 0.25, 20 * mu)
+            lines += ["\t".join("" if one is None else f"{one:.5f}" for one in row)]
+        lines += [""]
+    return "\n".join(lines).replace(".", mark)
+
+
+def rotary(n=2):
+    """Return a table of a rotary module below its recipe, and what it writes below the table."""
+    lines = ["Recipe, Sample, Type, Radius", "demo.Rx,,Rotary,9,"]
+    lines += ["Step, Timestamp, RecipeStep, DAQ.Fz (N),DAQ.Fx (N),DAQ.COF (),"]
+    lines[-1] += "Rotary.Velocity (rpm),XYZ.X Position (mm),XYZ.Z Position (mm),"
+    for step in range(4, 4 + n):
+        for t, v, mu in zip(T, V, MU, strict=True):
+            speed, force = v / (9 * 2 * np.pi / 60), 9 * mu * np.sign(v)
+            row = (step, t, step, 9.0, force, mu, speed, 0, -115.38)
+            lines += [",".join(f"{one:.6g}" for one in row) + ","]
+    return "\n".join([*lines, "", "TotalTime", "00:01:20.0000000"])
+
+
+TRIBOMETERS = {
+    "universal": (steps(), ["trial 1", "trial 2"], 0.2 * 9.80665, np.sign(V)),
+    "universal under Windows": (
+        steps(end="\r\n"),
+        ["trial 1", "trial 2"],
+        0.2 * 9.80665,
+        np.sign(V),
+    ),
+    "traction": (traction(), ["trial 1", "trial 2"], 20.0, 1.0),
+    "traction, decimal comma": (traction(mark=","), ["trial 1", "trial 2"], 20.0, 1.0),
+    "rotary": (rotary(), ["trial 4", "trial 5"], 9.0, np.sign(V)),
+}
+
+
+@pytest.mark.parametrize(("text", "trials", "load", "way"), TRIBOMETERS.values(), ids=TRIBOMETERS)
+def test_steps_of_a_tribometer_are_trials_with_friction_load_and_speed(
+    tmp_path, text, trials, load, way
+):
+    path = tmp_path / "a.txt"
+    path.write_bytes(text.encode())
+    guess, record = read(path)
+    assert [trial.name for trial in record.trials] == trials
+    assert {"time", "velocity", "friction", "load", "trial"} >= set(guess.columns) - {"trial"}
+    for trial in record.trials:
+        assert trial.velocity == pytest.approx(way * abs(V) / 1000, rel=1e-4)
+        assert trial.load == pytest.approx(np.full(N, load))
+        assert trial.friction == pytest.approx(way * load * MU, rel=1e-4)
+        assert trial.time == pytest.approx(T, abs=1e-5)
+    assert any(doubt.startswith("Each of the 2 steps is a trial") for doubt in guess.doubts)
+
+
+@pytest.mark.parametrize("measured", ["friction", "force"])
+def test_a_sliding_distance_of_hundreds_of_metres_is_normal_where_friction_is_measured(measured):
+    record = Measurement(time=100 * T, position=1000 * T, **{measured: F})
+    assert any("in metres" in one.sentence for one in check(record).findings) == (
+        measured == "force"
+    )
+
+
+def test_a_single_step_of_a_tribometer_is_one_record(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(steps(1))
+    _, record = read(path)
+    assert record.friction.size == N
+
+
+def test_a_coefficient_of_friction_without_a_unit_is_over_the_load(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{abs(v)},{mu:.5f},20\n" for t, v, mu in zip(T, V, MU, strict=True))
+    path.write_text("t (s),v (mm/s),COF,Fn (N)\n" + rows)
+    _, record = read(path)
+    assert record.friction == pytest.approx(20.0 * MU, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["Wear (um)", "Table height (mm)", "Depth (um)"])
+def test_wear_and_heights_are_no_position(tmp_path, name):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{x:.5f},{v},{f:.4f}\n" for t, x, v, f in zip(T, X, V, F, strict=True))
+    path.write_text(f"t (s),{name},v (mm/s),friction (N)\n{rows}")
+    assert set(guess_data(path).columns) == {"time", "velocity", "friction"}

@@ -457,7 +457,8 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         largest, span = float(np.abs(values).max()), float(np.ptp(values))
         if unit in SPANNED:
             largest = span
-        if largest > LARGEST[unit]:
+        slid = name == "position" and record.friction is not None  # hundreds of metres, on a disc
+        if largest > LARGEST[unit] and not slid:
             words = WORDS.get(unit, unit)
             what = "spans" if unit in SPANNED else "reaches"
             yield _doubted(

@@ -10,6 +10,7 @@ import pandas as pd
 from stickslip.experiments.readers.labview import LABVIEW, is_labview, read_labview
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope, read_scope
 from stickslip.experiments.readers.table import Table, unequal_rows
+from stickslip.experiments.readers.tribometers import TRIBOMETER, is_tribometer, read_tribometer
 from stickslip.experiments.readers.video_tracks import is_blocks, read_blocks
 
 FRANKA: Final = "time, success_rate, state.q[0]"
@@ -65,6 +66,7 @@ DIALECTS: Final = (
     Dialect(title="tracks of a video", is_text=is_blocks, read=read_blocks),
     Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
     Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
+    Dialect(title=TRIBOMETER, is_text=is_tribometer, read=read_tribometer),
     Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
 )
 

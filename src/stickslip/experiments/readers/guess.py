@@ -40,6 +40,8 @@ from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import count, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
+COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
+"""Names of coefficients of friction."""
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": (
         *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
@@ -71,7 +73,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "current": ("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"),
     "friction": (
         *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
-        *("frictionforce", "fr"),
+        *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
     ),
     "load": (
         *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft", "last"),
@@ -117,7 +119,10 @@ OTHER: Final = (
     "freigabe",
 )
 """What names of columns contain that none of the quantities has."""
-OTHER_WORDS: Final = ("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta")
+OTHER_WORDS: Final = (
+    *("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta"),
+    *("wear", "verschleiss", "height", "hoehe", "depth", "rolling", "entrainment"),
+)
 """The same as words of their own."""
 VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
@@ -127,7 +132,7 @@ SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
 MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
 """Words of measured signals."""
-PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb")
+PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb", "sliding")
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
 TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
 """Words in names of columns of temperatures."""
@@ -174,6 +179,8 @@ ONE_TO_ONE: Final = 0.02
 """Distance of the ratio of two positions from 1 up to which no gear is between them."""
 DIGITS: Final = 0.5
 """Share of the cells of a column that are numbers from which the others are faults."""
+SIZE: Final = 0.02
+"""Share of a force by which the friction that is its size may differ, as its digits may."""
 GAP: Final = 3.0
 """Usual steps of time from which a step is called a gap."""
 FULL: Final = 0.5
@@ -197,6 +204,7 @@ READINGS: Final = (
     "The rows, at ever other speeds, are taken for steady readings of friction, not for samples of"
     " one motion. If they are that, give --columns time={!r}."
 )
+PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -383,6 +391,9 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
+    pressed = "load" in found and bool(np.all(_numbers(frame, found["load"]) < 0.0))
+    if pressed:
+        gains.setdefault("load", -1.0)
     reasons |= {q: column_text(one) for q, one in found.items()}
     if times is not None:
         reasons["time"] += rate_text(times)
@@ -421,6 +432,7 @@ def guess_data(
             *([assumed] if assumed else []),
             *([READINGS.format(steady)] if steady else []),
             *([UPSIDE_DOWN] if backwards else []),
+            *([PRESSED.format(found["load"].name)] if pressed else []),
             *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}, motor_constant),
             *_offered(conditions, found),
         ),
@@ -515,8 +527,46 @@ def assigned(
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
     if "time" not in taken and "force" in taken and "velocity" in taken and "friction" not in taken:
         taken["friction"] = taken.pop("force")
+    both = {"position", "velocity"} <= taken.keys()
+    if both and _stays(frame, taken["position"]) and np.any(_numbers(frame, taken["velocity"])):
+        del taken["position"]  # of a table, above which something else moves
+    if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
+        size = taken["friction"]
+        taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
     order = ("time", *(q for q in NAMES if q != "time"))
     return {q: taken[q] for q in (*order, *taken) if q in taken}
+
+
+def _numbers(frame: Frame, one: Found) -> Array:
+    """Return the numbers of a column, NaN where there are none."""
+    column = frame.data[frame.names[one.name]]
+    return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+
+
+def _stays(frame: Frame, one: Found) -> bool:
+    """Whether a column that nobody named has one value throughout."""
+    numbers = _numbers(frame, one)
+    return one.why != "as given" and bool(np.all(numbers == numbers[0]))
+
+
+def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
+    """Whether the friction of a tribometer is the size of the force, or that over the load.
+
+    The force is then what the sensor shows, with its sign, and drives nothing.
+    """
+    force, friction = (np.abs(_numbers(frame, taken[name])) for name in ("force", "friction"))
+    unit = taken["friction"].unit
+    if taken["friction"].why == "as given" or taken["force"].why == "as given":
+        return False
+    if unit is not None and is_of(unit, "1"):
+        if "load" not in taken:
+            return False
+        friction = friction * np.abs(_numbers(frame, taken["load"])) * factor(unit, "1")
+    elif unit != taken["force"].unit:
+        return False
+    known = np.isfinite(force) & np.isfinite(friction)
+    apart = np.abs(force - friction)[known]
+    return bool(known.any() and np.median(apart) <= SIZE * np.median(force[known]))
 
 
 def _by_kind(
@@ -585,10 +635,17 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
     if unit is not None and unit.isupper() and not is_unit_of(unit, quantity):
         unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
+    if unit is None and quantity == "friction" and _is_coefficient(bare):
+        return bare, "1"
     if unit is None:
         plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
         return (plain, "V") if plain != bare else (bare, None)
     return bare, unit
+
+
+def _is_coefficient(name: str) -> bool:
+    """Whether a name is that of a coefficient, which is over the load."""
+    return any(part in COEFFICIENTS or part.startswith("coeff") for part in _parts(name))
 
 
 def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:

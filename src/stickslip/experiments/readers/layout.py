@@ -188,7 +188,7 @@ def _table(
         return None
     header, units = heads[-1], tuple[str, ...]()
     last = cells_of(lines[header], separator)
-    if len(heads) > 1 and heads[-2] == above[-2] and _are_units(last):
+    if len(heads) > 1 and heads[-2] == above[-2] and are_units(last):
         header, units = heads[-2], tuple(unit_in(cell) for cell in last)
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
@@ -262,7 +262,14 @@ def _is_head(cells: Sequence[str], width: int) -> bool:
     return not any(is_number(cell) or is_stamp(cell) for cell in named if cell not in NO_UNIT)
 
 
-def _are_units(cells: Sequence[str]) -> bool:
+def are_units(cells: Sequence[str]) -> bool:
+    """Whether cells hold units and nothing else.
+
+    Examples
+    --------
+    >>> are_units(["s", "[mm]", ""]), are_units(["t", "x"])
+    (True, False)
+    """
     named = [cell for cell in cells if cell]
     return bool(named) and all(
         cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
