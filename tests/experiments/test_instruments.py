@@ -399,3 +399,119 @@ def test_wear_and_heights_are_no_position(tmp_path, name):
     rows = "".join(f"{t:.2f},{x:.5f},{v},{f:.4f}\n" for t, x, v, f in zip(T, X, V, F, strict=True))
     path.write_text(f"t (s),{name},v (mm/s),friction (N)\n{rows}")
     assert set(guess_data(path).columns) == {"time", "velocity", "friction"}
+
+
+# --- registers of servos, motion capture, serial monitors
+
+
+def registers(family="Dynamixel", ids=(1,)):
+    """Return a log of a servo's registers, as they were read."""
+    counts = np.round(2048 + 900 * np.sin(2.0 * T)).astype(int)
+    speed = 2.0 * 900 * np.cos(2.0 * T) / (4096 * 0.229 / 60 if family == "Dynamixel" else 1.0)
+    names = {
+        "Dynamixel": "Present_Input_Voltage,Present_PWM",
+        "Feetech": "Present_Voltage,Present_Load",
+    }
+    lines = [
+        f"timestamp,id,Goal_Position,Present_Position,Present_Velocity,{names[family]},Present_Current"
+    ]
+    for i, (t, q, v) in enumerate(zip(T, counts, np.round(speed).astype(int), strict=True)):
+        lines += [
+            f"{1.7e9 + t:.2f},{ids[i % len(ids)]},{q + 9},{q},{v},120,{240 - i},{187 - 2 * i}"
+        ]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("family", ["Dynamixel", "Feetech"])
+def test_registers_of_a_servo_are_counts_of_an_axis_that_turns(tmp_path, family):
+    path = tmp_path / "a.csv"
+    path.write_text(registers(family))
+    guess, record = read(path)
+    assert guess.turning
+    assert record.position[:2] * 2048 / np.pi == pytest.approx([2048, 2066], abs=1)
+    rate = 2 * np.pi / 4096 * 1800
+    assert record.velocity[0] == pytest.approx(rate, rel=0.01)
+    assert record.reference is not None
+    assert record.force[0] == pytest.approx(0.187 * (1.0 if family == "Dynamixel" else 6.5))
+    assert record.load is None
+    assert not any("count" in doubt and "has no unit" in doubt for doubt in guess.doubts)
+
+
+def test_registers_that_were_converted_are_no_counts(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{x:.5f},0.5,120\n" for t, x in zip(T, X, strict=True))
+    path.write_text("t (s),Present_Position [rad],Present_Velocity,Present_PWM\n" + rows)
+    assert guess_data(path).gain == {}
+
+
+def test_rows_of_several_servos_in_turn_are_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(registers(ids=(1, 2)))
+    with pytest.raises(InputError, match="rows of 2 servos in turn, by its column 'id'"):
+        guess_data(path)
+
+
+def capture(length="Meters", bodies=("block",)):
+    """Return rigid bodies as Motive exports them; the last one moves along Z."""
+    lines = [
+        f"Format Version,1.23,Take Name,Take 1,Length Units,{length},Coordinate Space,Global",
+        "",
+    ]
+    own = [(body, kind, axis) for body in bodies for kind, axis in CAPTURED]
+    lines += ["," + ",".join(["Type", *["Rigid Body"] * len(own)])]
+    lines += ["," + ",".join(["Name", *(body for body, _, _ in own)])]
+    lines += ["," + ",".join(["ID", *["1000"] * len(own)])]
+    lines += [",," + ",".join(kind for _, kind, _ in own)]
+    lines += ["Frame,Time (Seconds)," + ",".join(axis for _, _, axis in own)]
+    for i, (t, x) in enumerate(zip(T, X, strict=True)):
+        cells = [0, 0, 0, 1, 0.1, 0.2, 0.3, 1e-4] * len(bodies)
+        cells[-2] += x
+        hidden = i == 5  # behind something
+        lines += [f"{i},{t:.4f}," + ",".join("" if hidden else f"{c:.6f}" for c in cells)]
+    return "\n".join(lines)
+
+
+CAPTURED = [*(("Rotation", axis) for axis in "XYZW"), *(("Position", axis) for axis in "XYZ")]
+CAPTURED += [("Mean Marker Error", "")]
+
+
+@pytest.mark.parametrize(("length", "scale"), [("Meters", 1.0), ("Millimeters", 1e-3)])
+@pytest.mark.parametrize("bodies", [("block",), ("frame", "block")])
+def test_the_way_along_which_a_body_of_motion_capture_moves_is_its_position(
+    tmp_path, length, scale, bodies
+):
+    path = tmp_path / "a.csv"
+    path.write_text(capture(length, bodies))
+    guess, record = read(path)
+    assert guess.columns["position"] == "block/Position/Z"
+    assert not any("may be the position as well" in doubt for doubt in guess.doubts)
+    kept = np.arange(N) != 5
+    assert record.time == pytest.approx(T[kept])
+    assert record.position == pytest.approx(scale * (0.3 + X[kept]), abs=1e-6)
+
+
+SERIALS = {
+    "numbers": "{x:.3f}\t{f:.3f}",
+    "labels": "pos:{x:.3f},force:{f:.3f}",
+    "blanks": "{x:.3f} {f:.3f}",
+    "semicolons": "{x:.3f};{f:.3f}",
+}
+
+
+@pytest.mark.parametrize("style", SERIALS)
+def test_what_a_serial_monitor_shows_is_numbers_at_its_time_stamps(tmp_path, style):
+    path = tmp_path / "a.txt"
+    lines = ["23:59:59.700 -> Ready"]
+    for t, x, f in zip(T, 1e3 * X, F, strict=True):
+        clock = (datetime(2024, 3, 1, 23, 59, 59, 800_000) + timedelta(seconds=t)).time()
+        lines += [f"{clock.isoformat('milliseconds')} -> {SERIALS[style].format(x=x, f=f)}"]
+    path.write_text("\n".join(lines))
+    names = ("pos", "force") if style == "labels" else ("column 1", "column 2")
+    if style != "labels":
+        with pytest.raises(InputError, match=r"'time', 'column 1', 'column 2'\. Name it"):
+            guess_data(path)
+    guess = guess_data(path, columns=dict(zip(("position", "force"), names, strict=True)))
+    record = load_measurement(path, columns=guess.columns, units={"position": "mm"})
+    assert record.time == pytest.approx(T)
+    assert record.position == pytest.approx(X, abs=1e-6)
+    assert record.force == pytest.approx(F, abs=1e-3)

@@ -8,7 +8,9 @@ from typing import Final, final
 import pandas as pd
 
 from stickslip.experiments.readers.labview import LABVIEW, is_labview, read_labview
+from stickslip.experiments.readers.motion_capture import MOTION_CAPTURE, is_capture, read_capture
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope, read_scope
+from stickslip.experiments.readers.serial_monitor import SERIAL, is_serial, read_serial
 from stickslip.experiments.readers.table import Table, unequal_rows
 from stickslip.experiments.readers.tribometers import TRIBOMETER, is_tribometer, read_tribometer
 from stickslip.experiments.readers.video_tracks import is_blocks, read_blocks
@@ -67,6 +69,8 @@ DIALECTS: Final = (
     Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
     Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
     Dialect(title=TRIBOMETER, is_text=is_tribometer, read=read_tribometer),
+    Dialect(title=MOTION_CAPTURE, is_text=is_capture, read=read_capture),
+    Dialect(title=SERIAL, is_text=is_serial, read=read_serial),
     Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
 )
 

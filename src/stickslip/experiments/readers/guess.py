@@ -33,6 +33,12 @@ from stickslip.experiments.readers.header_units import (
 )
 from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
+from stickslip.experiments.readers.servo_registers import (
+    Servo,
+    are_counts,
+    check_one_servo,
+    servo_of,
+)
 from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
@@ -355,6 +361,7 @@ def guess_data(
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     _check_enough(frame, found)
+    servo, found = _of_servo(frame, found)
     if motor_constant is not None and "current" not in found:
         raise InputError(
             f"{path}: the motor constant belongs to a current, and no column seems to hold one."
@@ -371,7 +378,7 @@ def guess_data(
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
-    turning = _turns(found, motor_constant)
+    turning = servo is not None or _turns(found, motor_constant)
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
@@ -391,6 +398,9 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
+    registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
+    if servo is not None:
+        gains |= {q: gain for q, gain in servo.gains.items() if q in registers}
     pressed = "load" in found and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
@@ -432,8 +442,11 @@ def guess_data(
             *([assumed] if assumed else []),
             *([READINGS.format(steady)] if steady else []),
             *([UPSIDE_DOWN] if backwards else []),
+            *(servo.doubts(found, gain or {}) if servo is not None else ()),
             *([PRESSED.format(found["load"].name)] if pressed else []),
-            *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}, motor_constant),
+            *_doubts(
+                frame, found, turning, {*(units or {}), *(gain or {}), *registers}, motor_constant
+            ),
             *_offered(conditions, found),
         ),
     )
@@ -537,6 +550,23 @@ def assigned(
     return {q: taken[q] for q in (*order, *taken) if q in taken}
 
 
+def _of_servo(frame: Frame, found: Mapping[str, Found]) -> tuple[Servo | None, dict[str, Found]]:
+    """Return the family of servos whose registers were read, and these with their units."""
+    servo = servo_of(frame.names)
+    raw = {
+        quantity: replace(one, unit=servo.units[quantity], stated=False, why=servo.why)
+        for quantity, one in found.items()
+        if servo is not None
+        and quantity in servo.units
+        and one.unit is None
+        and are_counts(frame.data[frame.names[one.name]])
+    }
+    if servo is None or not {"position", "reference"} & raw.keys():
+        return None, dict(found)
+    check_one_servo(frame.file, frame.data, frame.names)
+    return servo, {**found, **raw}
+
+
 def _numbers(frame: Frame, one: Found) -> Array:
     """Return the numbers of a column, NaN where there are none."""
     column = frame.data[frame.names[one.name]]
@@ -546,7 +576,8 @@ def _numbers(frame: Frame, one: Found) -> Array:
 def _stays(frame: Frame, one: Found) -> bool:
     """Whether a column that nobody named has one value throughout."""
     numbers = _numbers(frame, one)
-    return one.why != "as given" and bool(np.all(numbers == numbers[0]))
+    known = numbers[np.isfinite(numbers)]
+    return one.why != "as given" and bool(np.all(known == known[:1]))
 
 
 def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
@@ -587,6 +618,7 @@ def _by_kind(
     ]
     for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
         alike = quantity in taken and found.name != taken[quantity].name
+        alike = alike and not _stays(frame, found)
         if alike and found.score == taken[quantity].score and quantity not in given:
             taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, found.name))
         if quantity in taken or found.name in {one.name for one in taken.values()}:
@@ -719,7 +751,7 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     joined = "".join(parts)
     if any(word in joined for word in OTHER) or any(part in OTHER_WORDS for part in parts):
         return 0.0, ""
-    if quantity == "load" and any(word in joined for word in ("torque", "moment")):
+    if quantity == "load" and any(word in joined for word in ("torque", "moment", "present")):
         return 0.0, ""
     if quantity == "force" and any(part in NAMES["friction"] for part in parts):
         return 0.0, ""  # a friction torque is no torque of a drive

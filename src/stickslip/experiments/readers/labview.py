@@ -26,6 +26,8 @@ _END: Final = "***End_of_Header***"
 _SPECIAL: Final = re.compile(r"^\*\*\*Start_Special.*?^\*\*\*End_Special[^\n]*\n?", re.M | re.S)
 _DIMENSIONS: Final = {"Time": "s", "Frequency": "Hz", "": "s"}
 """Units of what these files call the dimension of their times."""
+LONGEST_HEAD: Final = 10_000
+"""Characters at the top in which the first header ends."""
 TIMES: Final = "X_Value"
 TRIAL: Final = "trial"
 _SEPARATORS: Final = {"Tab": "\t", "Comma": ","}
@@ -48,10 +50,11 @@ def is_labview(text: str) -> bool:
 
     Examples
     --------
-    >>> is_labview("LabVIEW Measurement\t\nWriter_Version\t2\n"), is_labview("t;x\n0;1\n")
+    >>> is_labview("LabVIEW Measurement\t\n***End_of_Header***\n"), is_labview("t;x\n0;1\n")
     (True, False)
     """
-    return text.lstrip("\ufeff").startswith(_BEGIN)
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
+    return head.startswith(_BEGIN) and _END in head
 
 
 def read_labview(text: str) -> Table:
@@ -103,7 +106,9 @@ def read_labview(text: str) -> Table:
 
 def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:
     """Yield the segments: each begins with the number of its channels and ends before the next."""
-    begins = [i for i, line in enumerate(lines) if cells_of(line, separator)[:1] == ["Channels"]]
+    firsts = [cells_of(line, separator)[:1] for line in lines]
+    begins = [i for i, cells in enumerate(firsts) if cells == ["Channels"]]
+    begins = begins or [firsts.index([_END])]  # a table below the header of the file
     for begin, end in zip(begins, [*begins[1:], len(lines)], strict=True):
         head: dict[str, Sequence[str]] = {}
         for place in range(begin, end):
@@ -121,7 +126,7 @@ def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:
 
 def _told(head: Mapping[str, Sequence[str]], tag: str) -> list[str]:
     """Return what a line states of each channel; some programs leave a cell beside each free."""
-    channels = int(cell) if (cell := "".join(head["Channels"][:1])).isdigit() else 0
+    channels = int(cell) if (cell := "".join([*head.get("Channels", [])][:1])).isdigit() else 0
     places = [place for place, cell in enumerate(head.get("Samples", [])) if cell]
     if len(places) != channels:
         places = [*range(channels)]
