@@ -12,6 +12,7 @@ from scipy.io import savemat
 
 from stickslip import check, load_measurement
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments import guess_data
 from stickslip.experiments.readers.mat5_validator import check_structure
 
 TIME = np.arange(100) / 100
@@ -115,6 +116,43 @@ def test_vectors_of_another_length_are_left_alone(folder):
     assert record.time.size == 100
     with pytest.raises(UnknownNameError, match=r"column of data.mat: 't'"):
         load_measurement("data.mat", columns={"time": "t", "position": "a", "velocity": "b"})
+
+
+@pytest.mark.parametrize("version", ["older", "newer"])
+def test_the_struct_with_the_motion_is_read_and_what_is_not_is_said(folder, version):
+    times = TIME[::4]
+    content = {
+        "pid": {"jointEr": {"time": times, "position": times, "speed": times}},
+        "pid_out": {"time": times, "effort": times},
+        "motor": {"state": {"time": TIME, "position": POSITION, "effort": TIME}},
+        "gains": np.ones(3),
+    }
+    if version == "older":
+        savemat("log.mat", content)
+    else:
+        newer(folder / "log.mat", dict(flat(content)))
+    guess = guess_data("log.mat")
+    assert guess.columns["position"] == "motor.state.position"
+    assert guess.columns["force"] == "motor.state.effort"
+    (said,) = [doubt for doubt in guess.doubts if doubt.startswith("Not read")]
+    assert "'pid.jointEr.position'" in said
+    assert "gains" not in said
+
+
+def flat(content, above=""):
+    """Yield the paths and values of dictionaries in dictionaries."""
+    for name, value in content.items():
+        if isinstance(value, dict):
+            yield from flat(value, f"{above}{name}/")
+        else:
+            yield f"{above}{name}", value
+
+
+@pytest.mark.parametrize("name", ["pid.jointEr.position", "posErr", "pos_err", "PositionError"])
+def test_an_error_of_a_controller_is_no_position(folder, name):
+    rows = "".join(f"{t},{x},{t}\n" for t, x in zip(TIME, POSITION, strict=True))
+    (folder / "a.csv").write_text(f"time,{name},velocity\n{rows}")
+    assert set(guess_data("a.csv").columns) == {"time", "velocity"}
 
 
 def test_a_matlab_file_without_vectors_lists_what_it_has(folder):

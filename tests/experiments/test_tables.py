@@ -119,6 +119,10 @@ def test_channels_of_an_mdf_file_are_columns_with_their_units(mdf):
     np.testing.assert_allclose(record.force, F, atol=1e-12)
 
 
+def test_channels_of_other_groups_of_an_mdf_file_are_said_not_to_be_read(mdf):
+    assert "Not read, as it has other times: 'temperature'." in guess_data(mdf).doubts
+
+
 def test_what_is_no_mdf_file_is_refused_in_one_line(tmp_path):
     (tmp_path / "log.mf4").write_bytes(b"no such thing" * 100)
     with pytest.raises(InputError, match=r"is not an MDF file, or is damaged") as caught:

@@ -20,6 +20,7 @@ from stickslip.experiments.measurement import (
     Array,
     is_beside,
 )
+from stickslip.experiments.readers.column_words import WANTED, is_barred, is_wanted, parts_of
 from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
@@ -91,45 +92,6 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
-WANTED: Final = (
-    "soll",
-    "set",
-    "setpoint",
-    "cmd",
-    "command",
-    "desired",
-    "demand",
-    "target",
-    "goal",
-    "ref",
-    "reference",
-    "vorgabe",
-)
-"""What names of wanted values contain: only a wanted position is read."""
-OTHER: Final = (
-    "error",
-    "fehler",
-    "abweichung",
-    "schlepp",
-    "temperatur",
-    "status",
-    "index",
-    "deviation",
-    "diff",
-    "following",
-    "acceleration",
-    "beschleunigung",
-    "power",
-    "leistung",
-    "enable",
-    "freigabe",
-)
-"""What names of columns contain that none of the quantities has."""
-OTHER_WORDS: Final = (
-    *("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta"),
-    *("wear", "verschleiss", "height", "hoehe", "depth", "rolling", "entrainment"),
-)
-"""The same as words of their own."""
 VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
 """What names of channels contain that are recorded in volts."""
 VOLTS: Final = ("V", "mV", "kV")
@@ -211,7 +173,6 @@ READINGS: Final = (
     " one motion. If they are that, give --columns time={!r}."
 )
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
-_WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
 @final
@@ -677,7 +638,7 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
 
 def _is_coefficient(name: str) -> bool:
     """Whether a name is that of a coefficient, which is over the load."""
-    return any(part in COEFFICIENTS or part.startswith("coeff") for part in _parts(name))
+    return any(part in COEFFICIENTS or part.startswith("coeff") for part in parts_of(name))
 
 
 def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
@@ -693,7 +654,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
-        told = any(part in PREFERRED for part in _parts(bare))
+        told = any(part in PREFERRED for part in parts_of(bare))
         return score + fits + 0.1 * told, why
     if counts and not bare:
         return BY_UNIT, "by its name"
@@ -713,25 +674,10 @@ def _since_epoch(column: "pd.Series[Any]") -> str | None:
     return next((unit for unit, per in EPOCH.items() if 1e9 * per <= size < 1e10 * per), None)
 
 
-def _parts(name: str) -> list[str]:
-    """Return the words in a name, umlauts written out."""
-    spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name).casefold().translate(_WRITTEN_OUT)
-    return [part for part in re.split(r"[\W\d_]+", spaced) if part]
-
-
-def _is_wanted(parts: Sequence[str]) -> bool:
-    """Whether words are those of a wanted value."""
-    joined = "".join(parts)
-    return any(part in WANTED for part in parts) or any(
-        joined.startswith(word) or joined.endswith(f"{word}wert") for word in WANTED
-    )
-
-
 def _is_other(name: str) -> bool:
     """Whether a name is that of an error, a condition or a command, which no quantity is."""
-    parts = _parts(name)
-    barred = any(word in "".join(parts) for word in OTHER) or any(p in OTHER_WORDS for p in parts)
-    return barred or _is_wanted(parts) or any(part in CONDITIONS for part in parts)
+    parts = parts_of(name)
+    return is_barred(parts) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
 
 
 def _last_says(name: str, quantity: str) -> bool:
@@ -747,15 +693,15 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     first, joint = joint_in(name)
     if joint:
         return (WHOLE, "by its name") if first == quantity else (0.0, "")
-    parts = _parts(name)
+    parts = parts_of(name)
     joined = "".join(parts)
-    if any(word in joined for word in OTHER) or any(part in OTHER_WORDS for part in parts):
+    if is_barred(parts):
         return 0.0, ""
     if quantity == "load" and any(word in joined for word in ("torque", "moment", "present")):
         return 0.0, ""
     if quantity == "force" and any(part in NAMES["friction"] for part in parts):
         return 0.0, ""  # a friction torque is no torque of a drive
-    wanted = _is_wanted(parts)
+    wanted = is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
         bare = "".join(part for part in parts if part not in WANTED)
@@ -936,7 +882,7 @@ def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None
         return is_of(unit, "N m/A")
     still = ("time", "load", "temperature")
     moving = [one.name.casefold() for q, one in found.items() if q not in still]
-    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in _parts(name)) for name in moving):
+    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving):
         return True  # coordinates of the joints of a robot
     return any(word in name for name in moving for word in TURNING)
 
@@ -1195,7 +1141,7 @@ def trial_column(
         cells = frame.data[frame.names[name]]
         if cells.isna().any() or not 1 < cells.nunique() <= MOST_TRIALS * len(cells):
             continue
-        if "".join(_parts(name)) in TRIALS:
+        if "".join(parts_of(name)) in TRIALS:
             return name, "by its name"
         changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
         if begins and not apart and changes == begins and cells.nunique() == len(begins) + 1:
@@ -1217,7 +1163,7 @@ def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[s
 
 def _is_named(name: str, words: Collection[str]) -> bool:
     """Whether the name of a column has one of the words, or ends as the German one of heat."""
-    return any(part in words or part.endswith("temperatur") for part in _parts(name))
+    return any(part in words or part.endswith("temperatur") for part in parts_of(name))
 
 
 def _of_trials(frame: Frame, trial: str) -> list[Frame]:
@@ -1267,7 +1213,7 @@ def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
 
 def _is_input(bare: str, quantity: str) -> bool:
     """Whether a name is that of an input of the contact: its word alone, or any pressure."""
-    parts = [part for part in _parts(bare) if part not in OF_FORCES]
+    parts = [part for part in parts_of(bare) if part not in OF_FORCES]
     if quantity == "pressure":
         return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(bare)
     return len(parts) == 1 and parts[0] in INPUTS[quantity]
@@ -1300,7 +1246,7 @@ def _may_drive(frame: Frame, name: str) -> bool:
     volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)
-    if any(part in SUPPLIES for part in _parts(name)):
+    if any(part in SUPPLIES for part in parts_of(name)):
         return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 

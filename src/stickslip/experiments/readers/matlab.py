@@ -13,11 +13,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_size
+from stickslip.experiments.readers.column_words import is_barred, parts_of
 from stickslip.experiments.readers.mat5_validator import CURE, check_structure, is_level_5
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import Table, left_out
 
 Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
+FEWEST: Final = 10
+"""Values from which a vector is no setting, so that it is said if it is not read."""
 LEAST_SPLIT, MOST_SPLIT = 100, 64
 """Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST: Final = 5
@@ -60,15 +63,28 @@ def read_mat(path: Path, names: Collection[str] = ()) -> Table:
             " vectors of equal length."
         )
     _check(path, sum(value.size for value in vectors.values()))
-    sizes = Counter(value.size for value in vectors.values())
-    named = Counter(value.size for name, value in vectors.items() if name in names)
-    size = max(sizes, key=lambda size: (named[size], sizes[size], size))
+    size = _size(vectors, names)
     columns = {
         name: np.asarray(value, dtype=float).ravel()
         for name, value in vectors.items()
         if value.size == size
     }
-    return Table(data=pd.DataFrame(columns))
+    others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST))]
+    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others),))
+
+
+def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
+    """Return the length of the vectors to read: most of those named, then most kinds of signals.
+
+    Each struct may have times of its own, and some may hold the errors of a controller or nothing.
+    """
+    named = Counter(value.size for name, value in vectors.items() if name in names)
+    often = Counter(value.size for value in vectors.values())
+    kinds: dict[int, set[str]] = {size: set() for size in often}
+    for name, value in vectors.items():
+        if not is_barred(parts_of(name)) and np.isfinite(value).any():
+            kinds[value.size].add(name.rpartition(".")[2])
+    return max(often, key=lambda size: (named[size], len(kinds[size]), often[size], size))
 
 
 def _split(found: Mapping[str, Any]) -> Iterator[Found]:

@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.layout import unit_in
+from stickslip.experiments.readers.table import Table, left_out
 
 MDF: Final = (".mf4", ".mdf")
 """Endings of MDF files."""
@@ -58,9 +59,10 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
     own = [one for one in signals if one.group_index == group]
     columns: dict[str, Any] = {"time [s]": own[0].timestamps}
     for one in own:
-        unit = f" [{one.unit.strip()}]" if one.unit and one.unit.strip() else ""
+        unit = f" [{unit_in(one.unit)}]" if one.unit and one.unit.strip() else ""
         columns.setdefault(f"{one.name}{unit}", np.asarray(one.samples, dtype=float))
-    return Table(data=pd.DataFrame(columns))
+    others = [one.name for one in signals if one.group_index != group]
+    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
 
 
 def _check_blocks(path: Path) -> None:

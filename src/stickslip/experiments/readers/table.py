@@ -47,8 +47,8 @@ def numbered_twice(names: Sequence[str]) -> list[str]:
     return found
 
 
-def left_out(names: Sequence[str]) -> list[str]:
-    """Return that columns are not read, as they have other numbers of values than those read.
+def left_out(names: Sequence[str], what: str = "another number of values") -> list[str]:
+    """Return that columns are not read, as they have other times than those that are.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def left_out(names: Sequence[str]) -> list[str]:
     they = "it has" if len(names) == 1 else "they have"
     more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
     listed = ", ".join(map(shown, names[:MOST_LISTED]))
-    return [f"Not read, as {they} another number of values: {listed}{more}."]
+    return [f"Not read, as {they} {what}: {listed}{more}."]
 
 
 def merged(tables: Sequence[pd.DataFrame]) -> tuple[pd.DataFrame, bool]:
