@@ -143,7 +143,9 @@ def demo(
 def init(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Record (CSV, Parquet, MATLAB, MDF, MCAP, ROS bag)."),
+        typer.Argument(
+            metavar="FILE", help="Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag)."
+        ),
     ],
     urdf: Annotated[
         Path | None,

@@ -70,18 +70,19 @@ def load_measurement(
     ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone, and named
     by `stickslip.check`. A column ``trial`` says which trial each row belongs to. Names of what was
     measured of several joints end with the joint, as ``force.elbow``. A header
-    may carry its unit, as ``travel [mm]``; without one, and without an entry in `units`, numbers
-    are in SI. A ``friction`` or ``spring_force`` in ``1`` or ``%`` is a coefficient, which becomes
-    a force by the load: of the file, or else of the mechanism. The columns of a MATLAB file are its
-    vectors of one length; a field of a struct is called ``struct.field``.
+    may carry its unit, as ``travel [mm]``, or ``travel (mm)`` if `columns` names it; without one,
+    and without an entry in `units`, numbers are in SI. A ``friction`` or ``spring_force`` in ``1``
+    or ``%`` is a coefficient, which becomes a force by the load: of the file, or else of the
+    mechanism. The columns of a MATLAB file are its vectors of one length; a field of a struct is
+    called ``struct.field``.
 
     Parameters
     ----------
     path : str, Path, iterable of these, DataFrame or mapping of str to array
-        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.mat`` or ``.mf4`` file; the last kind needs
-        the package asammdf (``pip install 'stickslip[mdf]'``). Several files make a measurement
-        with several trials, each called like its file. A table in memory has columns as a file
-        has; times may be its index.
+        A ``.csv``, ``.tsv``, ``.txt``, ``.lvm``, ``.parquet``, ``.mat``, ``.mf4``, ``.tdms`` or
+        ``.xlsx`` file; the last three need packages (``pip install 'stickslip[mdf,tdms,xlsx]'``).
+        Several files make a measurement with several trials, each called like its file. A table in
+        memory has columns as a file has; times may be its index.
     columns : mapping of str to str, optional
         Quantity or parameter path -> name of its column, where they differ. A record then has
         these columns and those whose names fit; a column is used once. A position in a plane, such

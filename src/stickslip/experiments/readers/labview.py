@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError
+from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import cells_of, unit_in
 from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of
 from stickslip.formatting import count, joined
@@ -164,9 +165,7 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> pd.DataFrame:
     return merged(tables)[0]
 
 
-def _counted(
-    segment: _Segment, rows: int, decimal: str
-) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+def _counted(segment: _Segment, rows: int, decimal: str) -> Array:
     """Return the times of rows that have none, from those that the header states."""
     found = []
     for tag in ("X0", "Delta_X"):
@@ -180,7 +179,7 @@ def _counted(
             found.append(float(cells[0]))
         except ValueError:
             raise InputError(f"has {tag} {shown(cells[0])} in its header, no number.") from None
-    return found[0] + found[1] * np.arange(rows)
+    return found[0] + found[1] * np.arange(rows, dtype=float)
 
 
 def _bracketed(label: str) -> str:

@@ -115,7 +115,7 @@ def _groups(head: Mapping[str, Sequence[str]], width: int) -> Iterator[list[int]
 def _names(head: Mapping[str, Sequence[str]], width: int) -> tuple[Sequence[str], tuple[str, ...]]:
     """Return the names of the columns, which are those of symbols where blanks cut the names."""
     names, symbols = head["name"], head.get("symbolname", [])
-    remarks = ()
+    remarks: tuple[str, ...] = ()
     if len(names) != width and len(symbols) == width:
         names = symbols
         remarks = (

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
+from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import unit_in
 from stickslip.experiments.readers.table import Table, left_out, merged, numbered_twice
 from stickslip.formatting import joined
@@ -112,10 +113,11 @@ def _table(channels: Sequence[Any]) -> tuple[pd.DataFrame, list[str]]:
     return pd.DataFrame(kept), lost
 
 
-def _times(channel: Any) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+def _times(channel: Any) -> Array:
     """Return the times of a waveform [s]."""
     begin = float(channel.properties.get("wf_start_offset") or 0.0)
-    return begin + float(channel.properties["wf_increment"]) * np.arange(len(channel))
+    step = float(channel.properties["wf_increment"])
+    return begin + step * np.arange(len(channel), dtype=float)
 
 
 def _numbers(channel: Any) -> Any:
