@@ -163,6 +163,14 @@ def test_rows_that_a_header_of_labview_promises_are_missed(tmp_path):
     assert any(f"400 samples, and there are {N} rows" in one for one in guess_data(path).doubts)
 
 
+@pytest.mark.parametrize("columns", ["One", "Multi"])
+def test_a_word_among_the_times_of_labview_is_named(tmp_path, columns):
+    path = tmp_path / "a.lvm"
+    path.write_text(lvm(columns).replace("\n0.1000\t", "\nzehn\t"))
+    with pytest.raises(InputError, match="'zehn'"):
+        guess_data(path)
+
+
 def test_a_text_that_its_own_reader_knows_has_no_layout(tmp_path):
     path = tmp_path / "a.lvm"
     path.write_text(lvm())
@@ -218,10 +226,11 @@ def test_a_channel_of_another_length_is_said_not_to_be_read(tmp_path):
     assert any("Not read" in doubt and "'Temp [degC]'" in doubt for doubt in guess.doubts)
 
 
-def test_a_tdms_file_that_was_cut_says_so(tmp_path):
+def test_a_tdms_file_that_was_cut_says_so(tmp_path, capfd):
     path = tdms(tmp_path / "a.tdms", {"a": WAVES})
     path.write_bytes(path.read_bytes()[:-160])
     assert any("segment of the file is incomplete" in one for one in guess_data(path).doubts)
+    assert capfd.readouterr() == ("", "")  # the package prints that itself
 
 
 @pytest.mark.parametrize(("ending", "kind"), [(".tdms", "TDMS file"), (".xlsx", "workbook")])

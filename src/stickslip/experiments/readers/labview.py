@@ -17,7 +17,7 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import cells_of, unit_in
-from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of
+from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of, times_in
 from stickslip.formatting import count, joined
 from stickslip.units import is_unit, shown
 
@@ -153,15 +153,15 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> pd.DataFrame:
     columns = [place for place in columns if rows[place].notna().any()]
     if len(columns) < 2:
         found = rows[own].set_axis(headers, axis=1)
-        found.insert(
-            0, times, rows[columns[0]] if columns else _counted(segment, len(rows), decimal)
-        )
+        stated = [times_in(rows[place].dropna(), TIMES) for place in columns]
+        found.insert(0, times, *(stated or [_counted(segment, len(rows), decimal)]))
         return found
     tables = []
     for place, header in zip(own, headers, strict=True):
         before = max(column for column in columns if column < place)
         part = rows[[before, place]].set_axis([times, header], axis=1)
-        tables.append(part[part[times].notna()].set_index(times))
+        part = part[part[times].notna()]
+        tables.append(part.assign(**{times: times_in(part[times], header)}).set_index(times))
     return merged(tables)[0]
 
 

@@ -84,7 +84,7 @@ def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
     for name, value in vectors.items():
         if not is_barred(parts_of(name)) and np.isfinite(value).any():
             kinds[value.size].add(name.rpartition(".")[2])
-    return max(often, key=lambda size: (named[size], len(kinds[size]), often[size], size))
+    return int(max(often, key=lambda size: (named[size], len(kinds[size]), often[size], size)))
 
 
 def _split(found: Mapping[str, Any]) -> Iterator[Found]:

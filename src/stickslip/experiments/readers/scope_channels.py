@@ -17,8 +17,8 @@ import pandas as pd
 
 from stickslip.errors import InputError
 from stickslip.experiments.readers.layout import is_number, unit_in
-from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of
-from stickslip.units import is_unit, shown
+from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of, times_in
+from stickslip.units import is_unit
 
 SCOPE: Final = "channels of TwinCAT Scope"
 """What such a file is, for messages."""
@@ -158,10 +158,7 @@ def _group(
     headers = [f"{names[i]} [{units[i]}]" if units[i] else names[i] for i in places[1:]]
     part = rows[list(places)].set_axis([TIME, *headers], axis=1)
     part = part[part[TIME].notna()]
-    times = pd.to_numeric(part[TIME], errors="coerce").astype(float)
-    if times.isna().any():
-        wrong = part[TIME][times.isna()].iloc[0]
-        raise InputError(f"{shown(wrong)} is not a time of the channel {shown(names[places[-1]])}.")
+    times = times_in(part[TIME], names[places[-1]])
     periods = head.get("sampletime[ms]", [])
     period = periods[places[1]].replace(",", ".") if len(periods) > places[-1] > 0 else ""
     steps = np.diff(times.to_numpy())

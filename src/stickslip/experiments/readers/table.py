@@ -63,6 +63,22 @@ def left_out(names: Sequence[str], what: str = "another number of values") -> li
     return [f"Not read, as {they} {what}: {listed}{more}."]
 
 
+def times_in(column: "pd.Series[Any]", channel: str) -> "pd.Series[float]":
+    """Return the times of a channel as numbers, or say which cell is none.
+
+    Examples
+    --------
+    >>> times_in(pd.Series(["0", "zehn"]), "Weg")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: 'zehn' is not a time of the channel 'Weg'.
+    """
+    times = pd.to_numeric(column, errors="coerce").astype(float)
+    if times.isna().any():
+        wrong = column[times.isna()].iloc[0]
+        raise InputError(f"{shown(wrong)} is not a time of the channel {shown(channel)}.")
+    return times
+
+
 def merged(tables: Sequence[pd.DataFrame]) -> tuple[pd.DataFrame, bool]:
     """Return tables by time as one with a column of times, and whether all have the same times.
 

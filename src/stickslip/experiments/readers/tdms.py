@@ -59,13 +59,12 @@ def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep the package from printing that an end is missing, which a remark says."""
-    log = logging.getLogger("nptdms")
-    level = log.level
-    log.setLevel(logging.ERROR)
+    level = logging.root.manager.disable
+    logging.disable(logging.WARNING)  # each of its modules has a logger with a level of its own
     try:
         yield
     finally:
-        log.setLevel(level)
+        logging.disable(level)
 
 
 def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> Table:
