@@ -402,7 +402,31 @@ def test_a_coefficient_of_friction_without_a_unit_is_over_the_load(tmp_path):
     assert record.friction == pytest.approx(20.0 * MU, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", ["Wear (um)", "Table height (mm)", "Depth (um)"])
+def test_a_force_beside_the_load_of_a_sensor_is_friction_where_the_speed_is_known(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{v},{mu * 20:.4f},20\n" for t, v, mu in zip(T, V, MU, strict=True))
+    path.write_text("t (s),v (mm/s),Fx (N),Fz (N)\n" + rows)
+    guess = guess_data(path)
+    assert set(guess.columns) == {"time", "velocity", "friction", "load"}
+    assert any("If it drives the body, name it as --columns force=" in d for d in guess.doubts)
+    assert "force" in guess_data(path, columns={"force": "Fx (N)"}).columns
+
+
+def test_a_speed_of_rotation_beside_forces_asks_for_the_radius_of_the_contact(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{v},{mu:.4f},20\n" for t, v, mu in zip(T, V, MU, strict=True))
+    path.write_text("t (s),n (rpm),Fx (N),Fz (N)\n" + rows)
+    with pytest.raises(
+        InputError, match="'n \\(rpm\\)' is a speed of rotation, and forces are in N"
+    ):
+        guess_data(path)
+    gain = {"velocity": "9 mm/rad"}
+    guess = guess_data(path, columns={"velocity": "n (rpm)"}, gain=gain)
+    record = read_data([path], guess.reading)
+    assert record.velocity == pytest.approx(V * 2 * np.pi / 60 * 9e-3, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["Wear (um)", "Amplitude (um)", "Table height (mm)", "Depth (um)"])
 def test_wear_and_heights_are_no_position(tmp_path, name):
     path = tmp_path / "a.csv"
     rows = "".join(f"{t:.2f},{x:.5f},{v},{f:.4f}\n" for t, x, v, f in zip(T, X, V, F, strict=True))

@@ -41,6 +41,8 @@ OTHER: Final = (
 OTHER_WORDS: Final = (
     *("lag", "er", "err", "temp", "dev", "std", "pwm", "acc", "delta"),
     *("wear", "verschleiss", "height", "hoehe", "depth", "rolling", "entrainment"),
+    *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
+    *("thickness", "dicke", "frequency", "frequenz"),
 )
 """The same as words of their own."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})

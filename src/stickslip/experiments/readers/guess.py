@@ -172,6 +172,7 @@ READINGS: Final = (
     "The rows, at ever other speeds, are taken for steady readings of friction, not for samples of"
     " one motion. If they are that, give --columns time={!r}."
 )
+BESIDE_LOAD: Final = "as the other force beside Fz"
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 
 
@@ -339,7 +340,7 @@ def guess_data(
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
-    turning = servo is not None or _turns(found, motor_constant)
+    turning = servo is not None or _turns(_geared(found, gain or {}), motor_constant)
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
@@ -504,6 +505,8 @@ def assigned(
     both = {"position", "velocity"} <= taken.keys()
     if both and _stays(frame, taken["position"]) and np.any(_numbers(frame, taken["velocity"])):
         del taken["position"]  # of a table, above which something else moves
+    if {"force", "load", "velocity"} <= taken.keys() and _are_of_sensor(taken):
+        taken["friction"] = replace(taken.pop("force"), why=BESIDE_LOAD)
     if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
         size = taken["friction"]
         taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
@@ -539,6 +542,13 @@ def _stays(frame: Frame, one: Found) -> bool:
     numbers = _numbers(frame, one)
     known = numbers[np.isfinite(numbers)]
     return one.why != "as given" and bool(np.all(known == known[:1]))
+
+
+def _are_of_sensor(taken: Mapping[str, Found]) -> bool:
+    """Whether force and load are those of one sensor, Fx beside Fz, whose speed is known."""
+    ends = [parts_of(_unit_in_name(taken[q].name, q)[0])[-1:] for q in ("force", "load")]
+    named = "as given" in {taken[q].why for q in ("force", "load")}
+    return ends == [["fx"], ["fz"]] and not named and "friction" not in taken
 
 
 def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
@@ -814,6 +824,7 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
     if not ({"position", "velocity"} & set(found)):
         for name in frame.names:
             _refuse_text(frame, name)
+            _refuse_rotation(frame, name, found)
         raise InputError(
             f"{frame.file}: no column seems to hold a position or a velocity; the columns are"
             f' {listed}. Name it, as columns={{"position": "..."}}.'
@@ -831,6 +842,19 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     cells = column.iloc[:CHECKED].dropna()
     if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
         frame.raw(name)
+
+
+def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> None:
+    """Ask for the radius of the contact where a speed is one of rotation, and forces are none."""
+    unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
+    forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
+    turns = unit is not None and is_of(unit, "rad/s") and not is_of(unit, "count")
+    if turns and any(one is not None and is_of(one, "N") for one in forces):
+        raise InputError(
+            f"{frame.file}: the column {shown(name)} is a speed of rotation, and forces are in N:"
+            f" name it and give the radius of the contact, as --columns velocity={shown(name)}"
+            " --gain velocity='9 mm/rad'."
+        )
 
 
 def _refuse_text(frame: Frame, name: str) -> None:
@@ -867,6 +891,15 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
         f" {percent(later)} of them increase. Sort the rows by time, or name another column, as"
         ' columns={"time": "..."}.'
     )
+
+
+def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict[str, Found]:
+    """Return columns with the units that gains with a unit make of theirs: 9 mm/rad of rpm."""
+    units = {q: str(gain[q]).partition(" ")[2] for q in found if isinstance(gain.get(q), str)}
+    return {
+        q: replace(one, unit=f"{units[q]} * {one.unit}") if one.unit and units.get(q) else one
+        for q, one in found.items()
+    }
 
 
 def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
@@ -1386,6 +1419,11 @@ def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
             " an axis that turns) as --gain force=..."
             if drives
             else "The file has no force: the body is assumed to move without a drive."
+        )
+    elif "friction" in found and found["friction"].why == BESIDE_LOAD:
+        yield (
+            f"{found['friction'].name!r} is taken for the friction that a sensor shows. If it"
+            f" drives the body, name it as --columns force={found['friction'].name!r}."
         )
     elif "force" in found and "load" in found:
         yield (

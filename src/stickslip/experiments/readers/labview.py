@@ -153,8 +153,10 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> pd.DataFrame:
     columns = [place for place in columns if rows[place].notna().any()]
     if len(columns) < 2:
         found = rows[own].set_axis(headers, axis=1)
-        stated = [times_in(rows[place].dropna(), TIMES) for place in columns]
-        found.insert(0, times, *(stated or [_counted(segment, len(rows), decimal)]))
+        if columns:
+            found.insert(0, times, times_in(rows[columns[0]].dropna(), TIMES))
+        else:
+            found.insert(0, times, _counted(segment, len(rows), decimal))
         return found
     tables = []
     for place, header in zip(own, headers, strict=True):
