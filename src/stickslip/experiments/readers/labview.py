@@ -107,14 +107,14 @@ def read_labview(text: str) -> Table:
 
 def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:
     """Yield the segments: each begins with the number of its channels and ends before the next."""
-    firsts = [cells_of(line, separator)[:1] for line in lines]
-    begins = [i for i, cells in enumerate(firsts) if cells == ["Channels"]]
-    begins = begins or [firsts.index([_END])]  # a table below the header of the file
+    begins = [i for i, line in enumerate(lines) if line.startswith(f"Channels{separator}")]
+    if not begins:  # a table below the header of the file
+        begins = [next(i for i, line in enumerate(lines) if line.startswith(_END))]
     for begin, end in zip(begins, [*begins[1:], len(lines)], strict=True):
         head: dict[str, Sequence[str]] = {}
         for place in range(begin, end):
             cells = cells_of(lines[place], separator)
-            if cells[:1] == [_END]:
+            if lines[place].startswith(_END):
                 below = place + 1
                 names = cells_of(lines[below], separator) if below < end else []
                 rows = [line for line in lines[below + 1 : end] if line.strip()]

@@ -52,7 +52,7 @@ def read_serial(text: str) -> Table:
     full = [bool(row) and all(map(is_number, row)) for row in values]
     widths = Counter(len(row) for row, there in zip(values, full, strict=True) if there)
     if not widths:
-        raise InputError(f"has no rows of numbers behind the time stamps of a {SERIAL}.")
+        raise InputError("has no rows of numbers behind the time stamps of its lines.")
     width = widths.most_common(1)[0][0]
     rows = [i for i, there in enumerate(full) if there and len(values[i]) == width]
     names = [match["name"].strip() if match else "" for match in labels[rows[0]]]
@@ -63,7 +63,7 @@ def read_serial(text: str) -> Table:
     data = rows_of([";".join(values[i]) for i in rows], ";", decimal, width).set_axis(names, axis=1)
     times = seconds_of(pd.Series([found[i]["stamp"] for i in rows]))
     if times is None:
-        raise InputError(f"has time stamps of a {SERIAL} that are no times of day.")
+        raise InputError("has time stamps before its lines that are no times of day.")
     data.insert(0, TIME, times - times[0])
     lost = len(found) - len(rows) - bool(heads)
     remarks = [f"{count(lost, 'line')} without {width} numbers are not read."] if lost else []

@@ -26,13 +26,14 @@ TRIBOMETER: Final = "steps of a tribometer"
 LONGEST_HEAD: Final = 20_000
 """Characters at the top among which a step is sought."""
 _STEP: Final = re.compile(
-    r"""^[ \t"]*step[ \t]*(?:
-        (?:no\.?|nr\.?|number|\#)[ \t]*[:=]?[ \t]*(?P<number>\d+)\b
-        |(?P<started>\d+)[ \t]+started\b
-        |[:=]?[ \t]*(?P<alone>\d+)[ \t";,]*$)""",
+    r"""^[ \t"]*+step[ \t]*+(?:
+        (?:no\.?|nr\.?|number|\#)[ \t]*+[:=]?[ \t]*+(?P<number>\d++)\b
+        |(?P<started>\d++)[ \t]+started\b
+        |[:=]?[ \t]*+(?P<alone>\d++)[ \t";,]*$)""",
     re.IGNORECASE | re.MULTILINE | re.VERBOSE,
 )
 _RECIPE: Final = re.compile(r"^\"?recipe\b[^\r\n]*[\r\n]", re.I)
+_DIGITS: Final = re.compile(r"(?=[^\d\n]*+\d)[\s\d.,;+\-eE\"]++")
 SEPARATORS: Final = "\t;,"
 TRIAL: Final = "trial"
 STEP: Final = "step"
@@ -123,10 +124,11 @@ def _sections(lines: Sequence[str], separator: str) -> Iterator[_Section]:
     above: list[str] = []
     rows: list[str] = []
     for line in [*lines, "end"]:
-        if _is_row(cells_of(line, separator)):
+        # of a long table, only the first row is looked at cell by cell
+        if _DIGITS.fullmatch(line) and (rows or _is_row(cells_of(line, separator))):
             rows.append(line)
             continue
-        if not line.strip():
+        if not line.strip(f"{separator} "):
             continue
         if len(rows) >= FEWEST:
             section = _section(above, rows, separator)
