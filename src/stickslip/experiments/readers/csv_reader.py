@@ -22,7 +22,7 @@ from stickslip.experiments.readers.layout import (
     is_number,
     unit_in,
 )
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import FEWER_COLUMNS, Table
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_named
 from stickslip.units import shown
@@ -126,7 +126,7 @@ def _parsed(
     if not any(cell for more in cells for cell in more):
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
     above = layout.preface + 1 + layout.units_row
-    check_size(str(path), len(own) * data.count(b"\n"), "split the file, or give fewer columns")
+    check_size(str(path), len(own) * data.count(b"\n"), FEWER_COLUMNS)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)

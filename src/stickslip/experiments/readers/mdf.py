@@ -14,11 +14,10 @@ import pandas as pd
 
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
 from stickslip.experiments.readers.layout import unit_in
-from stickslip.experiments.readers.table import Table, left_out
+from stickslip.experiments.readers.table import FEWER_CHANNELS, Table, left_out, no_channel
 
 MDF: Final = (".mf4", ".mdf")
 """Endings of MDF files."""
-CURE: Final = "split the file, or save fewer channels"
 _COMPRESSED: Final = re.compile(b"##DZ")
 _HEAD: Final = 48
 """Bytes of such a block before its data."""
@@ -42,7 +41,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         with warnings.catch_warnings(), asammdf.MDF(path) as file:
             warnings.simplefilter("ignore")
             numbers = sum(one.channel_group.cycles_nr * len(one.channels) for one in file.groups)
-            check_size(str(path), numbers, CURE)
+            check_size(str(path), numbers, FEWER_CHANNELS)
             signals = [one for one in file.iter_channels(skip_master=True) if _is_numeric(one)]
     except InputError:
         raise
@@ -51,7 +50,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
         raise InputError(f"{path}: is not an MDF file, or is damaged: {reason}.") from None
     if not signals:
-        raise InputError(f"{path}: contains no channel of numbers.")
+        raise no_channel(path)
     sizes = Counter(one.group_index for one in signals)
     named = Counter(one.group_index for one in signals if one.name in names)
     length = {one.group_index: len(one.samples) for one in signals}
@@ -76,7 +75,9 @@ def _check_blocks(path: Path) -> None:
         if length != _HEAD + size:  # bytes that only look like such a block
             continue
         expanded += original
-        check_size(str(path), expanded, CURE, unit="expanded bytes", most=8 * MOST_NUMBERS)
+        check_size(
+            str(path), expanded, FEWER_CHANNELS, unit="expanded bytes", most=8 * MOST_NUMBERS
+        )
         if kind in _DEFLATED:
             stream = zlib.decompressobj()
             begin = found.start() + _HEAD

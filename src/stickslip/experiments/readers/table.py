@@ -14,6 +14,9 @@ import pandas as pd
 from stickslip.errors import InputError, check_size
 from stickslip.units import shown
 
+FEWER_COLUMNS: Final = "split the file, or give fewer columns"
+FEWER_CHANNELS: Final = "split the file, or save fewer channels"
+"""What cures a table that is too large."""
 MOST_LISTED: Final = 12
 """Columns that a remark names."""
 
@@ -63,6 +66,11 @@ def left_out(names: Sequence[str], what: str = "another number of values") -> li
     return [f"Not read, as {they} {what}: {listed}{more}."]
 
 
+def no_channel(path: Path) -> InputError:
+    """Return the error of a file without a channel that could be read."""
+    return InputError(f"{path}: contains no channel of numbers.")
+
+
 def times_in(column: "pd.Series[Any]", channel: str) -> "pd.Series[float]":
     """Return the times of a channel as numbers, or say which cell is none.
 
@@ -107,7 +115,7 @@ def rows_of(lines: Sequence[str], separator: str, decimal: str, width: int) -> p
     >>> rows_of(["0;0,5", "1; "], ";", ",", 2).fillna(-1.0).to_dict("list")
     {0: [0, 1], 1: [0.5, -1.0]}
     """
-    check_size("the table", float(width * len(lines)), "split the file, or give fewer columns")
+    check_size("the table", float(width * len(lines)), FEWER_COLUMNS)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)

@@ -14,13 +14,19 @@ import pandas as pd
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import unit_in
-from stickslip.experiments.readers.table import Table, left_out, merged, numbered_twice
+from stickslip.experiments.readers.table import (
+    FEWER_CHANNELS,
+    Table,
+    left_out,
+    merged,
+    no_channel,
+    numbered_twice,
+)
 from stickslip.formatting import joined
 from stickslip.units import is_unit, shown
 
 TDMS: Final = (".tdms",)
 """Endings of TDMS files."""
-CURE: Final = "split the file, or save fewer channels"
 CUT: Final = "The last segment of the file is incomplete: what was to follow is missing."
 UNIT_PROPERTIES: Final = ("unit_string", "NI_UnitDescription", "Unit")
 """Properties of a channel that hold its unit; the first is LabVIEW's."""
@@ -44,7 +50,7 @@ def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
         with _quiet(), path.open("rb") as data, nptdms.TdmsFile.open(data) as file:
             groups = {group.name: group.channels() for group in file.groups()}
             values = sum(len(channel) for own in groups.values() for channel in own)
-            check_size(str(path), float(values), CURE)
+            check_size(str(path), float(values), FEWER_CHANNELS)
             table = _chosen(path, groups, names)
             cut = file.file_status.incomplete_final_segment
             return replace(table, remarks=(*table.remarks, *([CUT] if cut else [])))
@@ -72,7 +78,7 @@ def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]
     full = {name: [one for one in own if _is_signal(one)] for name, own in groups.items()}
     full = {name: own for name, own in full.items() if own}
     if not full:
-        raise InputError(f"{path}: contains no channel of numbers.")
+        raise no_channel(path)
     called = {name: [one.name for one in own] for name, own in full.items()}
     wanted = max(full, key=lambda name: (len({*called[name]} & {*names}), len(full[name])))
     alike = [name for name in full if called[name] == called[wanted]]

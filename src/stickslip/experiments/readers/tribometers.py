@@ -189,7 +189,8 @@ def _of_column(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     steps = [str(step) for step in data[column].unique()]
     if len(steps) < 2:
         return data, []
-    return data.rename(columns={column: TRIAL}), steps
+    again = [n for n in data.columns if n != column and data[n].equals(data[column])]
+    return data.drop(columns=again).rename(columns={column: TRIAL}), steps
 
 
 def _with_sliding_speed(
