@@ -470,6 +470,14 @@ def test_registers_of_a_servo_are_counts_of_an_axis_that_turns(tmp_path, family)
     assert not any("count" in doubt and "has no unit" in doubt for doubt in guess.doubts)
 
 
+def test_registers_whose_unit_is_given_are_no_counts(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(registers())
+    guess = guess_data(path, units={"position": "mdeg", "reference": "mdeg"})
+    assert "position" not in guess.gain
+    assert guess.units["position"] == "mdeg"
+
+
 def test_registers_that_were_converted_are_no_counts(tmp_path):
     path = tmp_path / "a.csv"
     rows = "".join(f"{t:.2f},{x:.5f},0.5,120\n" for t, x in zip(T, X, strict=True))

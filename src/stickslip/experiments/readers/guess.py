@@ -323,7 +323,7 @@ def guess_data(
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     _check_enough(frame, found)
-    servo, found = _of_servo(frame, found)
+    servo, found = _of_servo(frame, found, units or {})
     if motor_constant is not None and "current" not in found:
         raise InputError(
             f"{path}: the motor constant belongs to a current, and no column seems to hold one."
@@ -362,8 +362,9 @@ def guess_data(
     }
     registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
     if servo is not None:
-        gains |= {q: gain for q, gain in servo.gains.items() if q in registers}
-    pressed = "load" in found and bool(np.all(_numbers(frame, found["load"]) < 0.0))
+        gains |= {q: size for q, size in servo.gains.items() if q in registers}
+    pressed = "load" in found and "load" not in (gain or {})
+    pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
     reasons |= {q: column_text(one) for q, one in found.items()}
@@ -514,7 +515,9 @@ def assigned(
     return {q: taken[q] for q in (*order, *taken) if q in taken}
 
 
-def _of_servo(frame: Frame, found: Mapping[str, Found]) -> tuple[Servo | None, dict[str, Found]]:
+def _of_servo(
+    frame: Frame, found: Mapping[str, Found], units: Collection[str]
+) -> tuple[Servo | None, dict[str, Found]]:
     """Return the family of servos whose registers were read, and these with their units."""
     servo = servo_of(frame.names)
     raw = {
@@ -522,6 +525,7 @@ def _of_servo(frame: Frame, found: Mapping[str, Found]) -> tuple[Servo | None, d
         for quantity, one in found.items()
         if servo is not None
         and quantity in servo.units
+        and quantity not in units
         and one.unit is None
         and are_counts(frame.data[frame.names[one.name]])
     }
@@ -568,7 +572,8 @@ def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
         return False
     known = np.isfinite(force) & np.isfinite(friction)
     apart = np.abs(force - friction)[known]
-    return bool(known.any() and np.median(apart) <= SIZE * np.median(force[known]))
+    usual = float(np.median(force[known])) if known.any() else 0.0
+    return usual > 0.0 and bool(np.median(apart) <= SIZE * usual)
 
 
 def _by_kind(
