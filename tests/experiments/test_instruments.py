@@ -402,6 +402,14 @@ def test_a_coefficient_of_friction_without_a_unit_is_over_the_load(tmp_path):
     assert record.friction == pytest.approx(20.0 * MU, rel=1e-4)
 
 
+@pytest.mark.parametrize("gain", ["20 N", 20.0])
+def test_the_gain_of_a_coefficient_is_the_load(tmp_path, gain):
+    path = tmp_path / "a.csv"
+    path.write_text("v (mm/s),mu\n" + "".join(f"{v},{m}\n" for v, m in zip(T, MU, strict=True)))
+    guess = guess_data(path, gain={"friction": gain})
+    assert read_data([path], guess.reading).friction == pytest.approx(20.0 * MU)
+
+
 def test_a_force_beside_the_load_of_a_sensor_is_friction_where_the_speed_is_known(tmp_path):
     path = tmp_path / "a.csv"
     rows = "".join(f"{t:.2f},{v},{mu * 20:.4f},20\n" for t, v, mu in zip(T, V, MU, strict=True))

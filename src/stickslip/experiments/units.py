@@ -158,6 +158,8 @@ def gain_factor(gain: str, unit: str, target: str) -> float:
     --------
     >>> gain_factor("0.3 N m/A", "mA", "N m"), gain_factor("0.5 um/count", "counts", "m")
     (0.0003, 5e-07)
+    >>> gain_factor("2 kN", "1", "N")
+    2000.0
 
     What an encoder counts in a unit will do as well:
 
@@ -166,7 +168,8 @@ def gain_factor(gain: str, unit: str, target: str) -> float:
     """
     number, _, own = gain.partition(" ")
     try:
-        return float(Decimal(number) * exact_factor(f"{own} * {unit}", target))
+        product = own if unit == "1" else f"{own} * {unit}"  # a coefficient times a load
+        return float(Decimal(number) * exact_factor(product, target))
     except ParameterError:
         per = exact_factor(f"{own} * {target}", unit)  # raises: it is of neither kind
         if not float(number):
