@@ -76,7 +76,7 @@ def scaling(runs: int) -> None:
         first = first or took
         print(f"{name:32} {took:6.2f} s  {first / took:5.2f}", flush=True)
     one = asked(32_768)
-    task = next(one._tasks())
+    task = next(one.tasks())
     begun = time.perf_counter()
     made = _made(*task)
     worker = time.perf_counter() - begun

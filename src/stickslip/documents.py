@@ -8,13 +8,15 @@ import hashlib
 import json
 import math
 import os
+import re
 import secrets
 import shutil
+import stat
 import sys
 import time
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from xml.parsers import expat
 
 from stickslip.errors import InputError
@@ -28,13 +30,28 @@ NOT_XML = (expat.ExpatError, LookupError, ValueError)
 """What the parser raises; of encodings that are unknown, or of several bytes, not its own error."""
 LARGEST = 20_000_000
 """Bytes of a model that are read at most; meshes are in files of their own."""
+UNFINISHED = re.compile(r"\.(.+)\.tmp-[0-9a-f]{8}", re.DOTALL)
+"""Name of a file while it is written."""
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Open a file for reading; fail, and do not wait, where it is a pipe or a device."""
+
+    def opener(name: str, flags: int) -> int:
+        return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+
+    file = open(path, "rb", opener=opener)  # noqa: SIM115  # Path.open has no opener
+    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        file.close()
+        raise OSError(errno.EINVAL, "is not a regular file")
+    return file
 
 
 def read_bytes(path: Path, name: str = "") -> bytes:
     """Return the bytes of a model, which messages call by a name or its path."""
     name = name or str(path)
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             data = stream.read(LARGEST + 1)
     except OSError as error:
         raise InputError(f"{name} cannot be read: {error.strerror or error}.") from None
@@ -202,6 +219,33 @@ def write_files(files: Mapping[Path, str | bytes]) -> None:
 def write_file(path: Path, content: str | bytes) -> None:
     """Write a file so that it appears whole or not at all."""
     write_files({path: content})
+
+
+def remove_unfinished(folder: Path, names: Collection[str]) -> None:
+    """Remove what a process that was killed has left of files that it was writing to a folder.
+
+    Nobody else may be writing these files.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as place:
+    ...     left = Path(place) / ".runs.csv.tmp-0123abcd"
+    ...     _ = left.write_text("x")
+    ...     remove_unfinished(Path(place), ["runs.csv"])
+    ...     left.exists()
+    False
+    """
+    for path in folder.iterdir() if folder.is_dir() else ():
+        if becomes(path) in names:
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def becomes(path: Path) -> str:
+    """Return the name of the file that a temporary one becomes; empty of other files."""
+    found = UNFINISHED.fullmatch(path.name)
+    return found[1] if found else ""
 
 
 def _list(digests: Mapping[str, Sequence[str]]) -> bytes:

@@ -247,6 +247,146 @@ def test_entries_that_are_not_whole_are_made_again(tmp_path):
     assert files(folder) == whole
 
 
+def small(**changes):
+    """Return a campaign of two files."""
+    return asked(**({"runs": 4, "part": 2} | changes))
+
+
+def refusal(campaign, folder):
+    """Run a campaign, and return why it was refused."""
+    try:
+        assert campaign.run(folder, replace=True).complete
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "runs/../../victim.parquet",
+        "runs/../../part-000000.parquet",
+        "runs/a/../../../part-000000.parquet",
+        "runs/out/part-000000.parquet",
+        "../part-000000.parquet",
+        "{parent}/part-000000.parquet",
+        "runs/\0part-000000.parquet",
+        "runs/..",
+        "runs",
+        5,
+        None,
+        ["runs"],
+    ],
+)
+def test_a_manifest_names_no_file_outside_its_folder(name, tmp_path):
+    own = small().run(tmp_path / "own").folder
+    victims = [tmp_path / "victim.parquet", tmp_path / "part-000000.parquet"]
+    victims.append(tmp_path / "out/part-000000.parquet")
+    victims[-1].parent.mkdir()
+    for one in victims:
+        one.write_text("precious")
+    (own / "runs/out").symlink_to(tmp_path / "out")
+    told = json.loads((own / "manifest.json").read_text())
+    told["parts"][0]["file"] = name.format(parent=tmp_path) if isinstance(name, str) else name
+    (own / "manifest.json").write_text(json.dumps(told))
+    said = refusal(small(seed=1), own)
+    assert bool(said) == (name == "runs/out/part-000000.parquet"), said
+    assert not said or "reached by a symbolic link" in said
+    assert [one.read_text() for one in victims] == ["precious"] * 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no symbolic links, no pipes")
+@pytest.mark.parametrize("place", ["runs", ".lock"])
+def test_a_campaign_follows_no_symbolic_link(place, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "own").mkdir()
+    target = tmp_path / ("out" if place == "runs" else "out/new")
+    (tmp_path / "own" / place).symlink_to(target)
+    if place == "runs":
+        (tmp_path / "own/manifest.json").write_text('{"schema": "stickslip/campaign/1"}')
+    with pytest.raises(InputError, match="symbolic link"):
+        small().run(tmp_path / "own", replace=True)
+    assert not [*(tmp_path / "out").iterdir()]
+
+
+DAMAGES = {
+    "manifest-cut": ("manifest.json", lambda data: data[:-40]),
+    "manifest-of-bytes": ("manifest.json", lambda _: b"\xff\xfe\x00"),
+    "manifest-empty": ("manifest.json", lambda _: b""),
+    "manifest-deep": ("manifest.json", lambda _: b"[" * 100_000),
+    "manifest-a-list": ("manifest.json", lambda _: b"[]"),
+    "parts-a-number": (
+        "manifest.json",
+        lambda _: b'{"schema": "stickslip/campaign/1", "parts": 5}',
+    ),
+    "parts-null": ("manifest.json", lambda _: b'{"schema": "stickslip/campaign/1", "parts": null}'),
+    "parts-mixed": ("manifest.json", lambda _: b'{"schema": "stickslip/campaign/1", "parts": [5]}'),
+    "digest-wrong": ("manifest.json", lambda data: data.replace(b'"sha256": "', b'"sha256": "0')),
+    "rows-text": ("manifest.json", lambda data: data.replace(b'"rows": 2', b'"rows": "2"')),
+    "rows-wrong": ("manifest.json", lambda data: data.replace(b'"rows": 2', b'"rows": 200')),
+    "status-a-list": (
+        "manifest.json",
+        lambda data: data.replace(b'"AT_REST": 2', b'"AT_REST": []'),
+    ),
+    "part-cut": ("runs/part-000000.parquet", lambda data: data[:-10]),
+    "part-empty": ("runs/part-000001.parquet", lambda _: b""),
+    "journal-of-bytes": ("parts.jsonl", lambda _: b"\xff\xfe\n"),
+    "journal-half-a-line": ("parts.jsonl", lambda _: b'{"file": "runs/part-0'),
+    "journal-deep": ("parts.jsonl", lambda _: b"[" * 100_000),
+    "journal-of-numbers": ("parts.jsonl", lambda _: b"5\nnull\n[]\n"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damages_are_mended_or_refused_in_a_sentence(damage, tmp_path):
+    whole = files(small().run(tmp_path / "own").folder)
+    name, change = DAMAGES[damage]
+    path = tmp_path / "own" / name
+    data = path.read_bytes() if path.exists() else b""
+    path.write_bytes(change(data))
+    assert path.read_bytes() != data
+    said = refusal(small(), tmp_path / "own")
+    assert bool(said) == damage.startswith("manifest"), said
+    assert "\n" not in said
+    assert said or files(tmp_path / "own") == whole
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pipes")
+@pytest.mark.parametrize("name", [".lock", "manifest.json", "parts.jsonl"])
+def test_a_pipe_in_the_folder_blocks_nothing(name, tmp_path):
+    small().run(tmp_path / "own")
+    (tmp_path / "own" / name).unlink(missing_ok=True)
+    os.mkfifo(tmp_path / "own" / name)
+    with pytest.raises(InputError, match="is not a regular file"):
+        small().run(tmp_path / "own")
+
+
+def test_a_part_that_cannot_be_read_is_named(tmp_path):
+    found = small().run(tmp_path / "own")
+    path = tmp_path / "own/runs/part-000001.parquet"
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(InputError, match=r"part-000001\.parquet is missing or damaged .*again"):
+        found.to_dataframe()
+    (tmp_path / "own/runs/part-000000.parquet").unlink()
+    with pytest.raises(InputError, match=r"part-000000\.parquet is missing or damaged"):
+        found.to_dataframe(["travel"])
+
+
+def test_what_was_being_written_when_a_campaign_was_killed_is_removed(tmp_path):
+    left = [".manifest.json", ".parts.jsonl", "runs/.part-000001.parquet", ".sensitivity.csv"]
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / ".manifest.json.tmp-0123abcd").write_text("{")
+    whole = files(small().run(own).folder)  # killed before its first file was whole
+    for name in left:
+        (own / f"{name}.tmp-0123abcd").write_text("{")
+    kept = [own / ".mine.tmp-0123abcd", own / "runs/.part-000001.parquet.tmp-mine"]
+    for path in kept:
+        path.write_text("mine")
+    small().run(own)
+    assert files(own).keys() - whole.keys() == {str(path.relative_to(own)) for path in kept}
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no locks of files")
 def test_two_campaigns_at_once_in_a_folder_are_refused(tmp_path):
     def second(done, total):

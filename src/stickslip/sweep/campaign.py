@@ -2,15 +2,18 @@
 
 import contextlib
 import dataclasses
+import errno
 import hashlib
 import inspect
 import io
 import json
 import os
+import re
+import stat
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -23,7 +26,16 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.display import Summary, text_of
-from stickslip.documents import SCHEMA_VERSION, document, json_text, unwritable, write_file
+from stickslip.documents import (
+    SCHEMA_VERSION,
+    becomes,
+    document,
+    json_text,
+    open_regular,
+    remove_unfinished,
+    unwritable,
+    write_file,
+)
 from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import quantity
@@ -49,6 +61,10 @@ RUNS: Final = "runs"
 LOCK: Final = ".lock"
 OF_ALL: Final = ("sensitivity.csv", "sensitivity.svg")
 """Files beside the runs that are made of all of them."""
+PART_NAME: Final = re.compile(rf"{RUNS}/(?:[^/\x00]+/){{0,20}}part-\d{{6,}}\.parquet")
+"""Paths of parts below the folder of a campaign: a manifest may name any others."""
+LARGEST: Final = 200_000_000
+"""Bytes of a manifest or journal that are read at most: a part has some 250."""
 SCHEMA: Final = f"stickslip/campaign/{SCHEMA_VERSION}"
 PART: Final = 32_768
 """Runs of a file: some tenths of a second of work of a spring-block, and a megabyte."""
@@ -85,7 +101,7 @@ class Case(metaclass=Described):
     @property
     def where(self) -> str:
         """Folder of its files below that of all runs."""
-        return "/".join(f"{name}-{quote(value, safe='')}" for name, value in self.labels.items())
+        return "/".join(quote(f"{name}-{value}", safe="") for name, value in self.labels.items())
 
 
 @dataclass(frozen=True)
@@ -174,14 +190,13 @@ class CampaignRuns(Tabular):
             If there is no such column.
         """
         import pandas as pd
-        import pyarrow.parquet as pq
 
         for name in columns or ():
             if name not in self.columns:
                 raise UnknownNameError(f"column of {self.folder}", name, self.columns)
         wanted = None if columns is None else [*columns]
-        tables = (pq.read_table(self.folder / one.file, columns=wanted) for one in self.parts)
-        found: pd.DataFrame = pd.concat([one.to_pandas() for one in tables], ignore_index=True)
+        tables = (self._read(one, wanted).to_pandas() for one in self.parts)
+        found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
         return found
 
     @override
@@ -191,9 +206,25 @@ class CampaignRuns(Tabular):
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of the files."""
+        return tuple(self._read(self.parts[0], []).schema.names)
+
+    def _read(self, part: _Finished, columns: Sequence[str] | None) -> Any:
+        """Return a table of a file; of no columns, its schema is that of all."""
+        import pyarrow as pa
         import pyarrow.parquet as pq
 
-        return tuple(pq.read_schema(self.folder / self.parts[0].file).names)
+        path = self.folder / part.file
+        try:
+            with open_regular(path) as file:
+                if columns is not None and not columns:
+                    return pq.read_schema(file).empty_table()
+                return pq.read_table(file, columns=columns)
+        except (OSError, pa.ArrowException) as error:
+            reason = str(getattr(error, "strerror", None) or error).splitlines()[0].rstrip(".")
+            raise InputError(
+                f"{path} is missing or damaged ({reason}): start the campaign again, which makes"
+                " what is missing."
+            ) from None
 
     @override
     def __repr__(self) -> str:
@@ -378,7 +409,7 @@ class Campaign(metaclass=Described):
 
         if progress is not None:
             progress(there, total)
-        missing = (task for task in self._tasks() if task[0] not in ledger.known)
+        missing = (task for task in self.tasks() if task[0] not in ledger.known)
         with ledger.lock:
             complete = spread(_made, missing, keep, executor)
             parts = tuple(ledger.known[name] for name in sorted(ledger.known))
@@ -420,7 +451,7 @@ class Campaign(metaclass=Described):
         files = len(self.cases) * -(-count // self.part)
         return Estimate(runs=len(self), files=files, seconds=seconds, size=round(size))
 
-    def _tasks(self) -> Iterator[tuple[str, Case, "Campaign", int, int]]:
+    def tasks(self) -> Iterator[tuple[str, Case, "Campaign", int, int]]:
         """Yield the arguments of `_made` for each file."""
         count = len(self.whole)
         shared = replace(self, cases=self.cases[:1])  # of many cases, a task needs its own alone
@@ -535,32 +566,46 @@ class _Ledger:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"{folder} is a file, but a folder is needed: choose another name.")
         before = self._manifest()
-        if before is None and folder.exists() and {one.name for one in folder.iterdir()} - {LOCK}:
+        if before is None and folder.exists() and any(map(_is_foreign, folder.iterdir())):
             raise InputError(f"{folder} holds other files: choose another folder.")
+        self.planned = {name: stop - start for name, _, _, start, stop in campaign.tasks()}
+        self._check_inside(self.planned)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self.lock = (folder / LOCK).open("a")
+            with contextlib.ExitStack() as held:
+                self.lock = held.enter_context(_lock(folder / LOCK))
+                self._begin(before, replace=replace)
+                held.pop_all()
         except OSError as error:
             raise unwritable(folder, error) from error
+
+    def _begin(self, before: Mapping[str, Any] | None, *, replace: bool) -> None:
+        """Find what is there already, and remove what is of another campaign or was cut off."""
         self._alone()
         listed = self._listed(before)
-        if before is not None and before.get("campaign") != campaign.digest:
+        if before is not None and before.get("campaign") != self.head["campaign"]:
             if not replace:
-                self.lock.close()
                 raise InputError(
-                    f"{folder} holds the runs of another campaign (other cases, factors, design,"
-                    " outputs, or version): choose another folder."
+                    f"{self.folder} holds the runs of another campaign (other cases, factors,"
+                    " design, outputs, or version): choose another folder."
                 )
-            for name in (*(one.file for one in listed), JOURNAL, *OF_ALL):
-                (folder / name).unlink(missing_ok=True)
-            listed, before = [], None
-        for one in listed:
-            if _hash_of(folder / one.file) == one.sha256:
-                self.known[one.file] = one
+            self._check_inside(listed)
+            for name in (*listed, JOURNAL, *OF_ALL):
+                (self.folder / name).unlink(missing_ok=True)
+            listed, before = {}, None
+        remove_unfinished(self.folder, {MANIFEST, JOURNAL, *OF_ALL})
+        names = {Path(name).name for name in self.planned}
+        for place in _folders(self.planned):
+            remove_unfinished(self.folder / place, names)
+        for name, one in listed.items():
+            planned = self.planned.get(name) == one.rows
+            if planned and _hash_of(self.folder / name) == one.sha256:
+                self.known[name] = one
         self.rows = sum(one.rows for one in self.known.values())
-        if before is None or self.rows < len(campaign):
-            write_file(folder / MANIFEST, json_text(document("campaign", self.head)))
-            write_file(folder / JOURNAL, "".join(f"{_line(x)}\n" for x in self.known.values()))
+        if before is None or self.rows < self.head["runs"]:
+            write_file(self.folder / MANIFEST, json_text(document("campaign", self.head)))
+            lines = "".join(f"{_line(x)}\n" for x in self.known.values())
+            write_file(self.folder / JOURNAL, lines)
 
     def add(self, finished: _Finished, data: bytes) -> None:
         """Keep a file; it is there before it is listed."""
@@ -589,35 +634,114 @@ class _Ledger:
             try:
                 fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                self.lock.close()
                 raise InputError(
                     f"another process is running the campaign in {self.folder}: wait for it, or"
                     " choose another folder."
                 ) from None
 
+    def _check_inside(self, names: Iterable[str]) -> None:
+        """Refuse folders of parts that a symbolic link has outside the campaign's folder."""
+        own = self.folder.resolve()
+        for place in _folders(names):
+            if (self.folder / place).resolve() != own / place:
+                raise InputError(
+                    f"{self.folder / place} is reached by a symbolic link, and a campaign writes"
+                    " and removes files in its own folder only: choose another folder."
+                )
+
     def _manifest(self) -> dict[str, Any] | None:
         """Return the manifest of a campaign; None if there is none."""
         path = self.folder / MANIFEST
         try:
-            found = json.loads(path.read_text(encoding="utf-8"))
+            found = json.loads(_content(path))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
-            raise InputError(f"{path} cannot be read: {error}.") from None
+        except (OSError, ValueError, RecursionError) as error:
+            reason = str(getattr(error, "strerror", None) or error).rstrip(".")
+            raise InputError(
+                f"{path} cannot be read: {reason}. Choose another folder, or delete"
+                f" {self.folder}, whose runs are then made again."
+            ) from None
         if not (isinstance(found, dict) and found.get("schema") == SCHEMA):
             raise InputError(f"{path} is of no campaign: choose another folder.")
         return found
 
-    def _listed(self, manifest: Mapping[str, Any] | None) -> list[_Finished]:
-        """Return the files of the manifest and of the journal, whose last line may be cut off."""
-        told = [] if manifest is None else [*manifest.get("parts", ())]
-        with contextlib.suppress(FileNotFoundError):
-            for line in (self.folder / JOURNAL).read_text(encoding="utf-8").splitlines():
-                with contextlib.suppress(ValueError):
+    def _listed(self, manifest: Mapping[str, Any] | None) -> dict[str, _Finished]:
+        """Return the files of the manifest and of the journal, whose last line may be cut off.
+
+        What is no entry is left out, and so made again: it names nothing that can be trusted.
+        """
+        entries = [] if manifest is None else manifest.get("parts", [])
+        told = [*entries] if isinstance(entries, list) else []
+        path = self.folder / JOURNAL
+        try:
+            for line in _content(path).splitlines():
+                with contextlib.suppress(ValueError, RecursionError):
                     told.append(json.loads(line))
-        names = {one.name for one in dataclasses.fields(_Finished)}
-        whole = (one for one in told if isinstance(one, dict) and one.keys() == names)
-        return [_Finished(**one) for one in whole if one["file"].startswith(f"{RUNS}/")]
+        except FileNotFoundError:
+            pass
+        except OSError as error:
+            raise InputError(
+                f"{path} cannot be read: {error.strerror or error}. Delete it, and the runs that"
+                " only it lists are made again."
+            ) from None
+        return {one["file"]: _Finished(**one) for one in told if _is_entry(one)}
+
+
+def _folders(names: Iterable[str]) -> set[Path]:
+    """Return the folders of files."""
+    return {Path(name).parent for name in names}
+
+
+def _lock(path: Path) -> Any:
+    """Open the file that says that a process writes there; never one elsewhere, nor a pipe."""
+    if path.is_symlink():
+        raise InputError(f"{path} is a symbolic link, which no campaign follows: remove it.")
+    own = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    lock = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | own, 0o666), "rb")
+    if not stat.S_ISREG(os.fstat(lock.fileno()).st_mode):
+        lock.close()
+        raise InputError(f"{path} is not a regular file: remove it.")
+    return lock
+
+
+def _is_foreign(path: Path) -> bool:
+    """Whether a file is none that a campaign leaves when it is killed before its first part."""
+    return path.name != LOCK and becomes(path) not in (MANIFEST, JOURNAL)
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of a manifest or a journal."""
+    with open_regular(path) as file:
+        data = file.read(LARGEST + 1)
+    if len(data) > LARGEST:
+        raise OSError(errno.EFBIG, f"it has more than {LARGEST / 1e6:.0f} MB")
+    return data
+
+
+def _is_entry(entry: object) -> bool:
+    """Whether what stands in a manifest or a journal describes a part, all its values of a kind.
+
+    Examples
+    --------
+    >>> entry = {"file": "runs/part-000000.parquet", "rows": 8, "sha256": "", "size": 9}
+    >>> entry |= {"certified": 8, "status": {"END_TIME": 8}}
+    >>> _is_entry(entry), _is_entry(entry | {"file": "runs/../../part-000000.parquet"})
+    (True, False)
+    """
+    fields = {one.name for one in dataclasses.fields(_Finished)}
+    if not isinstance(entry, dict) or entry.keys() != fields:
+        return False
+    file, sha256, status = entry["file"], entry["sha256"], entry["status"]
+    counts = [entry["rows"], entry["size"], entry["certified"]]
+    return (
+        isinstance(file, str)
+        and PART_NAME.fullmatch(file) is not None
+        and ".." not in file.split("/")
+        and isinstance(sha256, str)
+        and isinstance(status, dict)
+        and all(type(one) is int and one >= 0 for one in (*counts, *status.values()))
+    )
 
 
 def _line(finished: _Finished) -> str:
@@ -627,7 +751,7 @@ def _line(finished: _Finished) -> str:
 def _hash_of(path: Path) -> str:
     """Return the hash of a file, empty if it is not there."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
