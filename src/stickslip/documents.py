@@ -11,10 +11,13 @@ import os
 import re
 import secrets
 import shutil
+import signal
 import stat
 import sys
+import tempfile
+import threading
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 from xml.parsers import expat
@@ -26,8 +29,12 @@ LIST = ".stickslip"
 """File that lists what was written into a folder, with hashes."""
 ABANDONED = 3600.0
 """Age from which a temporary folder is taken to be left by a process that was killed [s]."""
+YOUNG = 10.0
+"""Age up to which a folder for temporary files may not have its lock yet [s]."""
 NOT_XML = (expat.ExpatError, LookupError, ValueError)
 """What the parser raises; of encodings that are unknown, or of several bytes, not its own error."""
+PRIVATE = "stickslip-private-"
+"""Beginning of the names of folders for temporary files."""
 LARGEST = 20_000_000
 """Bytes of a model that are read at most; meshes are in files of their own."""
 UNFINISHED = re.compile(r"\.(.+)\.tmp-[0-9a-f]{8}", re.DOTALL)
@@ -246,6 +253,69 @@ def becomes(path: Path) -> str:
     """Return the name of the file that a temporary one becomes; empty of other files."""
     found = UNFINISHED.fullmatch(path.name)
     return found[1] if found else ""
+
+
+@contextlib.contextmanager
+def private_folder() -> Iterator[Path]:
+    """Make a folder for temporary files, which is removed however the work with it ends.
+
+    It also ends by the signal to terminate. What a process that was killed has left is removed by
+    the next one, which finds that nobody holds the lock of the folder any more.
+
+    Examples
+    --------
+    >>> with private_folder() as place:
+    ...     _ = (place / "large").write_text("x")
+    >>> place.exists()
+    False
+    """
+    _remove_abandoned()
+    with _ending_orderly(), tempfile.TemporaryDirectory(prefix=PRIVATE) as name:
+        place = Path(name)
+        with (place / ".lock").open("wb") as lock:
+            _is_free(lock.fileno())
+            yield place
+
+
+@contextlib.contextmanager
+def _ending_orderly() -> Iterator[None]:
+    """Let the signal to terminate end the work by an exception, unless somebody handles it."""
+    own = threading.current_thread() is threading.main_thread()
+    if not own or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+
+    def end(number: int, _: object) -> None:
+        raise SystemExit(128 + number)
+
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def _is_free(lock: int) -> bool:
+    """Take the lock of an open file, and return whether nobody had it."""
+    try:
+        import fcntl
+
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (ImportError, OSError):  # Windows, or held by another
+        return False
+    return True
+
+
+def _remove_abandoned() -> None:
+    """Remove folders for temporary files that processes of the same user have left."""
+    for left in Path(tempfile.gettempdir()).glob(f"{PRIVATE}*"):
+        with contextlib.suppress(OSError):
+            found = left.lstat()
+            old = time.time() - found.st_mtime > YOUNG
+            if old and stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid():
+                with open_regular(left / ".lock") as lock:
+                    if _is_free(lock.fileno()):
+                        shutil.rmtree(left)
 
 
 def _list(digests: Mapping[str, Sequence[str]]) -> bytes:

@@ -16,6 +16,7 @@ __all__ = [
     "TracingError",
     "UndeclaredError",
     "UnknownNameError",
+    "check_columns",
     "check_even_times",
     "check_size",
     "nearest",
@@ -28,6 +29,8 @@ MOST = 50
 """Most known names that a message lists."""
 MOST_NUMBERS = 100_000_000
 """Most numbers that a table, a grid or an ensemble may have: 800 MB, before any is copied."""
+MOST_COLUMNS = 4096
+"""Most columns that a table of measured data may have."""
 COMPARED = 200
 """Longest names that are compared; what that takes grows with the square of their length."""
 
@@ -147,6 +150,13 @@ def check_size(
     """
     if not count <= most:
         raise InputError(f"{what}: {count:.4g} {unit} exceed the limit of {most:.4g}: {cure}.")
+
+
+def check_columns(what: str, number: int) -> None:
+    """Refuse a table of so many columns that to look at each of them would take minutes."""
+    check_size(
+        what, number, "leave out those that are no signals", unit="columns", most=MOST_COLUMNS
+    )
 
 
 def check_even_times(count: float) -> None:

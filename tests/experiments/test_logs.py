@@ -1,11 +1,24 @@
 """Logs of robots: bags of ROS and MCAP, written by the libraries that write them."""
 
+import bz2
+import contextlib
+import io
 import math
+import os
+import signal
+import sqlite3
+import struct
+import subprocess
 import sys
+import tempfile
+import time
 from importlib.resources import files
+from pathlib import Path
 
+import lz4.frame
 import numpy as np
 import pytest
+import zstandard
 from tests.experiments.log_cases import (
     BEGIN,
     NANO,
@@ -18,6 +31,7 @@ from tests.experiments.log_cases import (
 
 from stickslip import check, load_measurement, load_rig
 from stickslip.cli import main
+from stickslip.documents import private_folder
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data, guess_robot
 from stickslip.experiments.readers.robot_guess import lag_of
@@ -375,3 +389,147 @@ def test_of_two_topics_that_with_efforts_is_taken(tmp_path):
     }
     record = load_measurement(write_mcap(tmp_path / "log.mcap", topics))
     assert record.joints["a"].values("force")[-1] == pytest.approx(2.0 + slow[-1])
+
+
+# Logs that would take all memory, and what they do not hold.
+
+MEGABYTE = zstandard.compress(bytes(2**20))
+"""A frame; frames behind each other are one piece."""
+
+
+def numbered(message, count=9):
+    """Return messages in JSON, each with its time."""
+    return [(BEGIN + k * NANO // 100, message(k)) for k in range(count)]
+
+
+def as_chunk(file, data, said, method="zstd"):
+    """Write an MCAP file of one compressed chunk, with what it says of its size."""
+    out = io.BytesIO()
+    write_json(file, {TOPIC: numbered(lambda k: {"name": ["a"], "position": [k]})})
+    whole = file.read_bytes()
+    begin = whole.index(b"\x06", 9)  # the record of the chunk, behind that of the header
+    body = struct.pack("<QQQI", BEGIN, BEGIN, said, 0)
+    body += struct.pack("<I", len(method)) + method.encode() + struct.pack("<Q", len(data)) + data
+    out.write(whole[:begin] + struct.pack("<BQ", 6, len(body)) + body)
+    out.write(struct.pack("<BQI", 15, 4, 0))  # end of the data; there is no summary
+    out.write(struct.pack("<BQQQI", 2, 20, 0, 0, 0) + whole[:8])
+    file.write_bytes(out.getvalue())
+    return file
+
+
+def test_a_chunk_is_expanded_within_bounds_only(tmp_path):
+    large = as_chunk(tmp_path / "large.mcap", MEGABYTE * 400, 400 * 2**20)
+    with pytest.raises(InputError, match=r"4\.194e\+08 expanded bytes in a piece exceed the limit"):
+        load_measurement(large)
+    for method, data in (("zstd", MEGABYTE * 400), ("lz4", lz4.frame.compress(bytes(2**20)) * 400)):
+        lying = as_chunk(tmp_path / "lying.mcap", data, 100, method)
+        with pytest.raises(InputError, match=r"expanded bytes in a piece exceed the limit"):
+            load_measurement(lying)
+    small = as_chunk(tmp_path / "small.mcap", MEGABYTE, 100)
+    with pytest.raises(InputError, match=r"damaged.*another size than it says"):
+        load_measurement(small)
+
+
+def test_an_index_names_no_chunk_that_was_not_read(tmp_path):
+    file = write_mcap(tmp_path / "a.mcap", {TOPIC: states(TIME, ARM)})
+    data = bytearray(file.read_bytes())
+    chunk = data.index(b"\x06", 9)
+    at = data.index(struct.pack("<Q", chunk), data.index(b"\x0f" + struct.pack("<Q", 4)))
+    data[at : at + 8] = struct.pack("<Q", chunk + 1)
+    file.write_bytes(data)
+    with pytest.raises(InputError, match=r"damaged.*index does not fit"):
+        load_measurement(file)
+
+
+@pytest.mark.parametrize("mode", ["FILE", "MESSAGE"])
+def test_a_compressed_bag_is_expanded_within_bounds_and_leaves_nothing(tmp_path, mode, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)}, compression=mode)
+    assert same(load_measurement(bag))
+    if mode == "FILE":
+        (bag / "bag.db3.zstd").write_bytes(MEGABYTE * 900)
+    else:
+        with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
+            file.execute("UPDATE messages SET data = ? WHERE id = 3", [MEGABYTE * 300])
+    with pytest.raises(InputError, match=r"expanded bytes.* exceed the limit"):
+        load_measurement(bag)
+    assert not [*(tmp_path / "temporary").iterdir()]
+
+
+def test_messages_that_a_bag_computes_are_refused(tmp_path):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME[:9], ARM)})
+    with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
+        file.execute("DROP TABLE messages")
+        file.execute(
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER,"
+            " data BLOB GENERATED ALWAYS AS (zeroblob(900000000)))"
+        )
+        file.execute("INSERT INTO messages(topic_id, timestamp) VALUES (1, 5)")
+    with pytest.raises(InputError, match="its messages are computed and not stored"):
+        load_measurement(bag)
+
+
+def test_a_chunk_of_ros_1_is_expanded_within_bounds_only(tmp_path):
+    file = write_ros1(tmp_path / "a.bag", {TOPIC: states(TIME[:9], ARM)})
+    head = b"".join(
+        struct.pack("<I", len(field)) + field
+        for field in (b"op=\x05", b"compression=bz2", b"size=" + struct.pack("<I", 2**20))
+    )
+    piece = bz2.compress(bytes(2**20)) * 300
+    data, place = file.read_bytes(), len(b"#ROSBAG V2.0\n")
+    for _ in range(2):  # header and padding of the head of the bag
+        place += 4 + struct.unpack_from("<I", data, place)[0]
+    chunk = struct.pack("<I", len(head)) + head + struct.pack("<I", len(piece)) + piece
+    file.write_bytes(data[:place] + chunk)
+    with pytest.raises(InputError, match=r"expanded bytes in a piece exceed the limit"):
+        load_measurement(file)
+
+
+def test_names_that_change_with_each_message_are_refused(tmp_path):
+    messages = numbered(lambda k: {"name": [f"j{k}"], "position": [0.5]}, count=5000)
+    with pytest.raises(InputError, match=r"/joint_states: 4097 columns exceed the limit of 4096"):
+        load_measurement(write_json(tmp_path / "a.mcap", {TOPIC: messages}))
+
+
+def test_messages_that_a_bag_says_it_has_are_missed(tmp_path):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
+    with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
+        file.execute("DELETE FROM messages WHERE id > 189")
+    said = "The log says that /joint_states has 300 messages, and 189 were read"
+    assert any(said in one for one in guess_data(bag).doubts)
+    with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
+        file.execute("DELETE FROM messages")
+    with pytest.raises(InputError, match=r"has 300 messages, and 0 were read"):
+        load_measurement(bag)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_temporary_files_are_removed_however_a_process_ends(tmp_path, number):
+    code = (
+        "from stickslip.documents import private_folder\n"
+        "import time\n"
+        "with private_folder() as place:\n"
+        "    (place / 'large').write_text('x')\n"
+        "    print(place, flush=True)\n"
+        "    time.sleep(60)\n"
+    )
+    command = [sys.executable, "-c", code]
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        place = Path(process.stdout.readline().strip())
+        assert place.parent == tmp_path
+        process.send_signal(number)
+    old = time.time() - 100.0
+    if place.exists():
+        assert number == signal.SIGKILL
+        os.utime(place, (old, old))
+    (tmp_path / "stickslip-private-mine").mkdir()  # without a lock: of somebody else
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(tmp_path))
+        with private_folder() as held:
+            os.utime(held, (old, old))
+            with private_folder():
+                assert held.exists()
+    assert [one.name for one in tmp_path.iterdir()] == ["stickslip-private-mine"]

@@ -7,8 +7,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from stickslip.documents import open_regular
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
+from stickslip.experiments.readers.parquet import check_parquet
 from stickslip.experiments.readers.table import Table, read_json
 from stickslip.formatting import count, number
 from stickslip.mechanisms import coordinate_of
@@ -64,10 +66,12 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     parts = sorted(path.parent.parent.glob(EPISODES))
     if not parts:
         raise InputError(f"{path}: there is no file {EPISODES} beside the folder of it.")
-    tables = [_part(part, ["episode_index", "frame_index", "timestamp", *wanted]) for part in parts]
+    tables, size = [], 0.0
+    for part in parts:
+        own, numbers = _part(part, ["episode_index", "frame_index", "timestamp", *wanted])
+        tables, size = [*tables, own], size + numbers
+        check_size(str(path), size, "keep fewer episodes")
     rows = sum(one["episode_index"].shape[0] for one in tables)
-    width = sum(next(iter(tables))[name].shape[-1] for name in wanted)
-    check_size(str(path), rows * (width + 3), "keep fewer episodes")
     data = {name: _joined(path, name, tables) for name in tables[0]}
     order = np.lexsort((data["frame_index"], data["episode_index"]))
     data = {name: values[order] for name, values in data.items()}
@@ -97,15 +101,15 @@ def _info(path: Path) -> Mapping[str, Any]:
     return found
 
 
-def _part(path: Path, names: Collection[str]) -> dict[str, Array]:
-    """Return the columns of one file: (n,), and of a list in each row (n, k)."""
+def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
+    """Return the columns of one file: (n,), and of a list in each row (n, k), and their size."""
     import pyarrow as pa
     import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
     try:
-        with pq.ParquetFile(path) as file:
-            check_size(str(path), float(file.metadata.num_rows), "keep fewer episodes")
+        with open_regular(path) as stream, pq.ParquetFile(stream) as file:
+            size = check_parquet(str(path), file, names)
             missing = [one for one in names if one not in file.schema_arrow.names]
             if missing:
                 listed = ", ".join(file.schema_arrow.names)
@@ -124,7 +128,7 @@ def _part(path: Path, names: Collection[str]) -> dict[str, Array]:
             else:
                 values = column.to_numpy(zero_copy_only=False).astype(float)
                 found[name] = values[:, None] if name in FEATURES else values
-        return found
+        return found, size
     except InputError:
         raise
     except Exception as error:

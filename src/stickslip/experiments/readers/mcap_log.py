@@ -8,11 +8,14 @@ from typing import Any, Final, final
 from typing_extensions import override
 
 from stickslip.errors import InputError
+from stickslip.experiments.readers.expansion import check_mcap
 from stickslip.experiments.readers.table import Table
 from stickslip.experiments.readers.topics import Log, Topic, table_of
 from stickslip.formatting import joined
 
 MCAP: Final = (".mcap",)
+LARGEST_JSON: Final = 2**24
+"""Bytes of a message in JSON at most: as objects they take some twenty times as many."""
 
 
 def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
@@ -31,9 +34,10 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
     class Json(DecoderFactory):
         @override
         def decoder_for(self, message_encoding: str, schema: Any) -> Callable[[bytes], Any] | None:
-            return json.loads if message_encoding == "json" else None
+            return _from_json if message_encoding == "json" else None
 
     try:
+        check_mcap(path)
         with path.open("rb") as file:
             reader = make_reader(file, decoder_factories=[Ros2(), Json()], validate_crcs=True)
             return table_of(_Mcap(str(path), reader), str(path), names)
@@ -54,6 +58,12 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
         # Decompression and decoding have whatever error their parsers stumble over.
         reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
         raise InputError(f"{path}: is damaged, or has a message that is: {reason}.") from None
+
+
+def _from_json(data: bytes) -> Any:
+    if len(data) > LARGEST_JSON:
+        raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_JSON}")
+    return json.loads(data)
 
 
 @final

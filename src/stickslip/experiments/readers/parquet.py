@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import pandas as pd
 
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_columns, check_size
 from stickslip.experiments.readers.table import Table
 
 PARQUET: Final = (".parquet", ".pq")
@@ -23,7 +23,7 @@ def parquet_data(path: Path) -> pd.DataFrame:
 
     try:
         with pq.ParquetFile(path) as file:
-            _check_parquet(str(path), file)
+            check_parquet(str(path), file)
             # Texts stay references to the few that differ: each is written once and repeated.
             texts = [field.name for field in file.schema_arrow if _is_text(field.type)]
         data = pd.read_parquet(path, engine="pyarrow", read_dictionary=texts)
@@ -39,16 +39,26 @@ def parquet_data(path: Path) -> pd.DataFrame:
         raise InputError(f"{path}: is not a Parquet file: {error}.") from None
 
 
-def _check_parquet(path: str, file: Any) -> None:
-    """Refuse a file whose footer announces too much, lists within cells included."""
+def check_parquet(path: str, file: Any, names: Collection[str] = ()) -> float:
+    """Refuse a file whose footer announces too much, in all columns or those of some names.
+
+    A cell may hold lists of any length, and pages that repeat a number take no room in the file.
+    Returns how many numbers it announces.
+    """
     footer = file.metadata
+    check_columns(path, footer.num_columns)
     size = 0.0
     for i in range(footer.num_row_groups):
         group = footer.row_group(i)
         for k in range(group.num_columns):
             column = group.column(k)
-            size += max(column.num_values, column.total_uncompressed_size / 8)
-    check_size(path, max(size, footer.num_rows * footer.num_columns), "split the file")
+            name = column.path_in_schema  # of lists, and names may have dots: name.list.element
+            if not names or any(f"{name}.".startswith(f"{one}.") for one in names):
+                size += max(column.num_values, column.total_uncompressed_size / 8)
+    width = len(names) or footer.num_columns
+    size = max(size, footer.num_rows * width)
+    check_size(path, size, "split the file")
+    return size
 
 
 def _is_text(kind: Any) -> bool:

@@ -2,6 +2,7 @@
 
 import re
 from abc import ABC, abstractmethod
+from array import array
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_columns, check_size
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.table import Table
 from stickslip.formatting import count, joined, number
@@ -71,18 +72,28 @@ class _Collected:
     logged: list[int] = field(default_factory=list)
     stamped: list[int] = field(default_factory=list)
     """Times of headers [ns], 0 where there are none."""
-    groups: dict[tuple[str, ...], tuple[list[int], list[Sequence[float]]]] = field(
-        default_factory=dict
-    )
+    groups: dict[tuple[str, ...], tuple[list[int], "array[float]"]] = field(default_factory=dict)
     """Columns -> the messages that have them, and their values."""
+    names: set[str] = field(default_factory=set)
+    """All columns."""
+    numbers: int = 0
+
+    def check(self, file: str, topic: str) -> None:
+        """Refuse more than memory holds, as of messages each of which has names of its own."""
+        check_columns(f"{file}: {topic}", len(self.names))
+        cure = "split the log, or keep fewer topics"
+        check_size(file, max(8.0 * len(self.logged), self.numbers), cure)
+        check_size(file, float(len(self.names)) * len(self.logged), cure)
 
     def add(
         self, logged: int, message: Any, columns: Sequence[str], values: Sequence[float]
     ) -> None:
         """Keep one message."""
-        rows, cells = self.groups.setdefault(tuple(columns), ([], []))
+        self.names.update(columns)
+        self.numbers += len(columns)
+        rows, cells = self.groups.setdefault(tuple(columns), ([], array("d")))
         rows.append(len(self.logged))
-        cells.append(values)
+        cells.extend(values)
         self.logged.append(logged)
         self.stamped.append(_stamp(message))
 
@@ -91,7 +102,7 @@ class _Collected:
         whole = {name: np.full(len(self.logged), np.nan) for names in self.groups for name in names}
         there = {name: np.zeros(len(self.logged), dtype=bool) for name in whole}
         for names, (rows, cells) in self.groups.items():
-            table = np.array(cells, dtype=float).reshape(len(rows), len(names))
+            table = np.array(cells).reshape(len(rows), len(names))
             for place, name in enumerate(names):
                 whole[name][rows], there[name][rows] = table[:, place], True
         return {name: (np.flatnonzero(there[name]), whole[name][there[name]]) for name in whole}
@@ -129,6 +140,10 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
     for name, logged, message in log.messages(list(used)):
         columns, values = _numbers(used[name], message, file, len(collected[name].logged))
         collected[name].add(logged, message, columns, values)
+        collected[name].check(file, name)
+    lost = [*_lost(used, collected)]
+    if not any(one.logged for one in collected.values()):
+        raise InputError(f"{file}: {lost[0]}")
     collected = {name: one for name, one in collected.items() if one.logged}
     stamped = all(all(one.stamped) for one in collected.values())
     signals = [
@@ -137,8 +152,20 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
         for signal in _signals(used[name], one, stamped=stamped)
     ]
     return _Joined(file=file, signals=signals, names=names).table(
-        _clock_remarks(collected, stamped)
+        [*lost, *_clock_remarks(collected, stamped)]
     )
+
+
+def _lost(topics: Mapping[str, Topic], found: Mapping[str, _Collected]) -> Iterator[str]:
+    """Yield of which topics a log says that it holds other messages than it does."""
+    for name, topic in topics.items():
+        there = len(found[name].logged)
+        if there != topic.messages:
+            yield (
+                f"The log says that {name} has {count(topic.messages, 'message')}, and"
+                f" {there:,} {'was' if there == 1 else 'were'} read: the log is incomplete, or was"
+                " not closed."
+            )
 
 
 def _signals(topic: Topic, found: _Collected, *, stamped: bool) -> Iterator[_Signal]:
