@@ -21,6 +21,8 @@ NUMBER_WITH_UNIT: Final = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*
 
 LONGEST: Final = 100
 """Characters of a number with its unit at most."""
+REMEMBERED: Final = 8192
+"""Units whose kind is remembered: columns of a wide table have few."""
 _POWER = re.compile(rf"(?P<name>{_NAME})(?P<power>\^?[-−]?\d|[⁻¹²³]+)?")
 _RAISED: Final = str.maketrans("⁻−¹²³", "--123")
 
@@ -107,6 +109,7 @@ def converted(values: Any, unit: str, target: str | None) -> Any:
     return values * float(at_one - zero) + float(zero)
 
 
+@functools.lru_cache(maxsize=REMEMBERED)
 def is_of(unit: str, target: str) -> bool:
     """Whether a unit is of the same kind as another one.
 
@@ -259,6 +262,8 @@ def _one(unit: str) -> Any:
     registry = _registry()
     if unit == "1":
         return registry.Quantity(Decimal(1), "")
+    if len(unit) > LONGEST:
+        raise ParameterError(f"has an unreadable unit {shown(unit)}")
     unit = _DOTTED.sub("*", unit)
     if re.fullmatch(_UNIT, unit) is None:
         raise ParameterError(f"has an unreadable unit {shown(unit)}")
@@ -316,6 +321,7 @@ def _counted(one: Any) -> tuple[Any, Any]:
     return powers.get("radian", 0), powers.get("count", 0)
 
 
+@functools.lru_cache(maxsize=REMEMBERED)
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of something.
 

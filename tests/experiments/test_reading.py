@@ -461,3 +461,52 @@ def test_a_matrix_of_signals_is_read_by_its_rows(folder, save):
     save("data.mat", {"data": np.vstack([t, np.sin(t)])})
     record = load_measurement("data.mat", columns={"time": "data(1)", "position": "data(2)"})
     np.testing.assert_array_equal(record.position, np.sin(t))
+
+
+# What a file holds and a table has not.
+
+ROWS = [f"{t:.3f},{x:.6f}" for t, x in zip(TIME, POSITION, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("rows", "end", "size", "said"),
+    [
+        (ROWS, "", 100, ""),
+        ([*ROWS[:-1], "0.990,0.8"], "\n", 100, ""),
+        ([*ROWS[:-1], "0.990,0.8"], "", 99, "ends within a number, '0.8', which has fewer digits"),
+        ([f"{x:.3e}" for x in POSITION[:-1]] + ["8.360e-0"], "", 99, "ends within a number"),
+        ([*map(repr, POSITION.tolist())], "", 100, ""),
+        ([f"{row}," for row in ROWS], "\n", 100, ""),
+        ([f"{row}," + "7" * (k == 60) for k, row in enumerate(ROWS)], "\n", 100, "1 row has more"),
+    ],
+)
+def test_what_a_text_holds_beyond_its_table_is_said(write, rows, end, size, said):
+    head = "time,position" if "," in rows[0] else "position"
+    if head == "position":
+        rows = [f"{t},{row}" for t, row in zip(TIME, rows, strict=True)]
+    read = load_measurement(write("time,position\n" + "\n".join(rows) + end))
+    assert read.time.size == size
+    assert [said in one for one in read.lost] == [True] * bool(said)
+    assert [one.severity for one in check(read).of("lost")] == ["warning"] * bool(said)
+
+
+def test_samples_that_a_header_of_labview_announces_are_missed(write):
+    head = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\t\n\n"
+        "Channels\t1\nSamples\t400\nY_Unit_Label\tmm\n***End_of_Header***\t\nX_Value\tWeg\n"
+    )
+    rows = "".join(f"{t}\t{x}\n" for t, x in zip(TIME, POSITION, strict=True))
+    found = guess_data(write(head + rows, "a.lvm"))
+    (said,) = [doubt for doubt in found.doubts if "states 400 samples" in doubt]
+    read = load_measurement("a.lvm", columns=found.columns, units=found.units)
+    assert read.lost == (said,)
+    assert [one.severity for one in check(read).of("lost")] == ["warning"]
+
+
+def test_a_table_has_no_more_columns_than_can_be_looked_at(write):
+    names = ",".join(f"x{k}" for k in range(14_000))
+    rows = "\n".join([",".join(["1"] * 14_000)] * 3)
+    write(f"{names}\n{rows}\n")
+    for read in (load_measurement, guess_data):
+        with pytest.raises(InputError, match=r"1\.4e\+04 columns exceed the limit of 4096"):
+            read("data.csv")

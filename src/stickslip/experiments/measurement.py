@@ -247,6 +247,8 @@ class Measurement(Tabular, InPanels):
         [N m].
     unused : mapping of str to float, str or None, optional
         Columns of its file that nothing was read from: their value, None if it changes.
+    lost : sequence of str, optional
+        What its file says that it holds and does not, a sentence each.
     line : Line, optional
         The line on which positions in a plane were projected.
     name, provenance : str
@@ -319,6 +321,7 @@ class Measurement(Tabular, InPanels):
     offset: Mapping[str, float] = field(default_factory=dict)
     turning: bool = False
     unused: Mapping[str, float | str | None] = field(default_factory=dict)
+    lost: Sequence[str] = ()
     line: Line | None = None
     name: str = ""
     provenance: str = ""

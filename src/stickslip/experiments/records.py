@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -253,7 +253,8 @@ class _Files:
             if travelled(frame):
                 self._refuse_for_trials()
                 common = {**self.common, "offset": self.reading.offset}
-                return read_trials(frame, common, name, self.mechanism, self.reading.conditions)
+                read = read_trials(frame, common, name, self.mechanism, self.reading.conditions)
+                return replace(read, lost=frame.lost)
             parts = list(by_trial(frame))
             if len(parts) == 1:
                 return self._record(frame, name)
@@ -327,6 +328,7 @@ class _Files:
             offset=reading.offset,
             conditions=conditions,
             unused=unused_in(frame, {*used, TRIAL, *map(condition_name, conditions)}),
+            lost=frame.lost,
             turning=turning,
             line=line,
             name=name,

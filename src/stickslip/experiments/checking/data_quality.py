@@ -213,6 +213,7 @@ def _findings(
     if measurement.kind == "scalars":
         yield from map_coverage.settings(records, conditions)
         yield from () if grave else order.settings(records)
+    yield from map_coverage.lost((measurement, *records))
     yield from map_coverage.alike(records)
     if not grave:
         yield from map_coverage.repeated(records)

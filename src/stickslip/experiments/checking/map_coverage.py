@@ -153,6 +153,12 @@ def resting(record: Measurement) -> Iterator[Finding]:
     )
 
 
+def lost(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Yield what the files say that they hold and do not, once for all trials of a file."""
+    for sentence in dict.fromkeys(line for record in records for line in record.lost):
+        yield Finding(kind="lost", sentence=sentence, severity="warning")
+
+
 def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
     """Name columns that nothing was read from, those first that differ between trials.
 

@@ -2,8 +2,10 @@
 
 import io
 import itertools
+import operator
 import re
 import warnings
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +13,10 @@ from typing import Final
 
 import pandas as pd
 
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_columns, check_size
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.layout import (
+    ALIKE,
     BRACKETS,
     Layout,
     bare_cells,
@@ -25,6 +28,7 @@ from stickslip.experiments.readers.layout import (
 from stickslip.experiments.readers.table import FEWER_COLUMNS, Table
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_named
+from stickslip.formatting import count
 from stickslip.units import shown
 
 HEAD: Final = 65_536
@@ -32,6 +36,8 @@ HEAD: Final = 65_536
 LOOKED_AT: Final = 50
 """Rows that are enough to see that a text is no table."""
 LONGEST_LINE: Final = 100_000
+TAIL: Final = 4096
+"""Bytes at the end of a file among whose numbers a last one that is cut stands out."""
 LEAST_CODE: Final = 32
 SEPARATORS: Final = ",;\t"
 _NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
@@ -115,7 +121,8 @@ def _parsed(
     path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
 ) -> Table:
     """Return the table below a header."""
-    twice = [name for name in names if names.count(name) > 1 and name.strip()]
+    check_columns(str(path), len(names))
+    twice = [name for name, number in Counter(names).items() if number > 1 and name.strip()]
     if twice:
         raise ambiguous(path, twice[0])
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
@@ -156,8 +163,44 @@ def _parsed(
             f"{path}: rows and header do not match ({reason}). Every row needs {len(names)} cells,"
             f" separated by {layout.separator!r}.{commas * wide}"
         ) from None
+    more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
-    return Table(data=table.dropna(how="all"), first_row=above + 1)
+    table = table.dropna(how="all")
+    lost = []
+    if more:
+        lost.append(
+            f"{count(more, 'row')} {'has' if more == 1 else 'have'} more cells than the header"
+            f" has names, {len(names)}: the further ones are not read."
+        )
+    if cut := _cut_number(data, layout):
+        table = table.iloc[:-1]
+        lost.append(
+            f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
+            " it: the last row is left out."
+        )
+    return Table(data=table, first_row=above + 1, lost=tuple(lost))
+
+
+def _cut_number(data: bytes, layout: Layout) -> str:
+    """Return the last cell of a text that ends within it: with fewer digits than all above.
+
+    A program that was ended, or a disk that was full, cut the text anywhere.
+    """
+    if data.endswith((b"\n", b"\r")) or layout.encoding.startswith("utf-16"):
+        return ""
+    lines = data[-TAIL:].decode(layout.encoding, errors="replace").splitlines()[1:]
+    cells = [row[-1] for line in lines if (row := cells_of(line, layout.separator))]
+    if len(cells) <= ALIKE or not all(map(is_number, cells)):
+        return ""
+    *above, last = (_digits(cell, layout.decimal) for cell in cells)
+    least = [min(one[part] for one in above) for part in range(len(last))]
+    return cells[-1] if any(map(operator.gt, least, last)) else ""
+
+
+def _digits(cell: str, decimal: str) -> tuple[int, int]:
+    """Return how many digits a number has behind its mark, and in its exponent."""
+    mantissa, _, exponent = cell.casefold().partition("e")
+    return len(mantissa.partition(decimal)[2]), len(exponent.lstrip("+-"))
 
 
 def _check_names(

@@ -400,6 +400,7 @@ def guess_data(
         turning=turning,
         reasons=reasons,
         doubts=(
+            *frame.lost,
             *frame.remarks,
             *rates_doubt(frame, found),
             *([assumed] if assumed else []),

@@ -89,7 +89,7 @@ def read_labview(text: str) -> Table:
         decimal = "," if commas and separator == "\t" else "."
     kept = [one for one in segments if [*one.names] == [*segments[0].names]]
     tables = [_channels(one, separator, decimal) for one in kept]
-    remarks = [*_cut(kept)]
+    remarks, lost = [], (*_cut(kept),)
     if len(kept) < len(segments):
         other = dict.fromkeys(n for one in segments if one not in kept for n in one.names if n)
         remarks.append(
@@ -97,12 +97,12 @@ def read_labview(text: str) -> Table:
             f" ({joined([*map(shown, [*other][:8])])}) than the first, and are not read."
         )
     if len(tables) == 1:
-        return Table(data=tables[0], first_row=kept[0].line, remarks=(*remarks,))
+        return Table(data=tables[0], first_row=kept[0].line, remarks=(*remarks,), lost=lost)
     trials = [*_trials(tables)]
     if trials[-1] > 1:
         remarks.append(f"Times begin again in later segments: {trials[-1]} trials.")
         tables = [one.assign(**{TRIAL: n}) for one, n in zip(tables, trials, strict=True)]
-    return Table(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,))
+    return Table(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
 
 
 def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:

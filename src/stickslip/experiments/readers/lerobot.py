@@ -81,11 +81,11 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     for name in wanted:
         for column, values in _columns(path, name, features[name], data[name]):
             columns.setdefault(column, values)
-    remarks = (*how, *_remarks(info, columns, rows))
+    remarks = (*how, *_remarks(columns))
     if _largest(columns) > RADIANS and _is_in_steps(columns):
         angles = ("position.", "reference.")
         columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
-    return Table(data=pd.DataFrame(columns), remarks=remarks)
+    return Table(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
 
 
 def _info(path: Path) -> Mapping[str, Any]:
@@ -191,11 +191,15 @@ def _names(given: Any, size: int) -> list[str]:
     return [f"motor_{place}" for place in range(size)]
 
 
-def _remarks(info: Mapping[str, Any], columns: Mapping[str, Array], rows: int) -> Iterator[str]:
-    """Yield what a data set does not say."""
+def _lost(info: Mapping[str, Any], rows: int) -> Iterator[str]:
+    """Yield that a data set has other frames than it says."""
     total = info.get("total_frames")
     if isinstance(total, int) and total != rows:
         yield f"info.json tells of {count(total, 'frame')}, and the files have {rows:,}."
+
+
+def _remarks(columns: Mapping[str, Array]) -> Iterator[str]:
+    """Yield what a data set does not say."""
     largest = number(_largest(columns), 3)
     if _largest(columns) <= RADIANS:
         return

@@ -170,6 +170,7 @@ def guess_robot(
         delays=delays,
         reasons=reasons,
         doubts=(
+            *frame.lost,
             *frame.remarks,
             *rates_doubt(frame, columns),
             *doubts,

@@ -66,5 +66,5 @@ def read_serial(text: str) -> Table:
         raise InputError("has time stamps before its lines that are no times of day.")
     data.insert(0, TIME, times - times[0])
     lost = len(found) - len(rows) - bool(heads)
-    remarks = [f"{count(lost, 'line')} without {width} numbers are not read."] if lost else []
-    return Table(data=data, remarks=(*remarks,))
+    said = [f"{count(lost, 'line')} without {width} numbers are not read."] if lost else []
+    return Table(data=data, lost=(*said,))

@@ -17,8 +17,6 @@ from stickslip.units import shown
 
 TURN: Final = "4096 counts/rev"
 """Counts of an angle in both."""
-SIGN: Final = 2**15
-"""Numbers from which on a speed or a current of 16 bits has a sign that nobody has decoded."""
 ID: Final = "id"
 """Name of the column that says which servo was read."""
 

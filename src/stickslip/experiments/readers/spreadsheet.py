@@ -5,6 +5,7 @@ import io
 import zipfile
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
 from typing import Any, Final
@@ -63,7 +64,7 @@ def _first(path: Path, sheets: dict[str, str]) -> Table:
             table = dialect.read(text)
         elif found is not None:
             table = read_as(path, text.encode(), found.layout)
-        return Table(data=table.data, first_row=table.first_row, remarks=(*remarks, *table.remarks))
+        return replace(table, remarks=(*remarks, *table.remarks))
     listed = joined([*map(shown, sheets)])
     raise InputError(
         f"{path}: no sheet has a row of names above rows of numbers; the sheets are {listed}."

@@ -32,6 +32,8 @@ class Table:
     """Line of the first row in the file, or 1 where there are no lines."""
     remarks: tuple[str, ...] = ()
     """What was decided in reading and a user should know, one sentence each."""
+    lost: tuple[str, ...] = ()
+    """What the file says that it holds, or holds, and the table has not; one sentence each."""
 
 
 def numbered_twice(names: Sequence[str]) -> list[str]:

@@ -10,7 +10,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stickslip.errors import MOST_NUMBERS, InputError, ParameterError, UnknownNameError, check_size
+from stickslip.errors import (
+    MOST_NUMBERS,
+    InputError,
+    ParameterError,
+    UnknownNameError,
+    check_columns,
+    check_size,
+)
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
 from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, format_of
 from stickslip.experiments.readers.header_units import stated_unit, without_unit
@@ -64,6 +71,8 @@ class Frame:
     """Line of the first row in the file, or 1 where there are no lines."""
     remarks: tuple[str, ...] = ()
     """What the reader decided and a user should know."""
+    lost: tuple[str, ...] = ()
+    """What the file lacks."""
 
     def is_empty(self, name: str) -> bool:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
@@ -217,6 +226,7 @@ def read_frame(
         units=units,
         first_row=table.first_row,
         remarks=table.remarks,
+        lost=table.lost,
     )
 
 
@@ -228,12 +238,14 @@ def frame_of(
     units: Mapping[str, str],
     first_row: int = 1,
     remarks: Sequence[str] = (),
+    lost: Sequence[str] = (),
 ) -> Frame:
     """Find out what the columns of a table hold."""
     if data.empty:
         raise InputError(f"{file}: has no rows.")
+    check_columns(file, len(data.columns))
     found = _named(file, data, first_row, dict(_single(columns)), units)
-    return replace(found, remarks=tuple(remarks))
+    return replace(found, remarks=tuple(remarks), lost=tuple(lost))
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:

@@ -53,7 +53,7 @@ def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
             check_size(str(path), float(values), FEWER_CHANNELS)
             table = _chosen(path, groups, names)
             cut = file.file_status.incomplete_final_segment
-            return replace(table, remarks=(*table.remarks, *([CUT] if cut else [])))
+            return replace(table, lost=(CUT,) if cut else ())
     except InputError:
         raise
     except Exception as error:

@@ -152,7 +152,7 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
         for signal in _signals(used[name], one, stamped=stamped)
     ]
     return _Joined(file=file, signals=signals, names=names).table(
-        [*lost, *_clock_remarks(collected, stamped)]
+        _clock_remarks(collected, stamped), lost
     )
 
 
@@ -197,7 +197,7 @@ class _Joined:
     names: Collection[str]
     """Columns that were asked for by name."""
 
-    def table(self, remarks: Sequence[str]) -> Table:
+    def table(self, remarks: Sequence[str], lost: Sequence[str]) -> Table:
         """Return the table, its times those of most samples."""
         wanted = {one.column: one for one in self._measured()}
         if not wanted:
@@ -240,6 +240,7 @@ class _Joined:
         return Table(
             data=pd.DataFrame(data),
             remarks=(*remarks, *said, *self._told(data), *self._left(wanted)),
+            lost=tuple(lost),
         )
 
     def _measured(self) -> list[_Signal]:
