@@ -33,6 +33,10 @@ YOUNG = 10.0
 """Age up to which a folder for temporary files may not have its lock yet [s]."""
 NOT_XML = (expat.ExpatError, LookupError, ValueError)
 """What the parser raises; of encodings that are unknown, or of several bytes, not its own error."""
+DEEPEST = 200
+"""Elements of a model within each other at most."""
+MOST_ELEMENTS = 200_000
+"""Elements of a model at most."""
 PRIVATE = "stickslip-private-"
 """Beginning of the names of folders for temporary files."""
 LARGEST = 20_000_000
@@ -108,15 +112,35 @@ def of_files(files: Sequence[Path]) -> dict[str, str]:
 
 
 def check_xml(data: bytes, name: str) -> None:
-    """Refuse what is not well-formed XML, or declares entities, which may stand for any length."""
+    """Refuse what is not well-formed XML, or stands for more than its length.
+
+    Entities may stand for any length. Functions that call themselves go down elements within
+    elements, and an element takes a hundred times the memory of its tag.
+    """
     parser = expat.ParserCreate()
+    depth = elements = 0
 
     def refuse(*_: object) -> None:
         raise InputError(f"{name} declares entities, which models do not need: leave them out.")
 
+    def begin(*_: object) -> None:
+        nonlocal depth, elements
+        depth, elements = depth + 1, elements + 1
+        if depth > DEEPEST:
+            raise InputError(f"{name} has elements nested more than {DEEPEST} deep.")
+        if elements > MOST_ELEMENTS:
+            raise InputError(f"{name} has more than {MOST_ELEMENTS:,} elements.")
+
+    def finish(*_: object) -> None:
+        nonlocal depth
+        depth -= 1
+
+    parser.StartElementHandler, parser.EndElementHandler = begin, finish
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(data, True)
+    except InputError:
+        raise
     except NOT_XML as error:
         raise InputError(f"{name} is not XML: {error}.") from None
 

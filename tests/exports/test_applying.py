@@ -25,6 +25,7 @@ from stickslip import (
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
+from stickslip.exports.applying.mjcf import Mjcf
 from stickslip.exports.applying.running import SHARE
 from stickslip.exports.simplification import PolynomialFriction, simplified
 from stickslip.exports.subject import Subject
@@ -480,6 +481,84 @@ def test_a_model_that_mujoco_cannot_load_is_written_and_says_so(arm):
     (said,) = found.remarks
     assert said.startswith("The file was not run in MuJoCo: ")
     ElementTree.fromstring(found.content)
+
+
+GEOM = '<geom size=".1"/>'
+LARGE = {
+    "replicate": ("body", f'<replicate count="1e8" offset="1 0 0">{GEOM}</replicate>', "elements"),
+    "nested": (
+        "body",
+        f'<replicate count="1000"><replicate count="1000">{GEOM}</replicate></replicate>',
+        "elements exceed",
+    ),
+    "composite": ("body", '<composite type="cable" count="9999999 1 1" size="1"/>', "elements"),
+    "flexcomp": ("body", '<flexcomp name="f" type="grid" count="999 999 999"/>', "elements"),
+    "field": ("asset", '<hfield name="h" nrow="99999" ncol="99999" size="1 1 1 1"/>', "numbers"),
+    "numeric": ("custom", '<numeric name="n" size="999999999"/>', "numbers"),
+    "sensor": ("sensor", '<user name="u" dim="999999999"/>', "numbers"),
+    "user": ("size", "nuser_geom='999999999'", "nuser_geom"),
+    "memory": ("size", "memory='900G'", "bytes of memory"),
+    "step": ("option", "timestep='1e-12'", "time step of 1e-12 s"),
+    "iterations": ("option", "iterations='999999999'", "iterations"),
+    "device": ("asset", '<mesh name="m" file="/dev/zero"/>', "inf bytes"),
+    "model": ("asset", '<model name="m" file="arm.xml"/>', "models within the model"),
+}
+
+
+@pytest.mark.parametrize("kind", LARGE)
+def test_a_model_that_takes_all_memory_or_time_is_not_run(arm, kind):
+    mujoco_or_skip()
+    where, text, said = LARGE[kind]
+    if where in ("size", "option"):
+        text = f"<{where} {text}/>"
+        changed = re.sub("<option[^>]*>", "", ARM) if where == "option" else ARM
+    else:
+        inner = f"<body>{text}</body>" if where == "body" else text
+        where = "worldbody" if where == "body" else where
+        text, changed = f"<{where}>{inner}</{where}>", ARM
+    arm.write_text(changed.replace("</mujoco>", f"{text}</mujoco>"))
+    found = written(LAW, arm, "elbow", run=True)
+    (remark,) = found.remarks
+    assert remark.startswith("The file was not run in MuJoCo: ")
+    assert said in remark
+    assert "exceed the limit" in remark
+
+
+def test_textures_take_no_memory_because_no_motion_depends_on_them(arm):
+    mujoco_or_skip()
+    huge = '<texture name="t" type="2d" builtin="flat" width="99999" height="99999"/>'
+    text = ARM.replace(
+        "</mujoco>", f'<asset>{huge}<material name="m" texture="t"/></asset></mujoco>'
+    )
+    arm.write_text(text.replace('<geom size="0.03"', '<geom material="m" size="0.03"'))
+    found = written(LAW, arm, "elbow", run=True)
+    assert found.joints[0].motions
+    assert huge.encode() in found.content
+
+
+def test_a_model_that_includes_itself_is_read_once(arm):
+    other = arm.parent / "other.xml"
+    include = '<include file="{}"/>'
+    other.write_text(
+        f"<mujoco>{include.format('arm.xml') * 9}{include.format('other.xml') * 9}</mujoco>"
+    )
+    arm.write_text(ARM.replace("</mujoco>", include.format("other.xml") * 9 + "</mujoco>"))
+    assert b"frictionloss" in written(LAW, arm, "elbow").content
+    assert [part.path.name for part in Mjcf(arm, arm.read_bytes()).included()] == ["other.xml"]
+
+
+@pytest.mark.parametrize("kind", ["mjcf", "urdf", "many"])
+def test_elements_within_elements_without_end_are_refused(tmp_path, kind):
+    path = tmp_path / "deep.xml"
+    root, tag = ("robot", "link") if kind == "urdf" else ("mujoco", "body")
+    inner = "<a/>" * 200_001 if kind == "many" else f"<{tag}>" * 1000 + f"</{tag}>" * 1000
+    path.write_text(f"<{root}>{inner}</{root}>")
+    message = "more than 200,000 elements" if kind == "many" else "nested more than 200 deep"
+    with pytest.raises(InputError, match=message):
+        written(LAW, path, "elbow")
+    if kind == "urdf":
+        with pytest.raises(InputError, match=message):
+            read_urdf(path)
 
 
 def test_what_adds_to_the_damping_of_a_joint_is_named(arm):

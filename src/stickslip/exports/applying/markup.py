@@ -14,7 +14,7 @@ from stickslip.exports.applying.edits import Edit
 
 HEAD: Final = 100_000
 """Bytes at the beginning of a file within which its first element is sought."""
-ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+ATTRIBUTE: Final = re.compile(rb"""(?<!\s)\s++([^\s=/>]++)\s*+=\s*+("[^"]*"|'[^']*')""")
 
 
 @dataclass(eq=False)

@@ -1,6 +1,6 @@
 """Models for MuJoCo (MJCF)."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Final, final
@@ -17,8 +17,8 @@ from stickslip.exports.joints import SOFT
 HARD: Final = "0.9999 0.9999 0.001"
 """Impedance of MuJoCo's friction constraint, the largest that it has: links of robots are light,
 and the creep of a loaded joint is in proportion to its inverse inertia."""
-DEEPEST: Final = 8
-"""Files that include each other, one within the other."""
+MOST_PARTS: Final = 100
+"""Files that a model includes, one within the other or side by side."""
 HOLDS_JOINTS: Final = ("body", "frame", "replicate", "worldbody", "mujocoinclude")
 """Elements of MJCF whose child <joint> is a joint; others have defaults and references."""
 WRITTEN: Final = (
@@ -136,7 +136,11 @@ class Mjcf(JointModel):
 
     def parts(self) -> Iterator[tuple[str, Markup]]:
         """Yield the files that are included, each behind those that it includes, by their names."""
-        yield from _parts(self.path.parent, self.markup)
+        yield from _parts(self.path.parent, self.markup, {self.path.resolve()})
+
+    @override
+    def included(self) -> Sequence[Markup]:
+        return [part for _, part in self.parts()]
 
     @override
     def elsewhere(self, name: str) -> str:
@@ -158,8 +162,9 @@ class Mjcf(JointModel):
         yield self.markup.root
 
 
-def _parts(main: Path, markup: Markup, depth: int = DEEPEST) -> Iterator[tuple[str, Markup]]:
-    for tag in markup.root.walk() if depth else ():
+def _parts(main: Path, markup: Markup, read: set[Path]) -> Iterator[tuple[str, Markup]]:
+    """Yield what a file includes, each once: MuJoCo takes no file twice, nor one within itself."""
+    for tag in markup.root.walk():
         name = tag.attributes.get("file", "")
         if tag.name != "include" or not name:
             continue
@@ -169,11 +174,14 @@ def _parts(main: Path, markup: Markup, depth: int = DEEPEST) -> Iterator[tuple[s
         )
         if path is None:
             continue  # MuJoCo says what it misses
+        if path.resolve() in read or len(read) > MOST_PARTS:
+            continue
+        read.add(path.resolve())
         try:
             part = markup_of(path, read_bytes(path))
         except InputError:
             continue
-        yield from _parts(main, part, depth - 1)
+        yield from _parts(main, part, read)
         yield name, part
 
 

@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, nearest
 from stickslip.exports.applying.edits import Edit, edited
+from stickslip.exports.applying.markup import Markup
 from stickslip.exports.simplification import Compared, PolynomialFriction, Simplified, simplified
 from stickslip.exports.subject import Subject
 from stickslip.formatting import percent, quantity
@@ -144,6 +145,10 @@ class Model(ABC):
     def elsewhere(self, name: str) -> str:  # noqa: ARG002  # most files stand alone
         """Return where else a joint of a name is, in a sentence; empty if that is not known."""
         return ""
+
+    def included(self) -> Sequence[Markup]:
+        """Return the files of XML that the file includes."""
+        return ()
 
     def remarks(self) -> Sequence[str]:
         """Return what users of the file have to know, in sentences."""

@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 from stickslip.described import Described
 from stickslip.drives import Drive, PiecewiseLinear, Sine
 from stickslip.errors import StickslipError
+from stickslip.exports.applying.markup import markup_of
 from stickslip.exports.applying.mjcf import HARD, Mjcf
 from stickslip.exports.applying.models import SHARE, Model
+from stickslip.exports.applying.urdf import Urdf
+from stickslip.exports.applying.workload import check_steps, check_workload
 from stickslip.exports.joints import SOFT, TIMESTEP
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
@@ -124,6 +127,8 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
     if isinstance(model, Mjcf) and model.markup.root.name == "mujocoinclude":
         return None, "The file is a part of a model, so it was not run in MuJoCo."
     try:
+        if isinstance(model, Mjcf | Urdf):
+            check_workload([markup_of(model.path, content), *model.included()])
         spec = _spec(mujoco, model, content)
         models = [("", spec.compile())]
         if not isinstance(model, Mjcf):
@@ -132,6 +137,8 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
                 its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
             spec.option.timestep = TIMESTEP
             models.append(("stiff", spec.compile()))
+        for _, one in models:
+            check_steps(model.path, LONGEST, float(one.opt.timestep))
     except (ValueError, KeyError, mujoco.FatalError) as error:
         return None, not_run(error)
     return Compiled(mujoco=mujoco, models=tuple(models)), ""
@@ -166,13 +173,23 @@ def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
         parts = {name: part.data for name, part in model.parts()}
         spec = mujoco.MjSpec.from_string(content.decode(), include=parts or None)
         spec.modelfiledir = str(model.path.resolve().parent)
-        return spec
+        return _unpainted(spec)
     root = ElementTree.fromstring(content)
     for link in root.iter("link"):
         for shape in [one for one in link if one.tag in ("visual", "collision")]:
             link.remove(shape)
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.compiler.balanceinertia = True  # moments of inertia of a file are rounded
+    return _unpainted(spec)
+
+
+def _unpainted(spec: Any) -> Any:
+    """Return a model without textures and skins: they take memory, and no part in a motion."""
+    for material in spec.materials:
+        for place in range(len(material.textures)):
+            material.textures[place] = ""
+    for one in [*spec.textures, *spec.skins]:
+        spec.delete(one)
     return spec
 
 
