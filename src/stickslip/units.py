@@ -17,7 +17,7 @@ _NAME = r"[^\W\d_%°⁻¹²³]+"
 _FACTOR = rf"{_NAME}(?:\^?[-−]?\d|[⁻¹²³]+)?|%|°"
 # The grammar is closed, so that no text can make the unit library compute powers of powers.
 _UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·⋅/]\s*|\s+)(?:{_FACTOR}))*"
-NUMBER_WITH_UNIT: Final = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
+_NUMBER_WITH_UNIT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
 
 LONGEST: Final = 100
 """Characters of a number with its unit at most."""
@@ -148,6 +148,19 @@ def is_pint(value: object) -> bool:
     return hasattr(value, "magnitude") and hasattr(value, "to_base_units")
 
 
+def split_number(value: object) -> re.Match[str] | None:
+    """Return the number and the unit of a text, in groups of these names; None of all else.
+
+    Examples
+    --------
+    >>> split_number("35 mm").groups(), split_number("a lot")
+    (('35', 'mm'), None)
+    """
+    if not isinstance(value, str) or len(value) > LONGEST:
+        return None
+    return _NUMBER_WITH_UNIT.fullmatch(value)
+
+
 def pint_magnitude(value: Any, target: str) -> Any:
     """Return what a quantity of the unit library holds, in another unit.
 
@@ -195,7 +208,7 @@ def number_in(value: Any, unit: str) -> float:
         if not isinstance(held, float):
             raise ParameterError(f"must be one number, got {shown(str(value))}")
         return held
-    found = NUMBER_WITH_UNIT.fullmatch(value) if len(value) <= LONGEST else None
+    found = split_number(value)
     example = "10 %" if unit == "1" else f"1 {unit}"
     if found is None:
         raise ParameterError(

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.errors import ParameterError
 from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
-from stickslip.units import LONGEST, NUMBER_WITH_UNIT, exact_factor, factor, is_of, number_in, shown
+from stickslip.units import exact_factor, factor, is_of, number_in, shown, split_number
 
 LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
@@ -67,7 +67,7 @@ def _size(value: Any) -> float:
 
 def _wanted(quantity: Quantity, given: object, value: float) -> str:
     """Return the allowed values beside one [SI] that is not, in the unit in which it was given."""
-    match = NUMBER_WITH_UNIT.fullmatch(given) if isinstance(given, str) else None
+    match = split_number(given)
     unit = match["unit"] if match else None
     if unit is None or unit == quantity.unit:
         return quantity.wanted(value)
@@ -126,7 +126,7 @@ def _no_number(value: object, quantity: Quantity) -> str:
 
 
 def _from_text(text: str, quantity: Quantity) -> float:
-    match = NUMBER_WITH_UNIT.fullmatch(text) if len(text) <= LONGEST else None
+    match = split_number(text)
     if match is None:
         raise ParameterError(_no_number(text, quantity))
     try:
@@ -143,7 +143,7 @@ def read_gain(value: object) -> float | str:
     >>> read_gain(35.15), read_gain("-1"), read_gain("0.3 N m/A")
     (35.15, -1.0, '0.3 N m/A')
     """
-    found = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
+    found = split_number(value)
     unit = found["unit"] if found else None
     if found is None or unit is None or unit == "%" or is_of(unit, "1"):
         return read_number(value, Quantity("g"))

@@ -40,7 +40,7 @@ TAIL: Final = 4096
 """Bytes at the end of a file among whose numbers a last one that is cut stands out."""
 LEAST_CODE: Final = 32
 SEPARATORS: Final = ",;\t"
-_NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
+_NUMBER: Final = re.compile(r"\s*+[+-]?(\d++(?:[.,]\d*+)?|[.,]\d++)([eE][+-]?\d++)?\s*+")
 _GROUPED: Final = re.compile(
     r"""\s*[+-]?\d{1,3}(?:
         (?P<mark>[.'\ \u2019\u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:(?!(?P=mark))[.,]\d+)?
@@ -132,6 +132,7 @@ def _parsed(
     cells = [row[len(own) :] for row in rows]
     if not any(cell for more in cells for cell in more):
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
+    check_columns(str(path), len(own))
     above = layout.preface + 1 + layout.units_row
     check_size(str(path), len(own) * data.count(b"\n"), FEWER_COLUMNS)
     try:

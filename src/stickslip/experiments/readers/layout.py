@@ -33,10 +33,10 @@ _NUMBER: Final = re.compile(
 )
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _THOUSANDS: Final = (
-    (",", re.compile(rf"\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*,\d")),
-    (".", re.compile(rf"\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*\.\d")),
+    (",", re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d")),
+    (".", re.compile(rf"(?<![,{_BLANKS}]\d\d)\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+\.\d")),
 )
-"""By decimal mark: a number that has both this and a mark between thousands."""
+"""By decimal mark: a number that has both this and a mark between thousands, from its first one."""
 
 
 @final

@@ -46,7 +46,9 @@ TURNING: Final[Mapping[str, str]] = {
 
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
-_HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+_HEADER = re.compile(r"(?P<name>[^\[\]]*+)(?:\[(?P<unit>[^\[\]]*+)\])?+")
+LONGEST_NAME: Final = 500
+"""Characters of the name of a column at most: what is sought in names takes the square of them."""
 
 
 _PART_OF_STAMP = re.compile(
@@ -244,6 +246,12 @@ def frame_of(
     if data.empty:
         raise InputError(f"{file}: has no rows.")
     check_columns(file, len(data.columns))
+    longest = max(map(str, data.columns), key=len, default="")
+    if len(longest) > LONGEST_NAME:
+        raise InputError(
+            f"{file}: the name of a column, {shown(longest)}, has {len(longest):,} characters; it"
+            f" may have {LONGEST_NAME}."
+        )
     found = _named(file, data, first_row, dict(_single(columns)), units)
     return replace(found, remarks=tuple(remarks), lost=tuple(lost))
 
@@ -315,8 +323,8 @@ def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, s
     names: dict[str, str] = {}
     found_units: dict[str, str | None] = {}
     for header in map(str, data.columns):
-        match = _HEADER.fullmatch(header)
-        name, unit = (match["name"], match["unit"]) if match else (header, None)
+        match = _HEADER.fullmatch(header.strip())
+        name, unit = (match["name"].rstrip(), match["unit"]) if match else (header, None)
         if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
             name, unit = header, None
         if name in names:

@@ -54,7 +54,10 @@ def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
 
     if pd.api.types.is_datetime64_any_dtype(column.dtype):
         return _since_first(column)
-    texts = column.astype("string").str.strip()
+    try:
+        texts = column.astype("string").str.strip()
+    except UnicodeEncodeError:  # halves of characters
+        return None
     there = texts.dropna()
     found = _STAMP.fullmatch(there.iloc[0]) if len(there) else None
     if found is None:
@@ -75,7 +78,7 @@ def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
 
 def _alike(texts: "pd.Series[Any]") -> "pd.Series[Any]":
     """Return stamps with a point and a fraction behind their seconds, and one blank between."""
-    texts = texts.str.replace(r"[T\s,]+(?=\d{1,2}:)", " ", regex=True)
+    texts = texts.str.replace(r"(?<![T\s,])[T\s,]++(?=\d{1,2}:)", " ", regex=True)
     texts = texts.str.replace(r"(:\d{2}),(?=\d)", r"\1.", regex=True)
     return texts.str.replace(r"(:\d{2}:\d{2})(?![.\d:])", r"\1.0", regex=True)
 

@@ -25,8 +25,8 @@ FIRST: Final = "t"
 """The column that Tracker writes first."""
 _BLOCKS: Final = "#kinovea trajectory"
 _STAMP: Final = re.compile(
-    r"\s*(?:(?P<hours>\d+):(?P<minutes>\d\d):(?P<seconds>\d\d)(?:[.,:](?P<part>\d+))?"
-    r"|(?P<m>\d+):(?P<s>\d\d)[.,](?P<rest>\d+))\s*"
+    r"\s*(?:(?P<hours>\d{1,9}):(?P<minutes>\d\d):(?P<seconds>\d\d)(?:[.,:](?P<part>\d+))?"
+    r"|(?P<m>\d{1,9}):(?P<s>\d\d)[.,](?P<rest>\d+))\s*"
 )
 _UNIT: Final = re.compile(r"(?P<name>.*\S)\s*\((?P<unit>[^()]+)\)\s*")
 

@@ -22,7 +22,7 @@ from stickslip.errors import ParameterError
 from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.mechanisms import LOOPS, MOTORS, DCMotor, Mechanism, Motor, MotorLoop
 from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.units import NUMBER_WITH_UNIT, shown
+from stickslip.units import LONGEST, shown, split_number
 
 ITS_TABLE = "{table}"
 """Stands in messages for the table of a value, as the file calls it."""
@@ -67,7 +67,8 @@ class Number:
             return self._number(value)
         marked: object = False
         doubt: object = None
-        pair = PLUS_MINUS.fullmatch(value) if self.measured and isinstance(value, str) else None
+        read = self.measured and isinstance(value, str) and len(value) <= 2 * LONGEST
+        pair = PLUS_MINUS.fullmatch(value) if read else None
         if pair is not None:
             value = _with_one_unit(pair["value"], pair["doubt"])
         if isinstance(value, dict):
@@ -172,7 +173,7 @@ def _reads(value: object, quantity: Quantity) -> bool:
 def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
     """Return the two numbers of ``100 +- 2 g``; one without a unit has that of the other."""
     texts = {"value": value, UNCERTAINTY: doubt}
-    found = {key: NUMBER_WITH_UNIT.fullmatch(text) for key, text in texts.items()}
+    found = {key: split_number(text) for key, text in texts.items()}
     units = {key: one["unit"] if one else None for key, one in found.items()}
     shared = units["value"] or units[UNCERTAINTY]
     if not shared and all(found.values()):

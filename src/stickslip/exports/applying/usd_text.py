@@ -16,7 +16,7 @@ TOKEN: Final = re.compile(
              | "(?:\\.|[^"\\\r\n])*" | '(?:\\.|[^'\\\r\n])*')
     | (?P<path>@@@.*?@@@ | @[^@\r\n]*@ | <[^>\r\n]*>)
     | (?P<mark>[(){}\[\]=;,])
-    | (?P<word>[^\s(){}\[\]=;,"'@<#]+)
+    | (?P<word>(?!/\*)[^\s(){}\[\]=;,"'@<#]+)
     """,
     re.VERBOSE | re.DOTALL,
 )
@@ -188,9 +188,12 @@ def _closes(path: Path, data: bytes, tokens: Sequence[Token]) -> dict[int, int]:
 
 
 def _prims(data: bytes, tokens: Sequence[Token], closes: Mapping[int, int]) -> Iterator[Prim]:
+    counted, lines = 0, 1
     for i, one in enumerate(tokens):
         if one.kind != "word" or one.data not in SPECIFIERS:
             continue
+        lines += data.count(b"\n", counted, one.start)
+        counted = one.start
         at = i + 1 if _kind(tokens, i + 1) == "text" else i + 2
         if _kind(tokens, at) != "text":
             continue
@@ -202,7 +205,7 @@ def _prims(data: bytes, tokens: Sequence[Token], closes: Mapping[int, int]) -> I
         yield Prim(
             name=tokens[at].text[1:-1],
             kind=tokens[i + 1].text if at == i + 2 else "",
-            line=data.count(b"\n", 0, one.start) + 1,
+            line=lines,
             named=tokens[at].end,
             body=tokens[body].end,
             head=inner,

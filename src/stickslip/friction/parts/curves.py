@@ -11,6 +11,7 @@ from typing import Annotated, final
 
 from typing_extensions import Doc, override
 
+from stickslip.documents import open_regular
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction.parts.base import Extra, Part, Slip, Values
 from stickslip.maths import Scalar, where
@@ -169,8 +170,8 @@ def _read(name: str) -> list[tuple[float, float]]:
     """Return the points of a file: speeds and levels, with a line of names and units or without."""
     said = f"the curve {name!r} of a table"
     try:
-        with Path(name).open(encoding="utf-8-sig") as file:
-            text = file.read(LARGEST + 1)
+        with open_regular(Path(name)) as file:
+            text = file.read(LARGEST + 1).decode("utf-8-sig")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise InputError(f"{said} cannot be read: {reason}.") from None
@@ -199,10 +200,10 @@ def _read(name: str) -> list[tuple[float, float]]:
 
 def _scales(header: str, said: str) -> tuple[float, float]:
     """Return the factors of both columns to SI, from units in square brackets."""
-    cells = re.split(r"\s*[;,\t]\s*|(?<=\])\s+(?=\w)", header)
+    cells = re.split(r"[;,\t]|(?<=\])\s+(?=\w)", header)
     found = []
     for cell, allowed in zip(cells, (SPEEDS, LEVELS), strict=False):
-        named = re.search(r"\[([^\]]*)\]", cell)
+        named = re.search(r"\[([^\[\]]*+)\]", cell)
         unit = named[1].strip() if named else allowed[0]
         unit = "1" if unit == "-" else unit
         try:
