@@ -18,8 +18,9 @@ import tempfile
 import threading
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from io import BufferedReader
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 from xml.parsers import expat
 
 from stickslip.errors import InputError
@@ -45,7 +46,7 @@ UNFINISHED = re.compile(r"\.(.+)\.tmp-[0-9a-f]{8}", re.DOTALL)
 """Name of a file while it is written."""
 
 
-def open_regular(path: Path) -> BinaryIO:
+def open_regular(path: Path) -> BufferedReader:
     """Open a file for reading; fail, and do not wait, where it is a pipe or a device."""
 
     def opener(name: str, flags: int) -> int:

@@ -553,7 +553,7 @@ class _Ledger:
 
     def __init__(self, folder: Path, campaign: Campaign, *, replace: bool) -> None:
         self.folder = folder
-        self.head = {
+        self.head: dict[str, Any] = {
             "campaign": campaign.digest,
             "design": campaign.design,
             "seed": campaign.seed,

@@ -37,7 +37,7 @@ def _zstd(stream: BinaryIO) -> Any:
 
 
 def _lz4(stream: BinaryIO) -> Any:
-    import lz4.frame
+    import lz4.frame  # type: ignore[import-untyped]
 
     return lz4.frame.LZ4FrameFile(stream)
 

@@ -66,7 +66,8 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     parts = sorted(path.parent.parent.glob(EPISODES))
     if not parts:
         raise InputError(f"{path}: there is no file {EPISODES} beside the folder of it.")
-    tables, size = [], 0.0
+    tables: list[dict[str, Array]] = []
+    size = 0.0
     for part in parts:
         own, numbers = _part(part, ["episode_index", "frame_index", "timestamp", *wanted])
         tables, size = [*tables, own], size + numbers

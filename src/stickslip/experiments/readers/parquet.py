@@ -56,7 +56,7 @@ def check_parquet(path: str, file: Any, names: Collection[str] = ()) -> float:
             if not names or any(f"{name}.".startswith(f"{one}.") for one in names):
                 size += max(column.num_values, column.total_uncompressed_size / 8)
     width = len(names) or footer.num_columns
-    size = max(size, footer.num_rows * width)
+    size = max(size, float(footer.num_rows * width))
     check_size(path, size, "split the file")
     return size
 
