@@ -1,7 +1,9 @@
 """Tables and commands as the command line writes them."""
 
 import io
+import os
 import shlex
+import subprocess
 import sys
 
 import pytest
@@ -48,3 +50,16 @@ def test_the_command_can_be_pasted_into_a_shell(monkeypatch):
     arguments = ["select", "my rig.toml", "-o", "emps a", "--set", "title=it's"]
     monkeypatch.setattr(sys, "argv", ["/somewhere/stickslip", *arguments])
     assert shlex.split(command_line()) == ["stickslip", *arguments]
+
+
+@pytest.mark.parametrize("setting", ["PYTHONIOENCODING=ascii", "PYTHONIOENCODING=latin-1"])
+def test_output_is_written_in_any_encoding(tmp_path, setting):
+    rows = [f"{k / 100},{k % 7 * 1e-6}" for k in range(100)]
+    (tmp_path / "a.csv").write_text("\n".join(["time,position", *rows]) + "\n")
+    name, _, value = setting.partition("=")
+    command = [sys.executable, "-m", "stickslip", "check", str(tmp_path / "a.csv")]
+    done = subprocess.run(
+        command, capture_output=True, env=os.environ | {name: value}, check=False, timeout=120
+    )
+    assert b"Traceback" not in done.stderr
+    assert b"100 samples" in done.stdout

@@ -1,6 +1,7 @@
 """The command line: reads input, calls one public function, shows the result."""
 
 import contextlib
+import io
 import logging
 import os
 import sys
@@ -30,6 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     for name in ONE_THREAD:  # before NumPy is imported, and for worker processes
         os.environ.setdefault(name, "1")
+    for stream in (sys.stdout, sys.stderr):  # whose encoding may have neither µ nor ± nor halves
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         from stickslip.cli.app import app
 
