@@ -18,6 +18,9 @@ from stickslip.documents import open_regular
 from stickslip.errors import MOST_NUMBERS, check_size
 
 CURE: Final = "split it, or keep fewer topics"
+IN_A_PIECE: Final = "expanded bytes in a piece"
+WRONG_INDEX: Final = "its index does not fit its chunks"
+CUT: Final = "a record is longer than the file"
 LARGEST: Final = 2**28
 """Bytes that one piece becomes at most, which is then in memory; writers make some megabytes."""
 RATIO: Final = 100
@@ -62,7 +65,7 @@ class Expansion:
         own, opened = 0, METHODS[method](stream)
         while block := opened.read(BLOCK):
             own, self.total = own + len(block), self.total + len(block)
-            check_size(self.file, own, CURE, unit="expanded bytes in a piece", most=largest)
+            check_size(self.file, own, CURE, unit=IN_A_PIECE, most=largest)
             check_size(self.file, self.total, CURE, unit="expanded bytes", most=self.most)
             yield block
 
@@ -76,7 +79,7 @@ class Expansion:
 
     def check_piece(self, data: bytes, method: str, said: int) -> None:
         """Refuse a piece that becomes too large, or of another size than the file says."""
-        check_size(self.file, said, CURE, unit="expanded bytes in a piece", most=LARGEST)
+        check_size(self.file, said, CURE, unit=IN_A_PIECE, most=LARGEST)
         if method in METHODS and self.size(data, method) != said:
             raise ValueError("a compressed chunk has another size than it says")
 
@@ -97,9 +100,7 @@ def check_mcap(path: Path) -> None:
                 begins.add(place)
             if kind == 6:  # chunk
                 chunks[place] = piece = _sizes(file.read(min(size, 100)), "<16xQ4x", "<Q")
-                check_size(
-                    str(path), piece[0], CURE, unit="expanded bytes in a piece", most=LARGEST
-                )
+                check_size(str(path), piece[0], CURE, unit=IN_A_PIECE, most=LARGEST)
                 file.seek(place + 9 + 40 + len(piece[1].encode()))
                 found.check_piece(file.read(piece[2]), piece[1], piece[0])
             elif kind == 8:  # index of a chunk
@@ -110,7 +111,7 @@ def check_mcap(path: Path) -> None:
                 compressed, original = struct.unpack_from("<QQ", rest)
                 indexed.append((offsets[0], (original, method, compressed)))
     if summary not in begins or any(chunks.get(place) != piece for place, piece in indexed):
-        raise ValueError("its index does not fit its chunks")
+        raise ValueError(WRONG_INDEX)
 
 
 def _records(file: BinaryIO, place: int, end: int) -> Iterator[tuple[int, int, int]]:
@@ -119,7 +120,7 @@ def _records(file: BinaryIO, place: int, end: int) -> Iterator[tuple[int, int, i
         file.seek(place)
         kind, size = struct.unpack("<BQ", file.read(9))
         if place + 9 + size > end:
-            raise ValueError("a record is longer than the file")
+            raise ValueError(CUT)
         yield place, kind, size
         place += 9 + size
 
@@ -163,14 +164,14 @@ def check_ros1(path: Path) -> None:
                 begins.add(place)
             _ros1_block(file, end, end)
     if not indexed <= chunks or (index and chunks and index not in begins):
-        raise ValueError("its index does not fit its chunks")
+        raise ValueError(WRONG_INDEX)
 
 
 def _ros1_block(file: BinaryIO, end: int, most: int) -> bytes:
     """Return the bytes behind their length."""
     (size,) = struct.unpack("<I", file.read(4))
     if size > most or file.tell() + size > end:
-        raise ValueError("a record is longer than the file")
+        raise ValueError(CUT)
     return file.read(size)
 
 

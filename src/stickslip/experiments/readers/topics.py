@@ -30,6 +30,7 @@ COMMANDED: Final = re.compile(
     r"(^|[/_])(cmd|commands?|commanded|desired|targets?|goals?|ref)([/_]|$)"
 )
 """Names of topics whose joint states are wanted and not measured."""
+CURE: Final = "split the log, or keep fewer topics"
 LONGEST: Final = 64
 """Elements up to which an array in a message has a column each."""
 HOLE: Final = 3.0
@@ -81,9 +82,8 @@ class _Collected:
     def check(self, file: str, topic: str) -> None:
         """Refuse more than memory holds, as of messages each of which has names of its own."""
         check_columns(f"{file}: {topic}", len(self.names))
-        cure = "split the log, or keep fewer topics"
-        check_size(file, max(8.0 * len(self.logged), self.numbers), cure)
-        check_size(file, float(len(self.names)) * len(self.logged), cure)
+        check_size(file, max(8.0 * len(self.logged), self.numbers), CURE)
+        check_size(file, float(len(self.names)) * len(self.logged), CURE)
 
     def add(
         self, logged: int, message: Any, columns: Sequence[str], values: Sequence[float]
@@ -135,7 +135,7 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
     if not used:
         raise InputError(f"{file}: {_nothing(log.topics)}")
     total = sum(one.messages for one in used.values())
-    check_size(file, 8.0 * total, "split the log, or keep fewer topics")
+    check_size(file, 8.0 * total, CURE)
     collected = {name: _Collected() for name in used}
     for name, logged, message in log.messages(list(used)):
         columns, values = _numbers(used[name], message, file, len(collected[name].logged))
