@@ -275,10 +275,9 @@ def _one(unit: str) -> Any:
     registry = _registry()
     if unit == "1":
         return registry.Quantity(Decimal(1), "")
-    if len(unit) > LONGEST:
-        raise ParameterError(f"has an unreadable unit {shown(unit)}")
-    unit = _DOTTED.sub("*", unit)
-    if re.fullmatch(_UNIT, unit) is None:
+    # a long text is not searched, which takes a time that grows with the square of its length
+    unit = unit if len(unit) > LONGEST else _DOTTED.sub("*", unit)
+    if len(unit) > LONGEST or re.fullmatch(_UNIT, unit) is None:
         raise ParameterError(f"has an unreadable unit {shown(unit)}")
     try:
         # To the unit library px is that of web pages, which has a length.

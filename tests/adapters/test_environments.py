@@ -232,7 +232,9 @@ def test_a_cart_that_lifts_off_ends_its_episode_there():
 
 
 def test_a_start_beyond_a_hard_stop_is_refused():
-    inside = dataclasses.replace(CAPSULE.mechanism, lower_stop=-0.01, upper_stop=0.01)
+    inside = dataclasses.replace(
+        CAPSULE.mechanism, lower_stop=-0.01, upper_stop=0.01, restitution=0.6
+    )
     env = MotorEnvironment(dataclasses.replace(CAPSULE, mechanism=inside))
     with pytest.raises(InputError, match="upper stop"):
         env.reset(options={"state": {"xi": 0.015}})

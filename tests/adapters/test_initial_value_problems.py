@@ -224,7 +224,7 @@ def test_bristles_have_the_unit_of_a_length():
     [
         ((Axis(inertia=1.0), PrintedCoulomb(kinetic_coefficient=0.2), 1.0), "FixedStep"),
         ((Axis(inertia=1.0), COULOMB, math.nan), "t_end"),
-        ((Axis(inertia=1.0), "coulomb", 1.0), "law"),
+        ((Axis(inertia=1.0), "colomb", 1.0), "Did you mean 'coulomb'"),
     ],
 )
 def test_what_has_no_such_problem_is_refused(arguments, words):

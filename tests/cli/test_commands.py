@@ -376,7 +376,10 @@ BAD = [
         "names no parameter of printed-7, which has kinetic_coefficient",
     ),
     (["paper", str(CART)], "needs a spring-block with its travel"),
-    (["paper", "--set", "mas=3"], "unknown parameter 'mas'. Known: cart.ball_mass, cart.cart_mass"),
+    (
+        ["paper", "--set", "mas=3"],
+        "unknown parameter 'mas'. Known: cart.ball_mass (m), cart.cart_mass (M)",
+    ),
     (["paper", "--set", "cart_mass=-1"], "--set cart_mass (M) must be above 0 kg, got -1"),
     (["simulate", "demo", "--t-end", "0"], "above 0 s"),
     (["simulate", "demo", "--t-end", "nan"], "t_end"),

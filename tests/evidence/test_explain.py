@@ -65,7 +65,7 @@ def test_the_structure_of_an_axis_is_found_and_nothing_is_accused(name):
         pytest.param("f_spr2", "spring", 0.5, marks=pytest.mark.slow),
         pytest.param("f_dri1", "drift", 0.3, marks=pytest.mark.slow),
         pytest.param("f_sat2", "saturation", 1.8, marks=pytest.mark.slow),
-        ("f_delay2", "delay", 0.012),
+        pytest.param("f_delay2", "delay", 0.012, marks=pytest.mark.slow),
     ],
 )
 def test_a_fault_is_named_with_its_size(name, kind, value):

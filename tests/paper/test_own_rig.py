@@ -122,6 +122,7 @@ compression = 0.06
 )
 
 
+@pytest.mark.slow
 def test_a_viscous_part_that_the_travels_bound_is_not_assumed(tmp_path):
     (tmp_path / "own.toml").write_text(THREE)
     rig = load_rig(tmp_path / "own.toml")

@@ -176,7 +176,7 @@ def test_presliding_that_may_be_a_late_channel_is_one_finding_without_a_wrong_si
 @pytest.mark.parametrize(
     ("number", "seed", "kind"),
     [
-        (8, 9443, "lag"),
+        pytest.param(8, 9443, "lag", marks=pytest.mark.slow),
         pytest.param(8, 971, "late or elastic", marks=pytest.mark.slow),
         pytest.param(2, 9450, "delay or presliding", marks=pytest.mark.slow),
     ],

@@ -141,6 +141,8 @@ def test_back_slip_is_motion_against_the_travel_whichever_way_that_goes():
     assert back.travel == pytest.approx(-there.travel, rel=1e-6)
     # mirrored equations round alike, but for the events
     assert back.back_slip == pytest.approx(there.back_slip, rel=1e-6)
+    assert there.backward == there.back_slip
+    assert back.backward == pytest.approx(there.back_slip + there.travel, rel=1e-6)
     assert mirrored.largest_return == pytest.approx(whole.largest_return, rel=1e-6)
     assert not mirrored.displacement_never_decreases
 

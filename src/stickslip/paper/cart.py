@@ -64,8 +64,8 @@ class CartRun:
 
     @property
     def returns(self) -> tuple[float, ...]:
-        """Back-slip of each cycle [m]."""
-        return tuple(cycle.back_slip for cycle in self.cycles)
+        """Way against the direction in which the paper drives the cart, of each cycle [m]."""
+        return tuple(cycle.backward for cycle in self.cycles)
 
     @property
     def least_velocities(self) -> tuple[float, ...]:

@@ -83,7 +83,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
                 rests=bool(block["v"][-1] == 0.0),
                 cart_travel=sum(one.travel for one in cycles),
-                cart_back_slip=sum(one.back_slip for one in cycles) / len(cycles),
+                cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
             )
         )
     return tuple(found)

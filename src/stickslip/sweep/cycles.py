@@ -46,6 +46,11 @@ class DrivenCycle:
         return self.travel if self.moves_on else 0.0
 
     @property
+    def backward(self) -> float:
+        """All motion in the negative direction [m] or [rad]."""
+        return self.back_slip + max(-self.travel, 0.0)
+
+    @property
     def mean_velocity(self) -> float:
         """Travel over duration [m/s] or [rad/s]."""
         return self.travel / self.period
