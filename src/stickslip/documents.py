@@ -59,6 +59,12 @@ def open_regular(path: Path) -> BufferedReader:
     return file
 
 
+def regular_bytes(path: Path) -> bytes:
+    """Return the bytes of a file, or fail as `open_regular` does."""
+    with open_regular(path) as file:
+        return file.read()
+
+
 def read_bytes(path: Path, name: str = "") -> bytes:
     """Return the bytes of a model, which messages call by a name or its path."""
     name = name or str(path)
@@ -74,7 +80,7 @@ def read_bytes(path: Path, name: str = "") -> bytes:
 
 def sha256_of(path: Path) -> str:
     """Return the checksum of a file, as ``sha256sum`` prints it."""
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
@@ -92,7 +98,7 @@ def with_files(digest: str, files: Sequence[Path]) -> str:
         return digest
     whole = hashlib.sha256(digest.encode())
     for path in files:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             whole.update(hashlib.file_digest(file, "sha256").digest())
     return whole.hexdigest()
 
@@ -350,7 +356,7 @@ def _list(digests: Mapping[str, Sequence[str]]) -> bytes:
 def _listed(folder: Path) -> dict[str, list[str]] | None:
     """Return the hashes that files written into a folder may have, by name; None without a list."""
     try:
-        content = json.loads((folder / LIST).read_bytes())
+        content = json.loads(regular_bytes(folder / LIST))
         if content["schema"] != f"stickslip/files/{SCHEMA_VERSION}":
             return None
         return {str(name): list(map(str, found)) for name, found in content["files"].items()}

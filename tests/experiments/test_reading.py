@@ -13,6 +13,7 @@ from scipy.io import savemat
 from stickslip import check, load_measurement
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import guess_data
+from stickslip.experiments.readers.csv_reader import read_text
 from stickslip.experiments.readers.mat5_validator import check_structure
 
 TIME = np.arange(100) / 100
@@ -488,6 +489,30 @@ def test_what_a_text_holds_beyond_its_table_is_said(write, rows, end, size, said
     assert read.time.size == size
     assert [said in one for one in read.lost] == [True] * bool(said)
     assert [one.severity for one in check(read).of("lost")] == ["warning"] * bool(said)
+
+
+SCOPE = "Name;P\nStarttime of export;13\n\nName;Pos;Name;Torque\nSampleTime[ms];2;;2\nUnit;mm;Unit;N\n\n"
+FRANKA = "time, success_rate, state.q[0]\n"
+STEPS = "Step No. 1\nFx,T\ng,sec\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (f"{SCOPE}0;0,5;0;1;7\n2;0,75;2;1,5;\n", "1 row has more cells than the header has names"),
+        (f"{SCOPE}0;0,5;0;1;\n2;0,75;2;1,5;\n", ""),
+        (f"{SCOPE}0;0,5;0;1\n;0,75;2;1,5\n", "1 row of 'Pos' without a time"),
+        (f"{SCOPE}0;0,5;0;1\n;;2;1,5\n", ""),
+        (f"{FRANKA}7,1,0.5,9\n8,1,0.6,9\n", "2 rows have more cells than the header has names"),
+        (f"{FRANKA}7,1,0.5,\n8,1,0.6,\n", ""),
+        (f"{STEPS}1,0\n2,1\noverload\n3,2\n4,3\n", "2 rows below no names of columns"),
+        (f"{STEPS}1,0\n2,1\n", ""),
+    ],
+)
+def test_what_a_log_of_an_instrument_holds_beyond_its_table_is_said(write, text, said):
+    table = read_text(Path(write(text)))
+    assert len(table.data) == 2
+    assert [said in one for one in table.lost] == [True] * bool(said)
 
 
 def test_samples_that_a_header_of_labview_announces_are_missed(write):

@@ -24,7 +24,7 @@ from stickslip.benchmark.metrics import CoefficientError
 from stickslip.benchmark.peers import PEERS, Found, by_speed
 from stickslip.benchmark.sets import task
 from stickslip.described import Described
-from stickslip.documents import document, json_text, unwritable, write_file
+from stickslip.documents import document, json_text, regular_bytes, unwritable, write_file
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.friction import law_type
@@ -402,7 +402,7 @@ def _read(path: Path) -> dict[str, list[Row]]:
     """Return results by their hash; a last line that was cut off counts as not there."""
     found: dict[str, list[Row]] = {}
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = regular_bytes(path).decode("utf-8").splitlines()
     except FileNotFoundError:
         return found
     except (OSError, UnicodeDecodeError) as error:
@@ -411,7 +411,7 @@ def _read(path: Path) -> dict[str, list[Row]]:
         try:
             one = json.loads(line)
             found[one["digest"]] = [_row(row) for row in one["rows"]]
-        except (ValueError, KeyError, TypeError):
+        except (KeyError, RecursionError, TypeError, ValueError):
             continue
     return found
 

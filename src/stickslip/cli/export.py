@@ -8,7 +8,7 @@ from pathlib import Path
 from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ExportOptions, LawOptions
-from stickslip.documents import document
+from stickslip.documents import document, regular_bytes
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, Rig, load_rig, read_number
 from stickslip.exports import TARGETS, export, export_fmu, identifier
@@ -80,7 +80,7 @@ def law_source(path: Path, law: str | None, *, allow_import: bool) -> Rig | Fric
     """Return the rig of a file, or the law itself of one with laws alone."""
     tables: Set[str] = frozenset()
     with contextlib.suppress(OSError, ValueError):  # said with its place when the rig is read
-        tables = tomllib.loads(path.read_text(encoding="utf-8")).keys()
+        tables = tomllib.loads(regular_bytes(path).decode("utf-8")).keys()
     if "friction" not in tables or not tables <= ALONE:
         return load_rig(path, allow_import=allow_import)
     rig = load_rig(path, overrides=ANY_AXIS, allow_import=allow_import)

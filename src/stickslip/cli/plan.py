@@ -16,7 +16,7 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.numbers import number_of, range_of
 from stickslip.cli.select import laws_of
-from stickslip.documents import document, write_files
+from stickslip.documents import document, regular_bytes, write_files
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.kinds import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
@@ -84,9 +84,11 @@ def _files(output: Path | None) -> list[Path]:
 def _refuse_filled_in(tables: Sequence[Path]) -> None:
     """Refuse to replace a table with measured travels, or another one."""
     for table in filter(Path.exists, tables):
-        text = table.read_text(encoding="utf-8", errors="replace")
         try:
+            text = regular_bytes(table).decode("utf-8", "replace")
             head, *rows = list(csv.reader(text.splitlines())) or [[]]
+        except OSError as error:
+            raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
         except csv.Error:  # a cell of megabytes is nobody's empty table
             head, rows = [], []
         if head[-1:] != [TRAVEL_COLUMN] or any(cell.strip() for row in rows for cell in row[2:]):

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.documents import unwritable, write_file
+from stickslip.documents import regular_bytes, unwritable, write_file
 from stickslip.errors import InputError, ParameterError
 from stickslip.optimisation.parametrisation import Space
 from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
@@ -88,7 +88,7 @@ class Memory:
 
     def _read(self, path: Path) -> dict[str, list[list[Row]]]:
         try:
-            content: Any = json.loads(path.read_text(encoding="utf-8"))
+            content: Any = json.loads(regular_bytes(path))
             if content["form"] != FORM:
                 raise KeyError
             found = {

@@ -25,10 +25,9 @@ from stickslip.experiments.readers.layout import (
     is_number,
     unit_in,
 )
-from stickslip.experiments.readers.table import FEWER_COLUMNS, Table
+from stickslip.experiments.readers.table import FEWER_COLUMNS, Table, further_cells
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_named
-from stickslip.formatting import count
 from stickslip.units import shown
 
 HEAD: Final = 65_536
@@ -167,12 +166,7 @@ def _parsed(
     more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
     table = table.dropna(how="all")
-    lost = []
-    if more:
-        lost.append(
-            f"{count(more, 'row')} {'has' if more == 1 else 'have'} more cells than the header"
-            f" has names, {len(names)}: the further ones are not read."
-        )
+    lost = further_cells(more, len(names))
     if cut := _cut_number(data, layout):
         table = table.iloc[:-1]
         lost.append(

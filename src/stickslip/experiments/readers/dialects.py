@@ -1,6 +1,7 @@
 """Text files whose tables only their own reader knows: a new one is a file and an entry here."""
 
 import io
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
@@ -11,7 +12,7 @@ from stickslip.experiments.readers.labview import LABVIEW, is_labview, read_labv
 from stickslip.experiments.readers.motion_capture import MOTION_CAPTURE, is_capture, read_capture
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope, read_scope
 from stickslip.experiments.readers.serial_monitor import SERIAL, is_serial, read_serial
-from stickslip.experiments.readers.table import Table, unequal_rows
+from stickslip.experiments.readers.table import Table, further_cells, unequal_rows
 from stickslip.experiments.readers.tribometers import TRIBOMETER, is_tribometer, read_tribometer
 from stickslip.experiments.readers.video_tracks import is_blocks, read_blocks
 
@@ -43,13 +44,20 @@ def read_franka(text: str) -> Table:
     >>> table.data.to_dict("list"), table.first_row
     ({'time [ms]': [7], 'success_rate': [1], 'state.q[0]': [0.5], 'state.tau_J[0]': [2.5]}, 2)
     """
+    text = text.lstrip("\ufeff")
     try:
-        table = pd.read_csv(
-            io.StringIO(text.lstrip("\ufeff")), skipinitialspace=True, index_col=False
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)  # of further cells: see below
+            table = pd.read_csv(io.StringIO(text), skipinitialspace=True, index_col=False)
     except (pd.errors.ParserError, ValueError) as error:
         raise unequal_rows(error) from None
-    return Table(data=table.rename(columns={"time": "time [ms]"}), first_row=2)
+    width = len(table.columns)
+    more = sum(any(map(str.strip, line.split(",")[width:])) for line in text.splitlines())
+    return Table(
+        data=table.rename(columns={"time": "time [ms]"}),
+        first_row=2,
+        lost=(*further_cells(more, width),),
+    )
 
 
 @final

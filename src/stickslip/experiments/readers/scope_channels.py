@@ -17,8 +17,16 @@ import pandas as pd
 
 from stickslip.errors import InputError
 from stickslip.experiments.readers.layout import is_number, unit_in
-from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of, times_in
-from stickslip.units import is_unit
+from stickslip.experiments.readers.table import (
+    Table,
+    further_cells,
+    merged,
+    numbered_twice,
+    rows_of,
+    times_in,
+)
+from stickslip.formatting import count
+from stickslip.units import is_unit, shown
 
 SCOPE: Final = "channels of TwinCAT Scope"
 """What such a file is, for messages."""
@@ -73,9 +81,15 @@ def read_scope(text: str) -> Table:
     names, remarks = _names(head, width)
     decimal = "," if separator != "," and any("," in line for line in lines[first:]) else "."
     rows = rows_of(lines[first:], separator, decimal, max(width, len(cells)))
-    tables = [_group(rows, head, names, places) for places in _groups(head, width)]
-    data, same = merged(tables)
-    return Table(data=data, first_row=first + 1 if same else 1, remarks=remarks)
+    groups = [*_groups(head, width)]
+    lost = further_cells(int(rows[[*rows][width:]].notna().any(axis=1).sum()), width)
+    for begin, *places in groups:
+        timeless = rows[begin].isna() & rows[places].notna().any(axis=1)
+        if timeless.any():
+            what = shown(names[places[0]])
+            lost.append(f"{count(int(timeless.sum()), 'row')} of {what} without a time: not read.")
+    data, same = merged([_group(rows, head, names, places) for places in groups])
+    return Table(data=data, first_row=first + 1 if same else 1, remarks=remarks, lost=(*lost,))
 
 
 def _head(

@@ -11,7 +11,9 @@ from typing import Any, Final, final
 
 import pandas as pd
 
+from stickslip.documents import regular_bytes
 from stickslip.errors import InputError, check_size
+from stickslip.formatting import count
 from stickslip.units import shown
 
 FEWER_COLUMNS: Final = "split the file, or give fewer columns"
@@ -66,6 +68,23 @@ def left_out(names: Sequence[str], what: str = "another number of values") -> li
     more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
     listed = ", ".join(map(shown, names[:MOST_LISTED]))
     return [f"Not read, as {they} {what}: {listed}{more}."]
+
+
+def further_cells(rows: int, width: int) -> list[str]:
+    """Return that rows have cells for which there are no names.
+
+    Examples
+    --------
+    >>> further_cells(2, 3), further_cells(0, 3)
+    (['2 rows have more cells than the header has names, 3: the further ones are not read.'], [])
+    """
+    if not rows:
+        return []
+    have = "has" if rows == 1 else "have"
+    return [
+        f"{count(rows, 'row')} {have} more cells than the header has names, {width}: the further"
+        " ones are not read."
+    ]
 
 
 def no_channel(path: Path) -> InputError:
@@ -145,6 +164,6 @@ def unequal_rows(error: Exception) -> InputError:
 def read_json(path: Path) -> Any:
     """Return what a file holds, or say that it is damaged."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(regular_bytes(path))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON, or is damaged: {error}.") from None

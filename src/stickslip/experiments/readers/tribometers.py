@@ -52,6 +52,7 @@ class _Section:
     label: str
     """Number of the step; empty if none stands above the header."""
     names: tuple[str, ...]
+    """Empty if the lines above name not all columns."""
     units: tuple[str, ...]
     rows: Sequence[str]
 
@@ -86,7 +87,8 @@ def read_tribometer(text: str) -> Table:
     """
     lines = text.lstrip("\ufeff").splitlines()
     separator = max(SEPARATORS, key=lambda mark: sum(line.count(mark) for line in lines[:500]))
-    sections = [*_sections(lines, separator)]
+    found = [*_sections(lines, separator)]
+    sections = [one for one in found if one.names]
     if not sections:
         raise InputError(
             f"has no rows of {TRIBOMETER}: names of columns, perhaps a row of units, then numbers."
@@ -110,7 +112,9 @@ def read_tribometer(text: str) -> Table:
     if steps:
         remarks.append(f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps)}.")
     data, told = _with_sliding_speed(data, lines, separator)
-    return Table(data=data, remarks=(*remarks, *told))
+    nameless = sum(len(one.rows) for one in found if not one.names)
+    lost = [f"{count(nameless, 'row')} below no names of columns: not read."] if nameless else []
+    return Table(data=data, remarks=(*remarks, *told), lost=(*lost,))
 
 
 def _is_row(cells: Sequence[str]) -> bool:
@@ -131,21 +135,19 @@ def _sections(lines: Sequence[str], separator: str) -> Iterator[_Section]:
         if not line.strip(f"{separator} "):
             continue
         if len(rows) >= FEWEST:
-            section = _section(above, rows, separator)
-            if section is not None:
-                yield section
+            yield _section(above, rows, separator)
         above = [line] if rows else [*above, line]
         rows = []
 
 
-def _section(above: Sequence[str], rows: Sequence[str], separator: str) -> _Section | None:
-    """Return rows with what the lines above them say of them; None without names."""
+def _section(above: Sequence[str], rows: Sequence[str], separator: str) -> _Section:
+    """Return rows with what the lines above them say of them."""
     heads = [cells_of(line, separator) for line in above[-2:]]
     units = heads.pop() if len(heads) == 2 and are_units(heads[-1]) else []
     names = heads[-1] if heads else []
     width = max(place for place, cell in enumerate(cells_of(rows[0], separator), 1) if cell)
     if len(names) < width or sum(map(bool, names)) < FEWEST:
-        return None
+        names = []
     found = [match[match.lastgroup or 0] for line in above if (match := _STEP.match(line))]
     return _Section(
         label=found[-1] if found else "",
