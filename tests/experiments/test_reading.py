@@ -491,7 +491,10 @@ def test_what_a_text_holds_beyond_its_table_is_said(write, rows, end, size, said
     assert [one.severity for one in check(read).of("lost")] == ["warning"] * bool(said)
 
 
-SCOPE = "Name;P\nStarttime of export;13\n\nName;Pos;Name;Torque\nSampleTime[ms];2;;2\nUnit;mm;Unit;N\n\n"
+SCOPE = (
+    "Name;P\nStarttime of export;13\n\n"
+    "Name;Pos;Name;Torque\nSampleTime[ms];2;;2\nUnit;mm;Unit;N\n\n"
+)
 FRANKA = "time, success_rate, state.q[0]\n"
 STEPS = "Step No. 1\nFx,T\ng,sec\n\n"
 
