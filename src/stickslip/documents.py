@@ -193,10 +193,7 @@ def write_folder(
     ...     (Path(place) / "report" / "index.html").read_text()
     'second'
     """
-    contents = {
-        name: text if isinstance(text, bytes) else text.encode("utf-8")
-        for name, text in files.items()
-    }
+    contents = {name: _encoded(folder / name, text) for name, text in files.items()}
     check_replaceable(folder, files)
     before = _listed(folder) or {}
     gone = {name for name in set(stale) - set(files) if _is_listed(folder / name, before)}
@@ -241,10 +238,7 @@ def check_replaceable(folder: Path, names: Collection[str]) -> None:
 
 def write_files(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together; old ones never stand beside new ones."""
-    contents = {
-        path: text if isinstance(text, bytes) else text.encode("utf-8")
-        for path, text in files.items()
-    }
+    contents = {path: _encoded(path, text) for path, text in files.items()}
     path = next(iter(contents))
     try:
         for path in contents:
@@ -252,6 +246,18 @@ def write_files(files: Mapping[Path, str | bytes]) -> None:
         _write_each(list(contents.items()), before=0, gone=list(contents)[1:])
     except OSError as error:
         raise unwritable(path, error) from error
+
+
+def _encoded(path: Path, content: str | bytes) -> bytes:
+    """Return what is written to a file; UTF-8 has no bytes of names that are none themselves."""
+    try:
+        return content if isinstance(content, bytes) else content.encode("utf-8")
+    except UnicodeEncodeError as error:
+        text = ascii(error.object[max(error.start - 20, 0) : error.end + 20])
+        raise InputError(
+            f"{path} cannot be written: it would have {text}, which is not UTF-8: rename the file"
+            " or folder, or give another text."
+        ) from None
 
 
 def write_file(path: Path, content: str | bytes) -> None:

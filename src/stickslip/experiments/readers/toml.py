@@ -126,7 +126,8 @@ def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
     {'run': {'t_end': '5 s'}, 'mechanism': {'attached': True}}
     """
     for path, value in overrides.items():
-        steps = path.split(".") if isinstance(path, str) else []
+        is_text = isinstance(path, str) and not re.search("[\ud800-\udfff]", path)
+        steps = path.split(".") if is_text else []
         if not steps or not all(steps) or len(steps) > DEEPEST:
             raise InputError(
                 f"override {path!r}: must be a dotted path such as mechanism.mass, with a value."

@@ -20,7 +20,8 @@ from stickslip.experiments import (
     command_of,
     with_voltage,
 )
-from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone
+from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone, not_run
+from stickslip.exports.applying.workload import timed
 from stickslip.formatting import quantity
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
@@ -436,9 +437,12 @@ class Replay:
                 said.append(f"The record was not simulated: {' '.join(str(error).split())}")
                 return [None] * (len(self.laws) + len(theirs))
         for there in theirs.values():
-            found.append(
-                np.concatenate([there.moved(one, known, self._command_of(one)) for one in parts])
-            )
+            try:
+                moved = [there.moved(one, known, self._command_of(one)) for one in parts]
+                found.append(np.concatenate(moved))
+            except InputError as error:
+                said.append(not_run(error))
+                found.append(None)
         return found
 
     def _command_of(self, part: "_Part") -> tuple[DCMotor, Sampled] | None:
@@ -587,7 +591,7 @@ class _InMuJoCo:
             [np.interp(times + 0.5 * step, time, one) for one in (part.forces - constants).T]
         )
         found = np.empty((len(times), len(self.dofs)))
-        for row, force in enumerate(forces):
+        for row, force in enumerate(timed(forces)):
             found[row] = data.qpos[self.places]
             if command is not None:
                 x, v = data.qpos[self.places], data.qvel[self.dofs]

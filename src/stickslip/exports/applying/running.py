@@ -19,7 +19,12 @@ from stickslip.exports.applying.markup import markup_of
 from stickslip.exports.applying.mjcf import HARD, Mjcf
 from stickslip.exports.applying.models import SHARE, Model
 from stickslip.exports.applying.urdf import Urdf
-from stickslip.exports.applying.workload import check_steps, check_workload
+from stickslip.exports.applying.workload import (
+    check_steps,
+    check_workload,
+    limited_memory,
+    timed,
+)
 from stickslip.exports.joints import SOFT, TIMESTEP
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
@@ -129,8 +134,10 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
     try:
         if isinstance(model, Mjcf | Urdf):
             check_workload([markup_of(model.path, content), *model.included()])
-        spec = _spec(mujoco, model, content)
-        models = [("", spec.compile())]
+        with limited_memory():
+            spec = _spec(mujoco, model, content)
+            models = [("", spec.compile())]
+            mujoco.MjData(models[0][1])
         if not isinstance(model, Mjcf):
             for name in joints:
                 its = spec.joint(name)
@@ -139,7 +146,8 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
             models.append(("stiff", spec.compile()))
         for _, one in models:
             check_steps(model.path, LONGEST, float(one.opt.timestep))
-    except (ValueError, KeyError, mujoco.FatalError) as error:
+    # of memory that it does not get, MuJoCo says "unknown exception"
+    except (ValueError, KeyError, MemoryError, RuntimeError, mujoco.FatalError) as error:
         return None, not_run(error)
     return Compiled(mujoco=mujoco, models=tuple(models)), ""
 
@@ -318,7 +326,7 @@ def _stepped(
     data.qvel[dof] = start
     found: NDArray[np.float64] = np.empty(force.size + 1)
     found[0] = data.qpos[place]
-    for i, one in enumerate(force):
+    for i, one in enumerate(timed(force)):
         data.qfrc_applied[dof] = one
         mujoco.mj_step(compiled, data)
         found[i + 1] = data.qpos[place]

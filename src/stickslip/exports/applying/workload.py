@@ -5,16 +5,19 @@ cloth, sizes of arenas and tables, steps of a nanosecond, solvers that never sto
 it is told. Textures and skins, which no motion depends on, are left out (`running.py`).
 """
 
+import contextlib
 import math
 import re
 import stat
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
-from stickslip.errors import check_size
+from stickslip.errors import InputError, check_size
 from stickslip.exports.applying.markup import Markup, Tag
 
+T = TypeVar("T")
 CURE: Final = "run a smaller model, with the same joints"
 MOST_ELEMENTS: Final = 20_000
 """Elements of a model, copies included: large robots with their rooms have some thousand."""
@@ -27,6 +30,10 @@ MOST_STEPS: Final = 500_000
 LARGEST_FILE: Final = 200_000_000
 """Bytes of a file that a model names, such as a mesh."""
 LARGEST_ARENA: Final = 2**30
+LARGEST_GROWTH: Final = 4 * 2**30
+"""Bytes that MuJoCo may take for a model: its arena, its tables and what makes them."""
+LONGEST: Final = 120.0
+"""Processor time that a motion may take [s]."""
 COPIES: Final = ("replicate", "composite", "flexcomp")
 COUNTS: Final = ("nrow", "ncol", "dim", "nsample", "ninterp", "maxhullvert", "octree_maxdepth")
 ITERATIONS: Final = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations")
@@ -58,6 +65,44 @@ def check_steps(path: Path, time: float, step: float) -> None:
     check_size(
         f"{path}: time step of {step:g} s", steps, "make it longer", unit="steps", most=MOST_STEPS
     )
+
+
+@contextlib.contextmanager
+def limited_memory() -> Iterator[None]:
+    """Let what MuJoCo makes of a model fail where it grows beyond measure, whatever asked for it.
+
+    It is the memory of the process that has a limit meanwhile, where the system knows one.
+    """
+    try:
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+        before = resource.getrlimit(resource.RLIMIT_AS)
+        limits = [one for one in before if one != resource.RLIM_INFINITY]
+        most = min([pages * resource.getpagesize() + LARGEST_GROWTH, *limits])
+        resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+    except (ImportError, OSError):  # not Linux
+        yield
+        return
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def timed(steps: Iterable[T]) -> Iterator[T]:
+    """Yield the steps of a motion, unless they take too much processor time.
+
+    Examples
+    --------
+    >>> [*timed([1.0, 2.0])]
+    [1.0, 2.0]
+    """
+    start = time.process_time()
+    for one in steps:
+        if time.process_time() - start > LONGEST:
+            raise InputError(f"a motion takes more than {LONGEST:g} s of processor time: {CURE}.")
+        yield one
 
 
 def _copied(tag: Tag, copies: float) -> Iterator[tuple[Tag, float]]:
