@@ -3,12 +3,14 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import unicodedata
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from tests.commands import commands
 
@@ -230,3 +232,56 @@ def test_a_figure_with_hostile_labels_is_valid_xml():
     text = standalone_svg(draw, title=HOSTILE)
     assert is_clean(text)
     ElementTree.fromstring(text)
+
+
+PIPES = {
+    "select rig.p": "not a regular file",
+    "simulate rig.toml --law law.p.toml": "not a regular file",
+    "export rig.p --to c -o new": "not a regular file",
+    "plan rig.toml -o sheet.html --force": "sheet.csv cannot be read",
+    "demo -o made --force": "was not written by stickslip",
+}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes by name")
+@pytest.mark.parametrize("line", PIPES)
+def test_no_command_waits_for_a_pipe_that_nobody_writes(run, line):
+    Path("rig.toml").write_text(RIG.format(title='"rig"'))
+    Path("made").mkdir()
+    for name in ("rig.p", "law.p.toml", "sheet.csv", "made/.stickslip"):
+        os.mkfifo(name)
+
+    def wake(*_):
+        raise TimeoutError(line)
+
+    before = signal.signal(signal.SIGALRM, wake)
+    signal.alarm(60)  # which what works never sees
+    try:
+        code, _, err = run(*line.split())
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+    assert (code, PIPES[line] in err) == (2, True), err
+
+
+@pytest.mark.parametrize("key", ["{}", "mechanism.{}"])
+def test_a_setting_whose_name_is_no_text_is_refused(run, key):
+    Path("rig.toml").write_text(RIG.format(title='"rig"'))
+    setting = f"{key.format('x' + chr(0xDCFF))}=1"
+    code, _, err = run("simulate", "rig.toml", "--law", "coulomb", "--set", setting)
+    assert (code, r"x\udcff" in err, "dotted path" in err) == (2, True, True), err
+
+
+def test_a_rig_file_for_a_file_whose_name_is_not_utf8_is_refused_with_the_cure(run):
+    name = f"a{chr(0xDCFF)}.csv"
+    rows = "".join(f"{t / 100},{np.sin(t / 10)}\n" for t in range(200))
+    try:
+        Path(name).write_text(f"time [s],position [mm]\n{rows}")
+    except OSError:
+        pytest.skip("names of files are UTF-8")
+    code, _, err = run("init", name)
+    assert (code, "rename the file" in err, Path(name).with_suffix(".toml").exists()) == (
+        2,
+        True,
+        False,
+    ), err

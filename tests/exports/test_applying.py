@@ -524,6 +524,30 @@ def test_a_model_that_takes_all_memory_or_time_is_not_run(arm, kind):
     assert "exceed the limit" in remark
 
 
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="its size is not known")
+@pytest.mark.parametrize("kind", ["field", "user", "memory", "sensor"])
+def test_what_no_rule_refuses_fails_by_its_memory_and_leaves_the_limit(arm, kind, monkeypatch):
+    mujoco_or_skip()
+    import resource
+
+    where, text, _ = LARGE[kind]
+    text = f"<{where} {text}/>" if where == "size" else f"<{where}>{text}</{where}>"
+    arm.write_text(ARM.replace("</mujoco>", f"{text}</mujoco>"))
+    monkeypatch.setattr("stickslip.exports.applying.running.check_workload", lambda _: None)
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    (remark,) = written(LAW, arm, "elbow", run=True).remarks
+    assert remark.startswith("The file was not run in MuJoCo: ")
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+def test_a_motion_that_takes_too_long_is_given_up(arm, monkeypatch):
+    mujoco_or_skip()
+    monkeypatch.setattr("stickslip.exports.applying.workload.LONGEST", 0.0)
+    found = written(LAW, arm, "elbow", run=True)
+    assert found.joints[0].motions == ()
+    assert "of processor time" in found.remarks[0]
+
+
 def test_textures_take_no_memory_because_no_motion_depends_on_them(arm):
     mujoco_or_skip()
     huge = '<texture name="t" type="2d" builtin="flat" width="99999" height="99999"/>'

@@ -15,6 +15,7 @@ from stickslip import load_measurement, load_rig
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data
 from stickslip.experiments.readers.layout import is_number, layout_of
+from stickslip.experiments.readers.serial_monitor import read_serial
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.video_tracks import seconds
 from stickslip.experiments.units import read_gain
@@ -77,6 +78,7 @@ READERS = {
     "value": lambda text: number_in(text, "m"),
     "gain": read_gain,
     "law": law,
+    "serial": lambda text: read_serial(f"1:00:00 -> {text}\n1:00:01 -> 1 2\n1:00:02 -> 1 2\n"),
     "printable": lambda text: unbroken(printable(text)),
     "layout": lambda text: layout_of(f"t,x\n0,{text}\n1,2\n", "utf-8"),
     "layout of numbers": lambda text: layout_of("t;x\n" + "0;1\n" * 20 + f"1;{text}\n", "utf-8"),

@@ -29,8 +29,8 @@ STYLES: Final = (
 """How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
 SURE: Final = 3
 """Of these, the first that hold whatever the unit is; in the others it may be any word."""
-LONGEST_HEADER: Final = 1_000
-"""Characters of a header up to which a unit is sought in it."""
+LONGEST_HEADER: Final = 300
+"""Characters of a header up to which a unit is sought in it: that takes their square."""
 
 
 def is_unit_of(unit: str, quantity: str) -> bool:

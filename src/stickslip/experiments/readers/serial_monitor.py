@@ -14,7 +14,7 @@ from stickslip.formatting import count
 
 SERIAL: Final = "output of a serial monitor"
 _LINE: Final = re.compile(r"(?P<stamp>\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(?P<text>.*)")
-_LABELLED: Final = re.compile(r"(?P<name>[^:]*[^\s:\d][^:]*):\s*(?P<value>\S+)")
+_LABELLED: Final = re.compile(r"(?P<name>(?=[\s\d]*+[^\s:\d])[^:]*+):\s*+(?P<value>\S+)")
 SEPARATORS: Final = ("\t", ";", ",", " ")
 TIME: Final = "time [s]"
 
