@@ -422,3 +422,21 @@ def test_a_log_of_libfranka_is_read_in_milliseconds(tmp_path):
     read = load_measurement(file, columns=guess.columns)
     np.testing.assert_allclose(read.time[-1] - read.time[0], 1.499)
     np.testing.assert_allclose(read.values("force.fr3_joint3"), 5 * speed[:, 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 2_000 + "]" * 2_000])
+@pytest.mark.parametrize("name", ["log.json", "meta/info.json"])
+def test_json_of_any_depth_is_one_message(tmp_path, name, text):
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"is not JSON|has no"):
+        load_measurement(path)
+
+
+def test_a_name_that_is_half_a_character_is_refused(tmp_path):
+    path = tmp_path / "log.json"
+    rows = [{"timestamp": t / 100, "position": np.sin(t / 10), "\ud800": 1.0} for t in range(200)]
+    path.write_text(json.dumps({"entries": rows}))
+    with pytest.raises(InputError, match="surrogates not allowed"):
+        load_measurement(path)

@@ -1,6 +1,5 @@
 """Logs in MCAP: messages of ROS 2, or in JSON."""
 
-import json
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final, final
@@ -9,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments.readers.expansion import check_mcap
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import Table, json_of
 from stickslip.experiments.readers.topics import Log, Topic, table_of
 from stickslip.formatting import joined
 
@@ -63,7 +62,7 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
 def _from_json(data: bytes) -> Any:
     if len(data) > LARGEST_JSON:
         raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_JSON}")
-    return json.loads(data)
+    return json_of(data)
 
 
 @final

@@ -47,18 +47,30 @@ def check_parquet(path: str, file: Any, names: Collection[str] = ()) -> float:
     """
     footer = file.metadata
     check_columns(path, footer.num_columns)
-    size = 0.0
+    size, rows = 0.0, 0
     for i in range(footer.num_row_groups):
         group = footer.row_group(i)
+        rows += group.num_rows
         for k in range(group.num_columns):
             column = group.column(k)
+            flat = file.schema.column(k).max_repetition_level == 0
+            if flat and column.num_values != group.num_rows:
+                raise _contradicted(path, group.num_rows, column.num_values)
             name = column.path_in_schema  # of lists, and names may have dots: name.list.element
             if not names or any(f"{name}.".startswith(f"{one}.") for one in names):
                 size += max(column.num_values, column.total_uncompressed_size / 8)
+    if rows != footer.num_rows:
+        raise _contradicted(path, footer.num_rows, rows)
     width = len(names) or footer.num_columns
     size = max(size, float(footer.num_rows * width))
     check_size(path, size, "split the file")
     return size
+
+
+def _contradicted(path: str, rows: int, values: int) -> InputError:
+    return InputError(
+        f"{path}: is damaged: its footer announces {rows:,} rows, and {values:,} in their place."
+    )
 
 
 def _is_text(kind: Any) -> bool:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import warnings
 from collections import Counter
 from collections.abc import Sequence
@@ -12,13 +13,14 @@ from typing import Any, Final, final
 import pandas as pd
 
 from stickslip.documents import regular_bytes
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_columns, check_size
 from stickslip.formatting import count
 from stickslip.units import shown
 
 FEWER_COLUMNS: Final = "split the file, or give fewer columns"
 FEWER_CHANNELS: Final = "split the file, or save fewer channels"
 """What cures a table that is too large."""
+_SURROGATE: Final = re.compile(rb"\\u[dD][89a-fA-F]")
 MOST_LISTED: Final = 12
 """Columns that a remark names."""
 
@@ -136,6 +138,7 @@ def rows_of(lines: Sequence[str], separator: str, decimal: str, width: int) -> p
     >>> rows_of(["0;0,5", "1; "], ";", ",", 2).fillna(-1.0).to_dict("list")
     {0: [0, 1], 1: [0.5, -1.0]}
     """
+    check_columns("the table", width)
     check_size("the table", float(width * len(lines)), FEWER_COLUMNS)
     try:
         with warnings.catch_warnings():
@@ -161,9 +164,23 @@ def unequal_rows(error: Exception) -> InputError:
     return InputError(f"has rows of different lengths ({reason}).")
 
 
+def json_of(data: bytes) -> Any:
+    """Return what a text of JSON says, or raise ValueError: half a character is no text.
+
+    Examples
+    --------
+    >>> json_of(b'{"x": 1}')
+    {'x': 1}
+    """
+    found = json.loads(data)
+    if _SURROGATE.search(data):
+        json.dumps(found, ensure_ascii=False).encode("utf-8")
+    return found
+
+
 def read_json(path: Path) -> Any:
     """Return what a file holds, or say that it is damaged."""
     try:
-        return json.loads(regular_bytes(path))
+        return json_of(regular_bytes(path))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON, or is damaged: {error}.") from None
