@@ -538,3 +538,17 @@ def test_a_table_has_no_more_columns_than_can_be_looked_at(write):
     for read in (load_measurement, guess_data):
         with pytest.raises(InputError, match=r"1\.4e\+04 columns exceed the limit of 4096"):
             read("data.csv")
+
+
+def test_a_footer_of_parquet_that_contradicts_itself_is_refused(write):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    out = io.BytesIO()
+    pq.write_table(pa.table({"time": np.arange(200) / 100, "position": np.ones(200)}), out)
+    data, rows = out.getvalue(), b"\x90\x03"  # 200, as the footer writes it
+    length = struct.unpack("<I", data[-8:-4])[0]
+    place = data.index(rows, len(data) - 8 - length)
+    wrong = write(data[:place] + b"\x90\x00" + data[place + 2 :], "a.parquet")
+    with pytest.raises(InputError, match="its footer announces"):
+        load_measurement(wrong)

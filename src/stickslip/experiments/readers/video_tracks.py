@@ -15,7 +15,7 @@ from typing import Final
 
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_columns
 from stickslip.experiments.readers.table import Table
 from stickslip.units import shown
 
@@ -156,6 +156,7 @@ def _moment(cell: str) -> float:
 def _block(rows: list[list[str]], track: str) -> pd.DataFrame:
     """Return one block; a track of several points has more than one pair of columns."""
     width = max(len(cells) for cells in rows)
+    check_columns("the table", width)
     pairs = (width - 1) // 2
     names = ["T"]
     for pair in range(pairs):
