@@ -1077,3 +1077,42 @@ def test_steady_readings_keep_their_trials(tmp_path):
     file.write_text(f"stage,time (s),velocity (mm/s),friction (N)\n{table}")
     measured = read_data([file], guess_data(file).reading)
     assert [one.kind for one in measured.trials] == ["friction-map"] * 2
+
+
+WORDS = {
+    "rolling friction (N)": "friction",
+    "Rollreibung (N)": "friction",
+    "Friction force amplitude (N)": "friction",
+    "rolling resistance force (N)": "force",
+    "power drive force (N)": "force",
+    "wear track load (N)": "load",
+    "differential pressure (bar)": "pressure",
+    "index finger angle (rad)": "position",
+    "power drive position (mm)": "position",
+    "Rolling Speed (mm/s)": "velocity",
+}
+
+
+@pytest.mark.parametrize(("header", "quantity"), WORDS.items())
+def test_words_bar_the_quantities_that_they_exclude_and_no_others(tmp_path, header, quantity):
+    moves = {} if quantity in ("position", "velocity") else {"x (mm)": "x"}
+    path = table(tmp_path / "a.csv", **{"t (s)": "t", **moves, header: "F"})
+    assert guess_data(path).columns[quantity] == header
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        *("position error (mm)", "Schleppfehler [mm]", "motor power (mm)", "poserr (mm)"),
+        *("followingerror (mm)", "Leistung (mm)", "Regelabweichung (mm)", "position diff (mm)"),
+    ],
+)
+def test_an_error_is_no_position(tmp_path, header):
+    path = table(tmp_path / "a.csv", **{"t (s)": "t", header: "x", "v (mm/s)": "x", "F (N)": "F"})
+    assert "position" not in guess_data(path).columns
+
+
+@pytest.mark.parametrize("sliding", ["Sliding Speed (mm/s)", "Gleitgeschwindigkeit (mm/s)"])
+def test_a_rolling_speed_yields_to_a_sliding_speed(tmp_path, sliding):
+    columns = {"t (s)": "t", "Rolling Speed (mm/s)": "x", sliding: "x", "Friction (N)": "F"}
+    assert guess_data(table(tmp_path / "a.csv", **columns)).columns["velocity"] == sliding

@@ -20,31 +20,26 @@ WANTED: Final = (
 )
 """What names of wanted values contain: only a wanted position is read."""
 OTHER: Final = (
-    "error",
-    "fehler",
-    "abweichung",
-    "schlepp",
-    "temperatur",
-    "status",
-    "index",
-    "deviation",
-    "diff",
-    "following",
-    "acceleration",
-    "beschleunigung",
-    "power",
-    "leistung",
-    "enable",
-    "freigabe",
+    *("error", "fehler", "abweichung", "deviation", "difference", "differenz", "schlepp"),
+    *("temperatur", "status", "enable", "freigabe"),
 )
-"""What names of columns contain that none of the quantities has."""
+"""What words of columns begin or end with that none of the quantities has."""
 OTHER_WORDS: Final = (
-    *("lag", "er", "err", "temp", "dev", "std", "pwm", "acc", "delta"),
-    *("wear", "verschleiss", "height", "hoehe", "depth", "rolling", "entrainment"),
-    *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
-    *("thickness", "dicke", "frequency", "frequenz"),
+    *("diff", "following", "lag", "er", "err", "temp", "temperature", "dev", "std", "pwm"),
 )
-"""The same as words of their own."""
+"""Such words as they stand."""
+LAST: Final = ("index", "power", "leistung", "diff", "err")
+"""Such words where a name ends with them: a power, but not the position of a power drive."""
+NO_MOTION: Final = (
+    *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
+    *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
+    *("thickness", "dicke", "frequency", "frequenz", "acceleration", "beschleunigung"),
+)
+"""Words of columns that are no motion, but may be forces: the amplitude of a friction force."""
+MOTION: Final = ("position", "velocity", "reference")
+"""Quantities of a motion."""
+ROLLING: Final = ("rolling", "entrainment")
+"""Words of speeds at which surfaces pass together, without sliding."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -62,14 +57,20 @@ def is_wanted(parts: Sequence[str]) -> bool:
     )
 
 
-def is_barred(parts: Sequence[str]) -> bool:
-    """Whether the words of a name are those of an error, a condition or wear.
+def is_barred(parts: Sequence[str], quantity: str) -> bool:
+    """Whether the words of a name are those of an error, a condition or wear, not of a quantity.
 
     Examples
     --------
-    >>> is_barred(parts_of("joint_pid.jointEr.position")), is_barred(parts_of("motor.position"))
-    (True, False)
+    >>> is_barred(parts_of("pid.jointEr.position"), "position")
+    True
+    >>> [is_barred(parts_of("force amplitude"), q) for q in ("position", "force")]
+    [True, False]
     """
-    joined = "".join(parts)
-    barred = any(part in OTHER_WORDS or part.endswith("err") for part in parts)  # poserr
-    return barred or any(word in joined for word in OTHER)
+    if quantity in MOTION and any(part.startswith(NO_MOTION[-2:]) for part in parts):
+        return True
+    if any(part in OTHER_WORDS or (quantity in MOTION and part in NO_MOTION) for part in parts):
+        return True
+    if any(part.startswith(OTHER) or part.endswith((*OTHER, "err")) for part in parts):
+        return True  # poserr
+    return bool(parts) and parts[-1].endswith(LAST)

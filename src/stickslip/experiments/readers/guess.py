@@ -20,7 +20,13 @@ from stickslip.experiments.measurement import (
     Array,
     is_beside,
 )
-from stickslip.experiments.readers.column_words import WANTED, is_barred, is_wanted, parts_of
+from stickslip.experiments.readers.column_words import (
+    ROLLING,
+    WANTED,
+    is_barred,
+    is_wanted,
+    parts_of,
+)
 from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
@@ -676,7 +682,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
     inside = any(_is_input(bare, other) for other in ("transmitted", "external", "gravity"))
-    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare)):
+    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare, quantity)):
         return BY_UNIT, "by its unit"
     return 0.0, ""
 
@@ -690,10 +696,12 @@ def _since_epoch(column: "pd.Series[Any]") -> str | None:
     return next((unit for unit, per in EPOCH.items() if 1e9 * per <= size < 1e10 * per), None)
 
 
-def _is_other(name: str) -> bool:
-    """Whether a name is that of an error, a condition or a command, which no quantity is."""
+def _is_other(name: str, quantity: str) -> bool:
+    """Whether a name is that of an error, a condition or a command, which a quantity is not."""
     parts = parts_of(name)
-    return is_barred(parts) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
+    return (
+        is_barred(parts, quantity) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
+    )
 
 
 def _last_says(name: str, quantity: str) -> bool:
@@ -711,7 +719,7 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
         return (WHOLE, "by its name") if first == quantity else (0.0, "")
     parts = parts_of(name)
     joined = "".join(parts)
-    if is_barred(parts):
+    if is_barred(parts, quantity):
         return 0.0, ""
     if quantity == "load" and any(word in joined for word in ("torque", "moment", "present")):
         return 0.0, ""
@@ -727,7 +735,8 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
         return 0.0, ""
     if wanted and quantity not in ("force", "time"):
         return 0.0, ""
-    less = 1.5 if wanted else 0.0
+    rolls = quantity == "velocity" and any(part in ROLLING for part in parts)
+    less = 1.5 if wanted or rolls else 0.0  # a sliding speed beside it comes first
     if joined in words:
         return WHOLE - less, "by its name"
     if any(part in words and len(part) > 1 for part in parts):
@@ -1147,7 +1156,7 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
     stems: dict[str, dict[str, None]] = {}
     for name in names:
         stem, number_ = numbered(name)
-        if number_ and not _is_other(stem):
+        if number_ and not _is_other(stem, "position"):
             stems.setdefault(stem, {})[number_] = None
     several = [(stem, found) for stem, found in stems.items() if len(found) > 1]
     for stem, found in several:
@@ -1254,7 +1263,9 @@ def _is_input(bare: str, quantity: str) -> bool:
     """Whether a name is that of an input of the contact: its word alone, or any pressure."""
     parts = [part for part in parts_of(bare) if part not in OF_FORCES]
     if quantity == "pressure":
-        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(bare)
+        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(
+            bare, quantity
+        )
     return len(parts) == 1 and parts[0] in INPUTS[quantity]
 
 
@@ -1284,7 +1295,7 @@ def _may_drive(frame: Frame, name: str) -> bool:
     bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
     volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
-    forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)
+    forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
     if any(part in SUPPLIES for part in parts_of(name)):
         return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))

@@ -82,7 +82,7 @@ def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
     often = Counter(value.size for value in vectors.values())
     kinds: dict[int, set[str]] = {size: set() for size in often}
     for name, value in vectors.items():
-        if not is_barred(parts_of(name)) and np.isfinite(value).any():
+        if not is_barred(parts_of(name), "position") and np.isfinite(value).any():
             kinds[value.size].add(name.rpartition(".")[2])
     return int(max(often, key=lambda size: (named[size], len(kinds[size]), often[size], size)))
 
