@@ -1116,3 +1116,38 @@ def test_an_error_is_no_position(tmp_path, header):
 def test_a_rolling_speed_yields_to_a_sliding_speed(tmp_path, sliding):
     columns = {"t (s)": "t", "Rolling Speed (mm/s)": "x", sliding: "x", "Friction (N)": "F"}
     assert guess_data(table(tmp_path / "a.csv", **columns)).columns["velocity"] == sliding
+
+
+@pytest.mark.parametrize("name", ["A1", "T1", "S1", "V1", "F1", "m1", "Pa", "ch2"])
+@pytest.mark.parametrize("quantity", ["position", "velocity", "force"])
+def test_a_column_that_is_named_is_in_no_unit_of_its_name(tmp_path, name, quantity):
+    path = table(tmp_path / "a.csv", **{"t (s)": "t", "v (m/s)": "x", "x (m)": "x", name: "F"})
+    guess = guess_data(path, columns={quantity: name, "time": "t (s)"})
+    assert read_data([path], guess.reading).time.size == N
+    assert quantity not in guess.units
+
+
+def test_a_unit_of_another_kind_is_refused_with_its_column(tmp_path):
+    path = table(tmp_path / "a.csv", **{"t (kg)": "t", "x (m)": "x", "F (N)": "F"})
+    with pytest.raises(
+        InputError, match=r"a\.csv: the column 't \(kg\)' is in kg, .*--unit time=s"
+    ):
+        guess_data(path, columns={"time": "t (kg)"})
+
+
+@pytest.mark.parametrize("heads", [("x (mm)", "y (mm)"), ("x [mm]", "y [mm]")])
+def test_a_pair_of_coordinates_has_the_unit_of_its_headers_and_is_named(tmp_path, heads):
+    path = table(tmp_path / "a.csv", **{"t (s)": "t", heads[0]: "x", heads[1]: "F"})
+    columns = {"time": "t (s)", "position": heads}
+    assert load_measurement(path, columns=columns).position.size == N
+    said = guess_data(path, columns=columns).reasons["position"]
+    assert all(f"'{head[0]}" in said for head in heads)
+    assert "in mm" in said
+
+
+def test_a_unit_that_is_given_says_whether_the_axis_turns(tmp_path):
+    path = table(tmp_path / "a.csv", t="t", x="x", current="F")
+    guess = guess_data(path, units={"position": "deg"})
+    assert guess.turning
+    assert guess.motor_constant == "1 N m/A"
+    assert read_data([path], guess.reading).position[1] == pytest.approx(np.radians(X[1]), abs=1e-5)

@@ -493,6 +493,55 @@ def test_registers_that_were_converted_are_no_counts(tmp_path):
     assert guess_data(path).gain == {}
 
 
+def degrees(step):
+    """Return a log of a servo whose angles are multiples of a step [deg]."""
+    counts = np.round(2048 + 900 * np.sin(2.0 * T))
+    rows = [
+        f"{t:.2f},{q * step + 0.013},{q * step:.9f},120\n" for t, q in zip(T, counts, strict=True)
+    ]
+    return "t (s),Goal_Position,Present_Position,Present_PWM\n" + "".join(rows)
+
+
+def test_positions_of_a_servo_in_steps_of_its_counts_are_degrees(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(degrees(360 / 4096))
+    guess, record = read(path)
+    assert guess.turning
+    assert record.position[0] == pytest.approx(np.pi)
+    assert record.reference[0] == pytest.approx(np.pi, abs=1e-3)
+
+
+def test_positions_of_a_servo_that_may_be_degrees_ask_for_their_unit(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(degrees(0.0517))
+    with pytest.raises(
+        InputError, match=r"neither counts nor angles in rad: .*--unit position=deg"
+    ):
+        guess_data(path)
+    guess = guess_data(path, units={"position": "deg"})
+    assert guess.turning
+    assert guess.units["reference"] == "deg"
+
+
+@pytest.mark.parametrize(
+    ("family", "bits"), [("Dynamixel", 32), ("Dynamixel", 16), ("Feetech", 16)]
+)
+def test_registers_without_their_sign_are_read_with_it(tmp_path, family, bits):
+    path = tmp_path / "a.csv"
+    counts = np.round(900 * np.sin(2.0 * T + 0.3)).astype(int)
+    counts = np.r_[counts, -counts]
+    raw = np.where(counts < 0, 2**15 - counts if family == "Feetech" else 2**bits + counts, counts)
+    other = "Present_Load" if family == "Feetech" else "Present_PWM"
+    rows = "".join(f"{i / 100:.2f},{q},{q},7\n" for i, q in enumerate(raw))
+    path.write_text(f"t (s),Present_Position,Present_Current,{other}\n{rows}")
+    guess, record = read(path)
+    assert record.position * 2048 / np.pi == pytest.approx(counts)
+    assert np.sign(record.force) == pytest.approx(np.sign(counts))
+    said = [one for one in guess.doubts if "without their sign" in one]
+    assert len(said) == 1
+    assert "Present_Position and Present_Current" in said[0].replace("'", "")
+
+
 def test_rows_of_several_servos_in_turn_are_refused(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(registers(ids=(1, 2)))

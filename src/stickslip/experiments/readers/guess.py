@@ -41,8 +41,10 @@ from stickslip.experiments.readers.header_units import (
 from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.servo_registers import (
+    RADIANS,
     Servo,
     are_counts,
+    are_degrees,
     check_one_servo,
     servo_of,
 )
@@ -50,7 +52,7 @@ from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
-from stickslip.formatting import count, number, percent
+from stickslip.formatting import count, joined, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
 COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
@@ -373,7 +375,7 @@ def guess_data(
     pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
-    reasons |= {q: column_text(one) for q, one in found.items()}
+    reasons |= {q: column_text(one, given.get(q, one.name)) for q, one in found.items()}
     if times is not None:
         reasons["time"] += rate_text(times)
     constant = ""
@@ -498,13 +500,16 @@ def assigned(
         names = (column,) if isinstance(column, str) else column
         left = [name for name in left if name not in names]
         stated = frame.units.get(names[0])
-        unit = units.get(quantity) or _bare_and_unit(names[0], stated, quantity)[1]
+        bare, unit = _bare_and_unit(names[0], stated, quantity)
+        if not bare and unit is not None and not _may_have(unit, quantity):
+            unit = None  # m1 is the name of a channel
+        unit = units.get(quantity) or unit
         taken[quantity] = Found(
             score=9.0, name=names[0], unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
     quantities = [q for q in NAMES if not (by_current and q == "force")]
-    kinds = [_by_kind(frame, left, taken, quantities, turning) for turning in (False, True)]
+    kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
     taken = max(kinds, key=lambda found: sum(one.score for one in found.values()))
     if "current" in taken and "force" in taken:
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
@@ -536,10 +541,33 @@ def _of_servo(
         and one.unit is None
         and are_counts(frame.data[frame.names[one.name]])
     }
-    if servo is None or not {"position", "reference"} & raw.keys():
+    if servo is None or not {"position", "reference"} & found.keys():
         return None, dict(found)
     check_one_servo(frame.file, frame.data, frame.names)
-    return servo, {**found, **raw}
+    return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
+
+
+def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+    """Return positions of a servo that are no counts with their unit: degrees by their steps."""
+    moving = {q: found[q] for q in ("position", "reference") if q in found}
+    first = next(iter(moving.values()))
+    known = _numbers(frame, first)
+    known = known[np.isfinite(known)]
+    most = float(np.abs(known).max(initial=0.0))
+    if first.unit is None and most <= RADIANS:
+        return {}
+    if first.unit is None and not are_degrees([known]):
+        raise InputError(
+            f"{frame.file}: the column {shown(first.name)} of a servo reaches {number(most, 3)},"
+            " and holds neither counts nor angles in rad: if it is in degrees, give --unit"
+            f" {next(iter(moving))}=deg."
+        )
+    steps = ", as its steps are 360/4096 degrees" if first.unit is None else ""
+    return {
+        q: replace(one, unit=first.unit or "deg", stated=False, why=f"{one.why}{steps}")
+        for q, one in moving.items()
+        if one.unit is None and not is_of(first.unit or "deg", "count")
+    }
 
 
 def _numbers(frame: Frame, one: Found) -> Array:
@@ -589,14 +617,19 @@ def _by_kind(
     given: Mapping[str, Found],
     quantities: Sequence[str],
     turning: bool,
+    units: Mapping[str, str],
 ) -> dict[str, Found]:
-    """Return the column of each quantity, if all units are those of one kind of motion."""
+    """Return the column of each quantity, if all units are those of one kind of motion.
+
+    The `units` of quantities that are given are those of whatever columns these have.
+    """
     taken = dict(given)
     offers = [
         (found.score, -place, quantity, found)
         for place, name in enumerate(left)
         for quantity in quantities
-        for found in _offers(frame, name, quantity)
+        for offer in _offers(frame, name, quantity)
+        for found in [replace(offer, unit=units[quantity]) if units.get(quantity) else offer]
         if _is_of_kind(found, quantity, turning)
     ]
     for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
@@ -668,7 +701,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     fits = unit is not None and is_unit_of(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
     volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
-    if unit is not None and not (fits or counts or volts):
+    if unit is not None and not _may_have(unit, quantity):
         return 0.0, ""
     if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
         return 0.0, ""
@@ -685,6 +718,13 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     if fits and unit != "1" and not (by_name or most or inside or _is_other(bare, quantity)):
         return BY_UNIT, "by its unit"
     return 0.0, ""
+
+
+def _may_have(unit: str, quantity: str) -> bool:
+    """Whether the column of a quantity may have a unit: one of its kind, counts or volts."""
+    counts = quantity in ("position", "reference") and is_of(unit, "count")
+    volts = quantity in SENSITIVITY and is_of(unit, "V")
+    return is_unit_of(unit, quantity) or counts or volts
 
 
 def _since_epoch(column: "pd.Series[Any]") -> str | None:
@@ -760,6 +800,7 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     if (
         not parts
         and len(name) > 1
+        and not name[-1].isdigit()  # A1, V1 and m1 are names of channels
         and name.casefold() not in NAMES.get(quantity, ())
         and is_unit(name)
     ):
@@ -941,9 +982,12 @@ def _with_unit(motor_constant: float | str, unit: str) -> str:
     return text if " " in text else f"{text} {unit}"
 
 
-def column_text(one: Found) -> str:
-    """Return where a quantity was found, in words."""
-    return f"column {one.name!r}{f' in {one.unit}' if one.unit else ''}, {one.why}"
+def column_text(one: Found, column: Column = "") -> str:
+    """Return where a quantity was found, in words; a position may have two columns."""
+    unit = f" in {one.unit}" if one.unit else ""
+    if column and not isinstance(column, str):
+        return f"columns {joined(list(map(repr, column)))}{unit}, {one.why}"
+    return f"column {one.name!r}{unit}, {one.why}"
 
 
 def rate_text(times: Array) -> str:
@@ -983,6 +1027,11 @@ def times_of(frame: Frame, one: Found) -> Array | None:
     if not pd.api.types.is_numeric_dtype(column.dtype):
         return seconds_of(column)
     values = column.to_numpy(dtype=float)
+    if one.unit and not is_unit_of(one.unit, "time"):
+        raise InputError(
+            f"{frame.file}: the column {shown(one.name)} is in {one.unit}, which is no unit of"
+            " time: give its unit, as --unit time=s, or name another column."
+        )
     return values * (factor(one.unit, "s") if one.unit else 1.0)
 
 
@@ -1379,6 +1428,8 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     """Return what is said of other columns that show the same motion as the position, by name."""
     first, said = found.get("position"), {}
     if first is None or first.name not in frame.names or first.unit is None or _is_raw(first.unit):
+        return {}
+    if not is_unit_of(first.unit, "position"):  # its gain makes a position of it
         return {}
     taken = {one.name for one in found.values()}
     x = _values(frame, first)

@@ -11,6 +11,7 @@ from stickslip.documents import open_regular
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.parquet import check_parquet
+from stickslip.experiments.readers.servo_registers import RADIANS, are_degrees
 from stickslip.experiments.readers.table import Table, read_json
 from stickslip.formatting import count, number
 from stickslip.mechanisms import coordinate_of
@@ -42,16 +43,6 @@ ALIKE: Final = 1e-3
 """Share of a frame by which times that are numbers of frames may differ by rounding."""
 NO_RADIANS: Final = "which is no angle in rad"
 """What is said of positions whose unit is not known."""
-STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
-"""Steps of servos [deg] that count 12 bits a turn, by either convention."""
-FEWEST: Final = 20
-"""Steps from which they show that they are multiples of one."""
-WHOLE: Final = 0.05
-"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
-MOST: Final = 0.98
-"""Share of the steps that are multiples."""
-RADIANS: Final = 13.0
-"""A joint with limits does not turn as far [rad]: two turns either way."""
 
 
 def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
@@ -83,7 +74,7 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
         for column, values in _columns(path, name, features[name], data[name]):
             columns.setdefault(column, values)
     remarks = (*how, *_remarks(columns))
-    if _largest(columns) > RADIANS and _is_in_steps(columns):
+    if _largest(columns) > RADIANS and are_degrees(_positions(columns)):
         angles = ("position.", "reference.")
         columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
     return Table(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
@@ -204,7 +195,7 @@ def _remarks(columns: Mapping[str, Array]) -> Iterator[str]:
     largest = number(_largest(columns), 3)
     if _largest(columns) <= RADIANS:
         return
-    if _is_in_steps(columns):
+    if are_degrees(_positions(columns)):
         yield (
             f"Positions reach {largest} and come in steps of 360/4096: they are taken for degrees."
         )
@@ -225,13 +216,3 @@ def _positions(columns: Mapping[str, Array]) -> list[Array]:
 def _largest(columns: Mapping[str, Array]) -> float:
     """Return the largest size of a position; 0 where none is known."""
     return max((float(np.abs(one).max()) for one in _positions(columns)), default=0.0)
-
-
-def _is_in_steps(columns: Mapping[str, Array]) -> bool:
-    """Whether all positions come in the steps in which servos count a turn, in degrees."""
-    gaps = [np.diff(np.unique(one)) for one in _positions(columns)]
-    moved = [one for one in gaps if one.size >= FEWEST]
-    return bool(moved) and any(
-        all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
-        for step in STEPS
-    )

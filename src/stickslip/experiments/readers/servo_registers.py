@@ -5,7 +5,7 @@ which public drivers agree; no manual of the maker was found. See also the page 
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
@@ -13,10 +13,24 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError
+from stickslip.experiments.measurement import Array
+from stickslip.formatting import joined
 from stickslip.units import shown
 
 TURN: Final = "4096 counts/rev"
 """Counts of an angle in both."""
+STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
+"""Steps of servos [deg] that count 12 bits a turn, by either convention."""
+FEWEST: Final = 20
+"""Steps from which they show that they are multiples of one."""
+WHOLE: Final = 0.05
+"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
+MOST: Final = 0.98
+"""Share of the steps that are multiples."""
+RADIANS: Final = 13.0
+"""A joint with limits does not turn as far [rad]: two turns either way."""
+SIGNED: Final = re.compile(r"(?:present|goal)(?:position|velocity|speed|current|pwm)")
+"""Registers that have a sign."""
 ID: Final = "id"
 """Name of the column that says which servo was read."""
 
@@ -35,6 +49,8 @@ class Servo:
     """Quantity -> what a count is."""
     remarks: Mapping[str, str] = field(default_factory=dict)
     """Quantity -> what the model decides."""
+    sign_bit: bool = False
+    """Whether the highest bit of a register is its sign; else negative numbers are complements."""
 
     @property
     def why(self) -> str:
@@ -71,6 +87,7 @@ SERVOS: Final = (
             "position": "A servo of the series SCS has 1024 counts: give --gain"
             " position='1024 counts/rev'."
         },
+        sign_bit=True,
     ),
 )
 
@@ -111,6 +128,62 @@ def are_counts(column: "pd.Series[Any]") -> bool:
     numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     known = numbers[np.isfinite(numbers)]
     return bool(known.size and np.all(known == np.round(known)) and np.abs(known).max() > 10.0)
+
+
+def are_degrees(positions: Sequence[Array]) -> bool:
+    """Whether all positions come in the steps in which servos count a turn, in degrees.
+
+    Examples
+    --------
+    >>> counts = np.arange(2048.0, 2090.0)
+    >>> are_degrees([360.0 / 4096.0 * counts]), are_degrees([0.1 * counts])
+    (True, False)
+    """
+    gaps = [np.diff(np.unique(one)) for one in positions]
+    moved = [one for one in gaps if one.size >= FEWEST]
+    return bool(moved) and any(
+        all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
+        for step in STEPS
+    )
+
+
+def with_signs(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return a table with negative numbers of registers that were read as unsigned, and remarks.
+
+    Examples
+    --------
+    >>> data = pd.DataFrame({"Present_PWM": [3, 2**16 - 2], "Present_Position": [2, 2**32 - 1]})
+    >>> with_signs(data)[0].to_dict("list")
+    {'Present_PWM': [3, -2], 'Present_Position': [2, -1]}
+    """
+    servo = servo_of(list(map(str, data.columns)))
+    signed = {}
+    for name in data.columns if servo is not None else ():
+        if SIGNED.fullmatch(register_name(str(name))) and are_counts(data[name]):
+            signed[name] = _signed(data[name], bool(servo and servo.sign_bit))
+    changed = [name for name, one in signed.items() if not one.equals(data[name])]
+    if servo is None or not changed:
+        return data, []
+    how = "bit 15 is the sign" if servo.sign_bit else "negative numbers are two's complements"
+    return data.assign(**{name: signed[name] for name in changed}), [
+        f"Registers of a {servo.title} were recorded without their sign, and are read with it, as"
+        f" {how}: {joined([shown(str(name)) for name in changed])}."
+    ]
+
+
+def _signed(column: "pd.Series[Any]", sign_bit: bool) -> "pd.Series[Any]":
+    """Return the numbers of a register with their sign; one of 16 bits jumps where it changes."""
+    least, most = column.min(), column.max()
+    if least < 0 or most >= 2**32:
+        return column
+    if sign_bit:
+        return column.where(column < 2**15, 2**15 - column) if most < 2**16 else column
+    if most >= 2**31:
+        return column.where(column < 2**31, column - 2**32)
+    jumps = bool((column.dropna().diff().abs() > 2**15).any())
+    if 2**15 <= most < 2**16 and jumps:
+        return column.where(column < 2**15, column - 2**16)
+    return column
 
 
 def check_one_servo(file: str, data: pd.DataFrame, names: Mapping[str, str]) -> None:

@@ -23,6 +23,7 @@ from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, form
 from stickslip.experiments.readers.header_units import stated_unit, without_unit
 from stickslip.experiments.readers.layout import Layout, unit_in
 from stickslip.experiments.readers.reader_options import Column
+from stickslip.experiments.readers.servo_registers import with_signs
 from stickslip.experiments.readers.time_stamps import seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
@@ -221,13 +222,14 @@ def read_frame(
         )
     wanted = [*dict.fromkeys((*single.values(), *also))]
     table = known.read(path, wanted) if layout is None else read_text(path, layout)
+    data, signs = with_signs(table.data)
     return frame_of(
-        table.data,
+        data,
         file,
         columns=single,
         units=units,
         first_row=table.first_row,
-        remarks=table.remarks,
+        remarks=(*table.remarks, *signs),
         lost=table.lost,
     )
 
@@ -293,7 +295,8 @@ def _named(
     for quantity, column in columns.items():
         key = _known_column(file, column, own)
         names[quantity] = own[key]
-        found_units[quantity] = own_units[key] or stated_unit(own[key], quantity)
+        of = "position" if quantity == SECOND else quantity
+        found_units[quantity] = own_units[key] or stated_unit(own[key], of)
     _recognise(names, found_units, of_run=not columns and names.keys() >= RUN)
     for name, unit in units.items():
         if name not in names:
