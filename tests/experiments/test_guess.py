@@ -1151,3 +1151,33 @@ def test_a_unit_that_is_given_says_whether_the_axis_turns(tmp_path):
     assert guess.turning
     assert guess.motor_constant == "1 N m/A"
     assert read_data([path], guess.reading).position[1] == pytest.approx(np.radians(X[1]), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("head", "options", "scale"),
+    [
+        ("torque (N m)", {}, 1.0),
+        ("current (A)", {"motor_constant": "0.12 N m/A"}, 0.12),
+        ("current", {}, 1.0),
+    ],
+)
+def test_steady_readings_of_what_drives_are_readings_of_friction(tmp_path, head, options, scale):
+    path = tmp_path / "a.csv"
+    v = np.random.default_rng(1).uniform(-3.0, 3.0, 50)
+    f = 0.5 * np.sign(v) + 0.1 * v
+    path.write_text(
+        f"time (s),velocity (rad/s),{head}\n" + rows((5.0 * np.arange(50), v, f), ",", points)
+    )
+    guess = guess_data(path, **options)
+    assert set(guess.columns) == {"velocity", "friction"}
+    assert guess.turning
+    assert read_data([path], guess.reading).friction == pytest.approx(scale * f, abs=1e-3)
+    assumed = any("motor constant of 1 N m/A is assumed" in doubt for doubt in guess.doubts)
+    assert assumed == (head == "current")
+
+
+def test_a_rolling_speed_is_not_taken_for_a_sliding_speed_in_silence(tmp_path):
+    path = table(
+        tmp_path / "a.csv", **{"t (s)": "t", "Rolling Speed (mm/s)": "x", "Friction (N)": "F"}
+    )
+    assert any("is read as the sliding velocity" in doubt for doubt in guess_data(path).doubts)

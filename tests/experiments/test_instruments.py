@@ -442,6 +442,43 @@ def test_wear_and_heights_are_no_position(tmp_path, name):
     assert set(guess_data(path).columns) == {"time", "velocity", "friction"}
 
 
+HEAD = "Step No. {}\nDuration = 1 sec\nFx,Fz,V1,T\n{},mm/sec,sec\n\n"
+
+
+def test_steps_of_a_tribometer_with_other_units_are_in_those_of_the_first(tmp_path):
+    path = tmp_path / "a.csv"
+    cells = "".join(f"{f:.4f},-200,5,{t:.2f}\n" for f, t in zip(1e3 + F, T, strict=True))
+    newton = 9.80665e-3
+    other = "".join(
+        f"{newton * f:.6f},{-200 * newton:.6f},5,{t:.2f}\n" for f, t in zip(1e3 + F, T, strict=True)
+    )
+    text = f"{HEAD.format(1, 'g,g')}{cells}\n{HEAD.format(2, 'N,N')}{other}\n"
+    path.write_text(f"{text}{HEAD.format(3, 's,s')}{cells}")
+    guess = guess_data(path)
+    first, second = (one.friction for one in read_data([path], guess.reading).trials)
+    assert second == pytest.approx(first, rel=1e-5)
+    assert "Steps with other columns, or units of another kind: 3." in guess.doubts
+
+
+@pytest.mark.parametrize("rows", ["", "1,-200,5,0\n"], ids=["empty", "one row"])
+def test_steps_of_a_tribometer_without_rows_are_named(tmp_path, rows):
+    path = tmp_path / "a.csv"
+    cells = "".join(f"{f:.4f},-200,5,{t:.2f}\n" for f, t in zip(F, T, strict=True))
+    steps = [f"{HEAD.format(i, 'g,g')}{rows if i == 2 else cells}\n" for i in (1, 2, 3)]
+    path.write_text("".join(steps))
+    assert "Step 2 has no table of 2 rows or more and is left out." in guess_data(path).doubts
+
+
+def test_the_sliding_speed_of_a_traction_machine_follows_from_its_slide_roll_ratio(tmp_path):
+    path = tmp_path / "a.txt"
+    head = "Step Time (s)\tSRR (%)\tRolling Speed (mm/s)\tTraction Force (N)\n"
+    rows = "".join(f"{6 * i}\t{r}\t1000\t{1 + r / 50}\n" for i, r in enumerate(range(1, 60)))
+    path.write_text(f"Machine\nStep 1 started at 10:00\n{head}{rows}")
+    guess, record = read(path)
+    assert record.velocity[:2] == pytest.approx([0.01, 0.02])
+    assert any("The sliding speed is 'SRR (%)' times" in doubt for doubt in guess.doubts)
+
+
 # --- registers of servos, motion capture, serial monitors
 
 

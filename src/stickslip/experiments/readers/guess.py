@@ -339,10 +339,13 @@ def guess_data(
         )
     times = times_of(frame, found["time"]) if "time" in found else None
     trial, why = trial_column(frame, given, found, times)
-    steady = ""
+    steady, by_current = "", False
     if times is not None and "time" not in given and _is_steady(frame, found, times):
         clock, times = found.pop("time"), None
         steady = clock.name
+        by_current = "current" in found
+        found = _as_friction(found)
+        units, gain = (_as_friction(x or {}) for x in (units, gain))
         reasons["rows"] = f"steady readings; their times, column {steady!r}, are not read"
     if trial:
         given["trial"] = trial
@@ -368,6 +371,10 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
+    if by_current:
+        known["friction"] = found["friction"].unit or "A"
+        found["friction"] = replace(found["friction"], unit=known["friction"])
+        gains["friction"] = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
     registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
     if servo is not None:
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
@@ -376,6 +383,7 @@ def guess_data(
     if pressed:
         gains.setdefault("load", -1.0)
     reasons |= {q: column_text(one, given.get(q, one.name)) for q, one in found.items()}
+    reasons |= {"motor constant": f"{gains['friction']}, of the friction"} if by_current else {}
     if times is not None:
         reasons["time"] += rate_text(times)
     constant = ""
@@ -413,6 +421,7 @@ def guess_data(
             *rates_doubt(frame, found),
             *([assumed] if assumed else []),
             *([READINGS.format(steady)] if steady else []),
+            *([_scale_doubt(turning)] if by_current and motor_constant is None else []),
             *([UPSIDE_DOWN] if backwards else []),
             *(servo.doubts(found, gain or {}) if servo is not None else ()),
             *([PRESSED.format(found["load"].name)] if pressed else []),
@@ -629,7 +638,9 @@ def _by_kind(
         for place, name in enumerate(left)
         for quantity in quantities
         for offer in _offers(frame, name, quantity)
-        for found in [replace(offer, unit=units[quantity]) if units.get(quantity) else offer]
+        for found in [
+            replace(offer, unit=units[quantity], stated=False) if units.get(quantity) else offer
+        ]
         if _is_of_kind(found, quantity, turning)
     ]
     for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
@@ -1008,11 +1019,17 @@ def rate_text(times: Array) -> str:
     return f"; {samples}, {number(1.0 / step, 4)} Hz{gaps}"
 
 
+def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what belongs to quantities, that of a drive to the friction at steady speeds."""
+    return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
+
+
 def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
-    if not {"velocity", "friction"} <= {*found} or {"position", "force", "current"} & {*found}:
+    resisting = [q for q in ("friction", "force", "current") if q in found]
+    if len(resisting) != 1 or "velocity" not in found or "position" in found:
         return False
-    columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", "friction")]
+    columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", *resisting)]
     rows = [times, *(pd.to_numeric(one, errors="coerce").to_numpy(float) for one in columns)]
     full = np.isfinite(rows).all(axis=0)
     return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
@@ -1405,6 +1422,11 @@ def _doubts(
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
+    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*ROLLING}:
+        yield (
+            f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
+            " speed: surfaces that roll slide at a part of it."
+        )
     positions = _second_positions(frame, found)
     yield from positions.values()
     for quantity, one in found.items():
@@ -1415,13 +1437,18 @@ def _doubts(
             )
     yield from _left_out(frame, found)
     if "current" in found and not constant:
-        unit = "N m/A" if turning else "N/A"
-        yield (
-            f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
-            f" 1 {unit} is assumed, so that forces and the mass are in a scale of their own. Give"
-            f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
-        )
+        yield _scale_doubt(turning)
     yield from _driving_doubts(frame, found)
+
+
+def _scale_doubt(turning: bool) -> str:
+    """Return that a motor constant is assumed."""
+    unit = "N m/A" if turning else "N/A"
+    return (
+        f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
+        f" 1 {unit} is assumed, so that forces and the mass are in a scale of their own. Give"
+        f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
+    )
 
 
 def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:

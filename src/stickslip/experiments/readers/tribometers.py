@@ -17,10 +17,11 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError
+from stickslip.experiments.readers.column_words import parts_of
 from stickslip.experiments.readers.layout import are_units, cells_of, is_number, unit_in
 from stickslip.experiments.readers.table import Table, numbered_twice, rows_of
 from stickslip.formatting import count, joined
-from stickslip.units import is_unit, shown
+from stickslip.units import factor, is_of, is_unit, shown
 
 TRIBOMETER: Final = "steps of a tribometer"
 LONGEST_HEAD: Final = 20_000
@@ -96,11 +97,21 @@ def read_tribometer(text: str) -> Table:
     often = Counter(one.names for one in sections).most_common(1)[0][0]
     kept = [one for one in sections if one.names == often]
     decimal = "," if separator != "," and any("," in row for row in kept[0].rows) else "."
-    tables = [_table(one, separator, decimal) for one in kept]
+    units = [_units(one) for one in kept]
+    alike = [_are_alike(own, units[0]) for own in units]
+    tables = [
+        _table(one, own, units[0], separator, decimal)
+        for one, own, fits in zip(kept, units, alike, strict=True)
+        if fits
+    ]
+    others = [one for one, fits in zip(kept, alike, strict=True) if not fits]
+    kept = [one for one in kept if one not in others]
+    lost = _without_rows(lines, sections)
+    others = [one for one in sections if one.names != often or one in others]
+    if others:
+        labels = [one.label or str(sections.index(one) + 1) for one in others]
+        lost.append(f"Steps with other columns, or units of another kind: {joined(labels)}.")
     remarks = []
-    if len(kept) < len(sections):
-        labels = [one.label or str(i) for i, one in enumerate(sections, 1) if one.names != often]
-        remarks.append(f"Steps with other columns are not read: {joined(labels)}.")
     labels = [one.label or str(number) for number, one in enumerate(kept, 1)]
     if len(set(labels)) < len(labels):  # each run counts its steps anew
         labels = [str(number) for number in range(1, len(kept) + 1)]
@@ -112,9 +123,10 @@ def read_tribometer(text: str) -> Table:
     if steps:
         remarks.append(f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps)}.")
     data, told = _with_sliding_speed(data, lines, separator)
-    nameless = sum(len(one.rows) for one in found if not one.names)
-    lost = [f"{count(nameless, 'row')} below no names of columns: not read."] if nameless else []
-    return Table(data=data, remarks=(*remarks, *told), lost=(*lost,))
+    data, said = _from_slip(data)
+    if nameless := sum(len(one.rows) for one in found if not one.names):
+        lost.append(f"{count(nameless, 'row')} below no names of columns: not read.")
+    return Table(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
 
 
 def _is_row(cells: Sequence[str]) -> bool:
@@ -157,17 +169,47 @@ def _section(above: Sequence[str], rows: Sequence[str], separator: str) -> _Sect
     )
 
 
-def _table(section: _Section, separator: str, decimal: str) -> pd.DataFrame:
-    """Return the rows of a section with names and units, columns without a name left out."""
+def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[str]:
+    """Return what is said of steps below whose number there are no two rows."""
+    found = [match for line in lines if (match := _STEP.match(line))]
+    kinds = {
+        one.lastgroup for one in found if one[one.lastgroup or 0] in {s.label for s in sections}
+    }
+    missed = Counter(one[one.lastgroup or 0] for one in found if one.lastgroup in kinds)
+    missed -= Counter(one.label for one in sections)
+    return [
+        f"Step {label} has no table of {FEWEST} rows or more and is left out." for label in missed
+    ]
+
+
+def _units(section: _Section) -> list[str]:
+    """Return the unit of each name; empty where there is none."""
+    units = [unit_in(cell) for cell in section.units]
+    units += [""] * (len(section.names) - len(units))
+    found = [
+        FORCES.get(unit, unit) if _FORCE.fullmatch(name) else unit
+        for name, unit in zip(section.names, units, strict=False)
+    ]
+    return [unit if unit and is_unit(unit) else "" for unit in found]
+
+
+def _are_alike(units: Sequence[str], first: Sequence[str]) -> bool:
+    """Whether units are those of another step, or of their kinds."""
+    pairs = zip(units, first, strict=True)
+    return all(own == one or (bool(own and one) and is_of(own, one)) for own, one in pairs)
+
+
+def _table(
+    section: _Section, units: Sequence[str], first: Sequence[str], separator: str, decimal: str
+) -> pd.DataFrame:
+    """Return the rows of a section in the units of the first, columns without a name left out."""
     width = max(len(section.names), len(cells_of(section.rows[0], separator)))
     data = rows_of(section.rows, separator, decimal, width)
     named = [place for place, name in enumerate(section.names) if name]
-    headers = []
     for place in named:
-        name = section.names[place]
-        unit = unit_in(section.units[place]) if place < len(section.units) else ""
-        unit = FORCES.get(unit, unit) if _FORCE.fullmatch(name) else unit
-        headers.append(f"{name} [{unit}]" if unit and is_unit(unit) else name)
+        if units[place] != first[place]:
+            data[place] = data[place].astype(float) * factor(units[place], first[place])
+    headers = [section.names[i] + (f" [{first[i]}]" if first[i] else "") for i in named]
     return data[named].set_axis(numbered_twice(headers), axis=1)
 
 
@@ -209,4 +251,25 @@ def _with_sliding_speed(
     speed = pd.to_numeric(data[speeds[0]], errors="coerce") * (2.0 * math.pi / 60.0 * radius)
     return data.assign(**{"Sliding Speed [mm/s]": np.asarray(speed, dtype=float)}), [
         f"The sliding speed is {shown(speeds[0])} at the radius of the recipe, {radius:g} mm."
+    ]
+
+
+def _from_slip(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return a table with the sliding speed, from a slide-roll ratio and the rolling speed."""
+    names = {name: " ".join(parts_of(name.partition("[")[0].partition("(")[0])) for name in data}
+    if any("sliding" in name or "slip" in name for name in names.values()):
+        return data, []
+    ratio = next((n for n, bare in names.items() if bare in ("srr", "slide roll ratio")), None)
+    rolling = [n for n, bare in names.items() if bare in ("rolling speed", "entrainment speed")]
+    if ratio is None or not rolling:
+        return data, []
+    bracket = re.search(r"[\[(]([^\[\]()]++)[\])]", rolling[0])
+    unit = bracket[1] if bracket else ""
+    share = 100.0 if "%" in ratio else 1.0
+    speed = pd.to_numeric(data[ratio], errors="coerce") / share
+    speed *= pd.to_numeric(data[rolling[0]], errors="coerce")
+    name = f"Sliding Speed [{unit}]" if unit and is_unit(unit) else "Sliding Speed"
+    return data.assign(**{name: np.asarray(speed, dtype=float)}), [
+        f"The sliding speed is {shown(ratio)} times {shown(rolling[0])}: the ratio is taken for the"
+        " difference of both surfaces' speeds over their mean."
     ]
