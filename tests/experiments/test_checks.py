@@ -779,7 +779,7 @@ def test_steady_readings_are_not_filtered_as_a_motion():
     friction = 80.0 * np.tanh(velocity / 0.35e-3)
     seen = Measurement(time=6.0 * np.arange(41), velocity=velocity, friction=friction)
     (one,) = check(seen).of("steady readings")
-    assert "one every 6 s at ever other speeds" in one.sentence
+    assert "one every 6 s and each at another speed" in one.sentence
     (slow,) = check(seen).of("low speed")
     assert slow.numbers["share"] == pytest.approx(
         np.mean(velocity < 0.05 * slow.numbers["fastest"])

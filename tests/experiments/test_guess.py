@@ -1181,3 +1181,23 @@ def test_a_rolling_speed_is_not_taken_for_a_sliding_speed_in_silence(tmp_path):
         tmp_path / "a.csv", **{"t (s)": "t", "Rolling Speed (mm/s)": "x", "Friction (N)": "F"}
     )
     assert any("is read as the sliding velocity" in doubt for doubt in guess_data(path).doubts)
+
+
+def test_a_few_samples_of_a_slow_motion_are_no_steady_readings(tmp_path):
+    path = tmp_path / "a.csv"
+    t = np.arange(25) / 100
+    path.write_text(
+        "time (s),velocity (mm/s),friction (N)\n" + rows((t, 5 + t / 10, 2 + t), ",", points)
+    )
+    assert "time" in guess_data(path).columns
+
+
+def test_equal_positions_are_said_to_be_equal(tmp_path):
+    path = table(
+        tmp_path / "a.csv", **{"t (s)": "t", "position (mm)": "x", "motor angle x (mm)": "x"}
+    )
+    said = " ".join(guess_data(path).doubts)
+    assert (
+        "'motor angle x (mm)' is read, and 'position (mm)' is not; they are equal." in said
+        or "they are equal." in said
+    )

@@ -275,7 +275,7 @@ def test_a_sheet_is_read_as_if_it_had_been_saved_as_text(tmp_path, rows):
     assert record.time - record.time[0] == pytest.approx(T, abs=1e-6)
     assert record.position == pytest.approx(X)
     assert record.force == pytest.approx(F)
-    assert guess.doubts[0] == "Read is the sheet 'Daten'; not read: 'Info'."
+    assert guess.doubts[0] == "The sheet 'Daten' is read; 'Info' is not."
 
 
 def test_a_workbook_without_a_table_names_its_sheets(tmp_path):

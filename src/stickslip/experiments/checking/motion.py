@@ -232,9 +232,9 @@ def readings(record: Measurement) -> Iterator[Finding]:
         kind="steady readings",
         severity="warning",
         sentence=(
-            f"The rows, one every {quantity(interval_of(time), 's')} at ever other speeds, seem to"
-            " be steady readings of friction, not samples of one motion: filters then mix what"
-            " was measured at different speeds. Leave the time out, as in a rig file with"
+            f"The rows, one every {quantity(interval_of(time), 's')} and each at another speed,"
+            " seem to be steady readings of friction, not samples of one motion: filters then mix"
+            " what was measured at different speeds. Leave the time out, as in a rig file with"
             ' columns = { time = "" }.'
         ),
         measure="Sample a motion more often, or leave the times of steady readings out",

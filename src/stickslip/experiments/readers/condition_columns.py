@@ -8,11 +8,10 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments.readers.table import TRIAL
 from stickslip.experiments.readers.table_reader import Frame
 from stickslip.formatting import number
 
-TRIAL = "trial"
-"""Name of a column that says which trial a row belongs to."""
 KELVINS = ("K", "°C", "degC", "°F", "degF")
 """Units of temperatures."""
 STEADY = 0.05

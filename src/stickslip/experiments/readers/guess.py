@@ -27,7 +27,7 @@ from stickslip.experiments.readers.column_words import (
     is_wanted,
     parts_of,
 )
-from stickslip.experiments.readers.condition_columns import KELVINS, TRIAL, by_trial, conditions_in
+from stickslip.experiments.readers.condition_columns import KELVINS, by_trial, conditions_in
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.formats import TEXT, data_file
@@ -49,6 +49,7 @@ from stickslip.experiments.readers.servo_registers import (
     servo_of,
 )
 from stickslip.experiments.readers.steady_readings import are_steady_readings
+from stickslip.experiments.readers.table import TRIAL
 from stickslip.experiments.readers.table_reader import Frame, read_frame
 from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
 from stickslip.experiments.readers.toml import check_file, check_path
@@ -151,6 +152,8 @@ RESTART: Final = 0.5
 """Share of the time that has passed by which it goes back where a further record begins."""
 SAME_MOTION: Final = 0.99
 """Correlation from which two positions are those of one axis."""
+EQUAL: Final = 1e-9
+"""Share of their range by which two positions may differ that are said to be equal."""
 ONE_TO_ONE: Final = 0.02
 """Distance of the ratio of two positions from 1 up to which no gear is between them."""
 DIGITS: Final = 0.5
@@ -177,8 +180,8 @@ UPSIDE_DOWN: Final = (
     " instead, motion and time would be reversed: replace it by times that increase."
 )
 READINGS: Final = (
-    "The rows, at ever other speeds, are taken for steady readings of friction, not for samples of"
-    " one motion. If they are that, give --columns time={!r}."
+    "The rows, each at another speed, are taken for steady readings of friction, not for samples of"
+    " one motion. If they are such samples, give --columns time={!r}."
 )
 BESIDE_LOAD: Final = "as the other force beside Fz"
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
@@ -1371,11 +1374,12 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
     """Yield what is said of conditions and of a temperature that were found by their names."""
     warm = found.get("temperature")
     if warm is not None and warm.why != "as given":
+        mean = ", and its mean is a condition of each trial" if warm.name in conditions else ""
         yield (
             f"The column {warm.name!r} changes within a record: it is the temperature on which a"
-            " friction law may depend, such as level + viscous * exponential[temperature]."
+            f" friction law may depend, such as level + viscous * exponential[temperature]{mean}."
         )
-    for name in conditions:
+    for name in (one for one in conditions if warm is None or one != warm.name):
         yield (
             f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"
             " several trials say whether friction depends on it. If it is none, leave it out of"
@@ -1474,6 +1478,12 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
             ratio = 1.0 if abs(ratio - 1.0) < ONE_TO_ONE else ratio
             apart = float(np.ptp((y - ratio * x)[both]) / abs(ratio))
             size = number(apart / factor(first.unit, first.unit_in_si), 3)
+            if first.unit_in_si == other.unit_in_si and apart <= EQUAL * float(np.ptp(x[both])):
+                said[name] = (
+                    f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
+                    f" is not; they are {'equal' if ratio == 1.0 else 'in one ratio throughout'}."
+                )
+                continue
             geared = f", which moves {number(ratio, 4)} times as far," if ratio != 1.0 else ""
             geared = geared if other.unit_in_si == first.unit_in_si else ""
             said[name] = (

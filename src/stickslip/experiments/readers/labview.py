@@ -17,7 +17,14 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import cells_of, unit_in
-from stickslip.experiments.readers.table import Table, merged, numbered_twice, rows_of, times_in
+from stickslip.experiments.readers.table import (
+    TRIAL,
+    Table,
+    merged,
+    numbered_twice,
+    rows_of,
+    times_in,
+)
 from stickslip.formatting import count, joined
 from stickslip.units import is_unit, shown
 
@@ -30,7 +37,6 @@ _DIMENSIONS: Final = {"Time": "s", "Frequency": "Hz", "": "s"}
 LONGEST_HEAD: Final = 10_000
 """Characters at the top in which the first header ends."""
 TIMES: Final = "X_Value"
-TRIAL: Final = "trial"
 _SEPARATORS: Final = {"Tab": "\t", "Comma": ","}
 
 
@@ -88,7 +94,8 @@ def read_labview(text: str) -> Table:
         commas = any("," in line for line in segments[0].rows)
         decimal = "," if commas and separator == "\t" else "."
     kept = [one for one in segments if [*one.names] == [*segments[0].names]]
-    tables = [_channels(one, separator, decimal) for one in kept]
+    parts = [_channels(one, separator, decimal) for one in kept]
+    tables = [data for data, _ in parts]
     remarks, lost = [], (*_cut(kept),)
     if len(kept) < len(segments):
         other = dict.fromkeys(n for one in segments if one not in kept for n in one.names if n)
@@ -97,7 +104,8 @@ def read_labview(text: str) -> Table:
             f" ({joined([*map(shown, [*other][:8])])}) than the first, and are not read."
         )
     if len(tables) == 1:
-        return Table(data=tables[0], first_row=kept[0].line, remarks=(*remarks,), lost=lost)
+        line = kept[0].line if parts[0][1] else 1  # merged rows are not those of the file
+        return Table(data=tables[0], first_row=line, remarks=(*remarks,), lost=lost)
     trials = [*_trials(tables)]
     if trials[-1] > 1:
         remarks.append(f"Times begin again in later segments: {trials[-1]} trials.")
@@ -135,8 +143,8 @@ def _told(head: Mapping[str, Sequence[str]], tag: str) -> list[str]:
     return [cells[place] if place < len(cells) else "" for place in places]
 
 
-def _channels(segment: _Segment, separator: str, decimal: str) -> pd.DataFrame:
-    """Return the channels of a segment with their units, behind their times."""
+def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataFrame, bool]:
+    """Return the channels of a segment with units, behind their times, and if all have the same."""
     names = segment.names
     width = max(len(names), len(cells_of(segment.rows[0], separator)))
     rows = rows_of(segment.rows, separator, decimal, width)
@@ -157,14 +165,14 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> pd.DataFrame:
             found.insert(0, times, times_in(rows[columns[0]].dropna(), TIMES))
         else:
             found.insert(0, times, _counted(segment, len(rows), decimal))
-        return found
+        return found, True
     tables = []
     for place, header in zip(own, headers, strict=True):
         before = max(column for column in columns if column < place)
         part = rows[[before, place]].set_axis([times, header], axis=1)
         part = part[part[times].notna()]
         tables.append(part.assign(**{times: times_in(part[times], header)}).set_index(times))
-    return merged(tables)[0]
+    return merged(tables)
 
 
 def _counted(segment: _Segment, rows: int, decimal: str) -> Array:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from stickslip.errors import InputError
 from stickslip.experiments.readers.layout import cells_of, is_number
-from stickslip.experiments.readers.table import Table, rows_of
+from stickslip.experiments.readers.table import TIME, Table, rows_of
 from stickslip.experiments.readers.time_stamps import seconds_of
 from stickslip.formatting import count
 
@@ -16,7 +16,6 @@ SERIAL: Final = "output of a serial monitor"
 _LINE: Final = re.compile(r"(?P<stamp>\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(?P<text>.*)")
 _LABELLED: Final = re.compile(r"(?P<name>(?=[\s\d]*+[^\s:\d])[^:]*+):\s*+(?P<value>\S+)")
 SEPARATORS: Final = ("\t", ";", ",", " ")
-TIME: Final = "time [s]"
 
 
 def is_serial(text: str) -> bool:
@@ -66,5 +65,6 @@ def read_serial(text: str) -> Table:
         raise InputError("has time stamps before its lines that are no times of day.")
     data.insert(0, TIME, times - times[0])
     lost = len(found) - len(rows) - bool(heads)
-    said = [f"{count(lost, 'line')} without {width} numbers are not read."] if lost else []
+    are = "is" if lost == 1 else "are"
+    said = [f"{count(lost, 'line')} without {width} numbers {are} not read."] if lost else []
     return Table(data=data, lost=(*said,))

@@ -14,7 +14,7 @@ from stickslip.errors import MOST_NUMBERS, InputError, check_size
 from stickslip.experiments.readers.csv_reader import read_as
 from stickslip.experiments.readers.dialects import dialect_of
 from stickslip.experiments.readers.layout import layout_of
-from stickslip.experiments.readers.table import Table
+from stickslip.experiments.readers.table import Table, read_of
 from stickslip.formatting import joined
 from stickslip.units import shown
 
@@ -56,10 +56,8 @@ def _first(path: Path, sheets: dict[str, str]) -> Table:
         dialect, found = dialect_of(text), layout_of(text, "utf-8")
         if dialect is None and found is None:
             continue
-        others = [shown(name) for name, rest in sheets.items() if name != title and rest.strip()]
-        remarks = (
-            [f"Read is the sheet {shown(title)}; not read: {joined(others)}."] if others else []
-        )
+        others = [name for name, rest in sheets.items() if name != title and rest.strip()]
+        remarks = [*read_of("sheet", title, others)]
         if dialect is not None:
             table = dialect.read(text)
         elif found is not None:

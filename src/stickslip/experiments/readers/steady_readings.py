@@ -14,7 +14,7 @@ from stickslip.experiments.measurement import Array
 FEWEST: Final = 30
 """Rows below which nothing is sampled often enough to be filtered."""
 SLOW: Final = 1.0
-"""Step of time [s] from which rows at ever other speeds are readings."""
+"""Step of time [s] from which rows, each at another speed, are readings."""
 OTHER: Final = 0.01
 """Change of a velocity over its range from which the next one is another ..."""
 OFTEN: Final = 0.5
@@ -40,12 +40,13 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
     extent = float(np.ptp(velocity))
     if extent == 0.0:
         return False
-    if velocity.size < FEWEST:
+    slow = float(np.median(np.diff(time))) >= SLOW
+    if slow and velocity.size < FEWEST:
         return True
     steps = np.abs(np.diff(velocity))
     if float(np.mean(steps > OTHER * extent)) < OFTEN:
         return False
-    if float(np.median(np.diff(time))) >= SLOW:
+    if slow:
         return True
     usual = np.convolve(np.pad(velocity, MEAN // 2, mode="edge"), np.full(MEAN, 1 / MEAN), "valid")
     return _scatter(usual, friction) > LOST * _scatter(velocity, friction)

@@ -14,13 +14,17 @@ import pandas as pd
 
 from stickslip.documents import regular_bytes
 from stickslip.errors import InputError, check_columns, check_size
-from stickslip.formatting import count
+from stickslip.formatting import count, joined
 from stickslip.units import shown
 
 FEWER_COLUMNS: Final = "split the file, or give fewer columns"
 FEWER_CHANNELS: Final = "split the file, or save fewer channels"
 """What cures a table that is too large."""
 _SURROGATE: Final = re.compile(rb"\\u[dD][89a-fA-F]")
+TRIAL: Final = "trial"
+"""Column that numbers or names trials."""
+TIME: Final = "time [s]"
+"""Column of times that a reader makes."""
 MOST_LISTED: Final = 12
 """Columns that a remark names."""
 
@@ -86,6 +90,22 @@ def further_cells(rows: int, width: int) -> list[str]:
     return [
         f"{count(rows, 'row')} {have} more cells than the header has names, {width}: the further"
         " ones are not read."
+    ]
+
+
+def read_of(what: str, wanted: str, others: Sequence[str], why: str = "") -> list[str]:
+    """Return which part of a file is read and which are not.
+
+    Examples
+    --------
+    >>> read_of("sheet", "data", ["notes"]), read_of("sheet", "data", [])
+    (["The sheet 'data' is read; 'notes' is not."], [])
+    """
+    if not others:
+        return []
+    are = "is" if len(others) == 1 else "are"
+    return [
+        f"The {what} {shown(wanted)} is read; {joined(list(map(shown, others)))}{why} {are} not."
     ]
 
 

@@ -16,22 +16,22 @@ from stickslip.experiments.measurement import Array
 from stickslip.experiments.readers.layout import unit_in
 from stickslip.experiments.readers.table import (
     FEWER_CHANNELS,
+    TIME,
+    TRIAL,
     Table,
     left_out,
     merged,
     no_channel,
     numbered_twice,
+    read_of,
 )
-from stickslip.formatting import joined
-from stickslip.units import is_unit, shown
+from stickslip.units import is_unit
 
 TDMS: Final = (".tdms",)
 """Endings of TDMS files."""
 CUT: Final = "The last segment of the file is incomplete: what was to follow is missing."
 UNIT_PROPERTIES: Final = ("unit_string", "NI_UnitDescription", "Unit")
 """Properties of a channel that hold its unit; the first is LabVIEW's."""
-TIME: Final = "time [s]"
-TRIAL: Final = "trial"
 
 
 def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
@@ -88,10 +88,8 @@ def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]
         tables.append(data)
         remarks += left_out(lost)
     if len(alike) < len(full):
-        others = [shown(name) for name in full if name not in alike]
-        remarks.append(
-            f"Read is the group {shown(wanted)}; not read: {joined(others)}, with other channels."
-        )
+        others = [name for name in full if name not in alike]
+        remarks += read_of("group", wanted, others, ", with other channels")
     if len(tables) == 1:
         return Table(data=tables[0], remarks=(*remarks,))
     trials = [table.assign(**{TRIAL: name}) for table, name in zip(tables, alike, strict=True)]

@@ -19,7 +19,7 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.experiments.readers.column_words import parts_of
 from stickslip.experiments.readers.layout import are_units, cells_of, is_number, unit_in
-from stickslip.experiments.readers.table import Table, numbered_twice, rows_of
+from stickslip.experiments.readers.table import TRIAL, Table, numbered_twice, rows_of
 from stickslip.formatting import count, joined
 from stickslip.units import factor, is_of, is_unit, shown
 
@@ -36,7 +36,6 @@ _STEP: Final = re.compile(
 _RECIPE: Final = re.compile(r"^\"?recipe\b[^\r\n]*[\r\n]", re.I)
 _DIGITS: Final = re.compile(r"(?=[^\d\n]*+\d)[\s\d.,;+\-eE\"]++")
 SEPARATORS: Final = "\t;,"
-TRIAL: Final = "trial"
 STEP: Final = "step"
 RADIUS: Final = "radius"
 FORCES: Final = {"g": "gf", "kg": "kgf", "mg": "mgf"}
