@@ -274,7 +274,8 @@ class _Files:
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
-        from stickslip.experiments.readers.condition_columns import TRIAL, conditions_in, unused_in
+        from stickslip.experiments.readers.condition_columns import conditions_in, unused_in
+        from stickslip.experiments.readers.table import TRIAL
         from stickslip.experiments.readers.table_reader import SECOND
 
         reading = self.reading

@@ -255,7 +255,8 @@ def _with_sliding_speed(
 
 def _from_slip(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     """Return a table with the sliding speed, from a slide-roll ratio and the rolling speed."""
-    names = {name: " ".join(parts_of(name.partition("[")[0].partition("(")[0])) for name in data}
+    headers = list(map(str, data.columns))
+    names = {one: " ".join(parts_of(re.split(r"[\[(]", one)[0])) for one in headers}
     if any("sliding" in name or "slip" in name for name in names.values()):
         return data, []
     ratio = next((n for n, bare in names.items() if bare in ("srr", "slide roll ratio")), None)
