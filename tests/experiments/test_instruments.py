@@ -9,6 +9,7 @@ import pytest
 from stickslip import Measurement, check, load_measurement
 from stickslip.errors import InputError
 from stickslip.experiments import Layout, guess_data, read_data
+from stickslip.experiments.readers.table_reader import read_frame
 
 N = 60
 T = np.arange(N) / 100
@@ -155,6 +156,17 @@ def test_segments_of_labview_whose_times_begin_again_are_trials(tmp_path):
     guess, record = read(path)
     assert [trial.time.size for trial in record.trials] == [20, N - 20]
     assert any("2 trials" in doubt for doubt in guess.doubts)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_rows_that_labview_s_times_were_merged_to_are_no_lines_of_its_file(tmp_path, apart):
+    path = tmp_path / "a.lvm"
+    text = lvm("Multi")
+    if apart:  # the last time of the force
+        head, _, tail = text.rpartition(f"\t{T[-1]:.4f}\t")
+        text = f"{head}\t{T[-1] + 0.002:.4f}\t{tail}"
+    path.write_text(text)
+    assert (read_frame(path, columns={}, units={}).first_row == 1) == apart
 
 
 def test_rows_that_a_header_of_labview_promises_are_missed(tmp_path):
