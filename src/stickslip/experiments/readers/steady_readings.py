@@ -34,7 +34,8 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
     >>> v = 1.0 + np.sin(np.arange(60.0) ** 2)
     >>> are_steady_readings(t, v, 2.0 + v)
     True
-    >>> are_steady_readings(t / 600.0, np.sin(t / 60.0), np.sign(np.sin(t / 60.0)))
+    >>> fast = np.sin(t / 20.0)  # of large steps and reversals, but one after the other
+    >>> are_steady_readings(t / 600.0, fast, np.sign(fast))
     False
     """
     extent = float(np.ptp(velocity))
@@ -48,11 +49,16 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
         return False
     if slow:
         return True
+    if _rms(np.diff(velocity, n=2)) < _rms(steps):
+        return False  # a motion goes on from step to step; readings in any order do not
     usual = np.convolve(np.pad(velocity, MEAN // 2, mode="edge"), np.full(MEAN, 1 / MEAN), "valid")
     return _scatter(usual, friction) > LOST * _scatter(velocity, friction)
 
 
 def _scatter(velocity: Array, friction: Array) -> float:
     """Return how far friction at one velocity is from that at the next, root mean square."""
-    ordered = friction[np.argsort(velocity, kind="stable")]
-    return float(np.sqrt(np.mean(np.diff(ordered) ** 2)))
+    return _rms(np.diff(friction[np.argsort(velocity, kind="stable")]))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
