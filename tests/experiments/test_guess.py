@@ -1112,9 +1112,10 @@ def test_an_error_is_no_position(tmp_path, header):
     assert "position" not in guess_data(path).columns
 
 
+@pytest.mark.parametrize("rolling", ["Rolling Speed (mm/s)", "Rollgeschwindigkeit (mm/s)"])
 @pytest.mark.parametrize("sliding", ["Sliding Speed (mm/s)", "Gleitgeschwindigkeit (mm/s)"])
-def test_a_rolling_speed_yields_to_a_sliding_speed(tmp_path, sliding):
-    columns = {"t (s)": "t", "Rolling Speed (mm/s)": "x", sliding: "x", "Friction (N)": "F"}
+def test_a_rolling_speed_yields_to_a_sliding_speed(tmp_path, rolling, sliding):
+    columns = {"t (s)": "t", rolling: "x", sliding: "x", "Friction (N)": "F"}
     assert guess_data(table(tmp_path / "a.csv", **columns)).columns["velocity"] == sliding
 
 

@@ -38,7 +38,7 @@ NO_MOTION: Final = (
 """Words of columns that are no motion, but may be forces: the amplitude of a friction force."""
 MOTION: Final = ("position", "velocity", "reference")
 """Quantities of a motion."""
-ROLLING: Final = ("rolling", "entrainment")
+ROLLING: Final = ("rolling", "entrainment", "rollgeschwindigkeit")
 """Words of speeds at which surfaces pass together, without sliding."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
