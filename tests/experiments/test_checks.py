@@ -794,7 +794,7 @@ def test_steady_readings_are_not_filtered_as_a_motion():
         pytest.param(T, np.sign(np.sin(T)), id="to and fro at one speed"),
         pytest.param(1.0 * np.arange(600), np.repeat([1.0, 10.0, 1.0], 200), id="steps of rock"),
         pytest.param(np.arange(60) / 30, np.sin(np.arange(60) / 10), id="a short video"),
-        pytest.param(np.arange(600) / 200, np.sin(np.arange(600) / 31.83), id="several reversals"),
+        pytest.param(S := 0.005 * np.arange(600), 0.3 * np.sin(2 * np.pi * S), id="1 Hz at 200 Hz"),
     ],
 )
 def test_samples_of_a_motion_are_no_steady_readings(time, velocity):
