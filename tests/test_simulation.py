@@ -20,9 +20,12 @@ from stickslip import (
     TwoFeet,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse
+from stickslip.drives import PiecewiseLinear, Pulse, Sine
 from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
+from stickslip.outputs import Max
 from stickslip.results import Status
+from stickslip.simulation import ensemble
+from stickslip.sweep import average_velocity, bifurcation
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -213,3 +216,14 @@ def test_what_is_no_solver_is_refused():
         simulate(BLOCK, LAW, t_end=1.0, solver="fast")
     with pytest.raises(InputError, match="solver"):
         simulate(BLOCK, LAW, t_end=1.0, solver=FixedStep)
+
+
+@pytest.mark.parametrize("name", ["static_coefficient", "mu_s", "friction.mu_s"])
+def test_a_parameter_that_was_not_given_is_varied_by_word_or_symbol(name):
+    block = SpringBlock(mass=1.0, drive=Sine(amplitude=4.0, frequency=5.0))
+    law, values = Coulomb(kinetic_coefficient=0.2), [0.2, 0.3]
+    runs = ensemble(block, law, {name: values}, t_end=0.2, outputs={"fastest": Max("v")})
+    assert runs["fastest"][0] > runs["fastest"][1]
+    assert len(average_velocity(block, law, {name: values}, settle=1, cycles=2).velocity) == 2
+    found = bifurcation(block, law, name, values, state="x", settle=1, keep=2)
+    assert found.period.shape == (2, 1)

@@ -722,30 +722,41 @@ def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
     return dataclasses.replace(root, **own)
 
 
-def beginning(root: T, prefix: str, varied: Mapping[str, Any]) -> T:
-    """Return `root` with the first values of what varies, where it has none of its own yet.
+def beginning(
+    roots: Mapping[str, Parametrised], varied: Mapping[str, Any], known: Mapping[str, Quantity]
+) -> dict[str, Any]:
+    """Return the roots with the first values of what varies, where they have none of their own yet.
 
-    Paths and last names of parameters that are given, or are none of `root`, change nothing.
+    A name is sought among the parameters that are given and what else is known, as `full_path`
+    does, then among all parameters. What is found in neither changes nothing.
 
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> law = Coulomb(kinetic_coefficient=0.2)
-    >>> beginning(law, "friction", {"static_coefficient": [0.3, 0.4]}).static_coefficient
+    >>> roots = {"friction": Coulomb(kinetic_coefficient=0.2)}
+    >>> beginning(roots, {"mu_s": [0.3, 0.4]}, {})["friction"].static_coefficient
     0.3
     """
-    given = {path for path, _, _ in parameters(root, prefix)}
-    names = {path.rpartition(".")[2] for path in given}
-    missing = [path for path in all_paths(root, prefix) if path not in given]
-    changes = {}
-    for path, values in varied.items():
-        places = [full for full in missing if path in (full, full.rpartition(".")[2])]
-        if len(places) == 1 and path not in given | names:
+    given, declared = dict(known), {}
+    for prefix, root in roots.items():
+        given |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
+        declared |= all_paths(root, prefix)
+    changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in roots}
+    for name, values in varied.items():
+        with contextlib.suppress(UnknownNameError):
+            full_path(name, given)
+            continue
+        with contextlib.suppress(UnknownNameError):
+            path = full_path(name, declared)
             first = values
             while hasattr(first, "__len__") and len(first) and not isinstance(first, str):
                 first = first[0]
-            changes[places[0]] = first
-    return vary(root, prefix, changes) if changes else root
+            if path not in given:
+                changes[path.partition(".")[0]][path] = first
+    return {
+        prefix: vary(root, prefix, changes[prefix]) if changes[prefix] else root
+        for prefix, root in roots.items()
+    }
 
 
 def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) -> Any:

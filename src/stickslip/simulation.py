@@ -1,7 +1,7 @@
 """Joins a mechanism, a law and a solver."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, SimulationError, UnknownNameError
@@ -221,7 +221,10 @@ def beginning_pair(
     """Return mechanism and law with first values of what varies and was not given, if any."""
     if not isinstance(varied, Mapping):
         return mechanism, law
-    return beginning(mechanism, "mechanism", varied), beginning(law, "friction", varied)
+    states = (*mechanism.coordinates, *mechanism.rates)
+    known = {f"initial.{name}": Quantity(name) for name in states}
+    roots = beginning({"mechanism": mechanism, "friction": law}, varied, known)
+    return cast("Mechanism", roots["mechanism"]), cast("FrictionLaw | Laws", roots["friction"])
 
 
 def _numbers(run: Trajectory) -> str:
