@@ -664,13 +664,19 @@ def test_a_band_around_zero_velocity_has_to_fit_the_step(found):
     # a step changes the velocity by F_c dt / m = 25 mm/s in 10 ms, 2.5 mm/s in 1 ms
     free, narrow, wide = (rules[0.01, False, band] for band in (0.0, 0.001, 0.03))
     assert not narrow.rests
-    assert narrow.block.travel == free.block.travel
+    assert min(narrow.reversals, free.reversals) > 40  # and both go on to hover
     assert wide.rests
     assert wide.reversals == 0
     assert rules[0.001, False, 0.003].rests
     # neither band nor change of sign finds the instant of the stop
     for rule in found.rest_rules[1:]:
         assert rule.block.travel > exact.block.travel * 1.01
+
+
+def test_the_cart_without_a_rule_has_one_travel_on_the_page(found):
+    rules = {(rule.dt, rule.stick_rule, rule.band): rule for rule in found.rest_rules}
+    table_1 = next(run for run in found.cart.table_1 if run.key == "table-1")
+    assert rules[0.01, False, 0.0].cart_travel == pytest.approx(sum(table_1.travels), rel=1e-9)
 
 
 def test_the_break_away_level_moves_the_first_cycle_of_the_cart_only(found):

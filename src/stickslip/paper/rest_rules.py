@@ -54,14 +54,14 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
 
     The band is that of Karnopp (1985), the paper's reference [18]: a body slower than it is held
     while the force needed is within break-away. A step changes the velocity by ``F_c dt / m``, and
-    can jump over a narrower band.
+    can jump over a narrower band. With a rule, friction begins at F_s; without one, sgn 0 = 0.
 
     Examples
     --------
     >>> from stickslip import load_rig
     >>> from stickslip.paper import PaperValues, rest_rules
     >>> [rule.reversals for rule in rest_rules(PaperValues.of(load_rig()))][:4]
-    [0, 49, 49, 0]
+    [0, 50, 49, 0]
     """
     period = float(swing_of(cart).period)
     law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
@@ -69,7 +69,12 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
     for dt, stick_rule, band in ((None, True, 0.0), *RULES):
         solver = None
         if dt is not None:
-            solver = FixedStep(dt=dt, stick_rule=stick_rule, zero_velocity_band=band)
+            solver = FixedStep(
+                dt=dt,
+                stick_rule=stick_rule,
+                zero_velocity_band=band,
+                break_away="static" if stick_rule or band else "zero",
+            )
         block = simulate(values.rig, law, t_end=SECONDS, solver=solver)
         driven = simulate(cart, law, t_end=CYCLES * period, solver=solver)
         cycles = cycles_in(driven, cart, period)

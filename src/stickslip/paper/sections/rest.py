@@ -97,8 +97,9 @@ def _rest_caption(found: PaperAudit) -> str:
         ]
         text += f" Bands that it jumps over: {joined(missed)}."
     return (
-        f"{text} A wide band does what the rule for a change of sign does. Neither finds the"
-        " instant of stop or start, so that travels keep an error of the order of the step."
+        f"{text} With a rule, friction begins at $F_s$; without one, sgn 0 = 0. A wide band does"
+        " what the rule for a change of sign does. Neither finds the instant of stop or start, so"
+        " that travels keep an error of the order of the step."
     )
 
 
