@@ -653,7 +653,7 @@ def test_every_number_of_the_misprint_table_has_its_values_on_the_page(found, pa
     for equation, name in (("(5)", "stribeck"), ("(9)", "lugre")):
         assert by_equation[equation].printed.viscous_coefficient == 0.5
         assert rows[name].viscous_coefficient == 0.0
-    assert "have σ2 here" in text
+    assert "have σ2 here (assumed)" in text
     assert "σ0 10,000 N/m, σ1 100 N s/m" in text
 
 
@@ -671,6 +671,20 @@ def test_a_band_around_zero_velocity_has_to_fit_the_step(found):
     # neither band nor change of sign finds the instant of the stop
     for rule in found.rest_rules[1:]:
         assert rule.block.travel > exact.block.travel * 1.01
+
+
+def test_the_claims_name_what_gives_a_travel_and_what_is_assumed(page):
+    text = words_of(page[page.index('id="claims"') :])
+    assert "exactly, no value gives it" not in text
+    assert "viscous friction alone, σ2 = 2.22 N s/m, gives it" in text
+    assert "μk = 0.243 in place of Table I gives it" in text
+    assert text.count("(with σ2 = 0.5 N s/m, assumed)") == 2
+
+
+def test_labels_of_columns_on_a_phone_are_plain_words(page):
+    labels = re.findall(r'data-label="([^"]*)"', page)
+    assert labels
+    assert not [label for label in labels if "$" in label or "_" in label]
 
 
 def test_the_cart_without_a_rule_has_one_travel_on_the_page(found):

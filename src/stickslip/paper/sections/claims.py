@@ -54,11 +54,17 @@ def _table_2(found: PaperAudit) -> Iterator[Claim]:
             continue
         need, step = found.requirement(row.law.name), steps.get(row.law.name)
         parts = [f"exactly {fixed(row.reading('A').criteria.travel, 3)} m"]
-        if need is not None and need.kept and need.reading == "A":
-            unit = f" {need.unit}"
-            parts = [f"${need.symbol}$ = {significant(need.value or 0.0, 3)}{unit} gives it"]
+        given = ""
+        if need is not None and need.reading == "A":
+            unit = "" if need.unit == "1" else f" {need.unit}"
+            given = f"${need.symbol}$ = {significant(need.value or 0.0, 3)}{unit}"
+        if need is not None and given and need.kept:
+            parts = [f"{given} gives it"]
         elif row.law.name == "stribeck":
-            parts = ["exactly, no value gives it"]
+            parts = ["exactly, none with the dry friction of Table I"]
+            parts += [f"viscous friction alone, {given}, gives it"] if given else []
+        elif given:
+            parts.append(f"{given} in place of Table I gives it")
         elif row.law.name != "coulomb":
             parts = ["exactly, no $sigma_2$ gives it for the push"]
         if step is not None and step.scatter is not None:
@@ -73,9 +79,9 @@ def _table_2(found: PaperAudit) -> Iterator[Claim]:
             parts.append(f"in steps of 10 ms {soft} gives {fixed(step.travel, 3)} m")
         elif step is not None:
             viscous = getattr(step.law, "viscous_coefficient", 0.0)
-            given = f"$sigma_2$ = {viscous:g} N s/m: " if viscous else ""
+            part = f"$sigma_2$ = {viscous:g} N s/m: " if viscous else ""
             parts.append(
-                f"in steps of 10 ms {given}{fixed(step.travel, 3)} m where sgn 0 = 0,"
+                f"in steps of 10 ms {part}{fixed(step.travel, 3)} m where sgn 0 = 0,"
                 f" {fixed(step.static, 3)} m where friction begins at $F_s$"
             )
         result = CANNOT
@@ -189,17 +195,25 @@ def _equations(found: PaperAudit) -> Iterator[Claim]:
             "III.C",
             CORRECTED,
             f"{what}holds a body at rest without limit: pushed from rest $x$ = 0, not"
-            f" {significant(_corrected(by[equation], 'push'), 3)} m",
+            f" {significant(_corrected(by[equation], 'push'), 3)} m{_assumed(by[equation])}",
         )
 
 
 def _ends(one: Consequence, test: str) -> str:
     seen = one.outcome(test)
     assert seen is not None
-    right = significant(seen.corrected.travel, 3)
+    right, viscous = significant(seen.corrected.travel, 3), _assumed(one)
     if seen.printed.diverged:
-        return f"diverges, instead of {right} m"
-    return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m"
+        return f"diverges, instead of {right} m{viscous}"
+    return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m{viscous}"
+
+
+def _assumed(one: Consequence) -> str:
+    """Name the viscous part with which an equation is run where Table II gives its law none."""
+    viscous = getattr(one.corrected, "viscous_coefficient", 0.0)
+    if one.form.equation not in ("(5)", "(9)") or not viscous:
+        return ""
+    return f" (with $sigma_2$ = {viscous:g} N s/m, assumed)"
 
 
 def _corrected(one: Consequence, test: str) -> float:

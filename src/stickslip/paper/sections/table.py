@@ -83,7 +83,7 @@ def _assumptions(found: PaperAudit) -> str:
     )
 
 
-RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from $F_s$"}
+RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-away"}
 """What the friction in the first step out of rest is called."""
 
 

@@ -88,7 +88,7 @@ def _step_table(found: PaperAudit) -> Table:
         Column(head="row"),
         Column(head="published\nm", numeric=True, phone="label", label="published, m"),
         Column(head="sgn 0 = 0\nm", numeric=True, phone="label", label="sgn 0 = 0, m"),
-        Column(head="from $F_s$\nm", numeric=True, phone="label", label="from $F_s$, m"),
+        Column(head="from break-away\nm", numeric=True, phone="label", label="from break-away, m"),
         Column(head="with"),
     )
     rows = tuple(
