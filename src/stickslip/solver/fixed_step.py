@@ -78,7 +78,9 @@ class FixedStep(Solver):
     stayed."""
     stick_rule: bool | None = None
     """Hold the body when its velocity changes sign within a step and break-away is not exceeded; if
-    not given, with friction laws but not with equations as printed, which have no such rule."""
+    not given, with friction laws but not with equations as printed, which have no such rule. Heun
+    and Runge-Kutta can change the sign between their stages but not between the ends of steps,
+    which the rule does not see: the body then hovers at a small speed instead of resting."""
     break_away: BreakAway = "static"
     """Friction of a body at rest that the applied force exceeds: the break-away level (``static``),
     as (5) of the source paper and Karnopp (1985) have it, that of sliding (``kinetic``), or none,
