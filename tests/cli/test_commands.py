@@ -370,6 +370,10 @@ BAD = [
     (["select", "demo", "--set", "nonsense"], "PATH=VALUE"),
     (["simulate", "demo", "--law", "stribek"], "Did you mean 'stribeck'"),
     (["simulate", "demo", "--law", "printed-5"], "give a step in seconds, such as --fixed-step"),
+    (["simulate", "demo", "--break-away", "zero"], "--break-away is for --fixed-step"),
+    (["simulate", "demo", "--no-stick-rule"], "--no-stick-rule is for --fixed-step"),
+    (["simulate", "demo", "--stick-rule"], "--stick-rule is for --fixed-step"),
+    (["simulate", "demo", "--method", "heun"], "--method is for --fixed-step"),
     (["fit", "demo", "--law", "printed-7"], "only `stickslip simulate --law printed-7"),
     (
         ["simulate", "demo", "--law", "printed-7", "--fixed-step", "0.01", "--set", "friction.z=1"],

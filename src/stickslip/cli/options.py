@@ -448,12 +448,12 @@ class RunOptions:
         ),
     ] = None
     method: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--method",
             help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
         ),
-    ] = "euler"
+    ] = None
     stick_rule: Annotated[
         bool | None,
         typer.Option(
@@ -463,14 +463,14 @@ class RunOptions:
         ),
     ] = None
     break_away: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--break-away",
             metavar="RULE",
             help="With --fixed-step: friction in the first step out of rest: static, kinetic or"
             " zero.",
         ),
-    ] = "static"
+    ] = None
     zero_velocity_band: Annotated[
         float,
         typer.Option(

@@ -505,12 +505,23 @@ def _page(ran: Ran, settings: RunOptions) -> str:
 
 def _solver(settings: RunOptions) -> Solver | None:
     if settings.fixed_step is None:
+        given = {
+            "--method": settings.method is not None,
+            "--stick-rule": settings.stick_rule is True,
+            "--no-stick-rule": settings.stick_rule is False,
+            "--break-away": settings.break_away is not None,
+            "--zero-velocity-band": settings.zero_velocity_band != 0.0,
+        }
+        for option in (option for option, is_given in given.items() if is_given):
+            raise InputError(
+                f"{option} is for --fixed-step: give a step as well, such as --fixed-step 0.001."
+            )
         return None
     return FixedStep(
         dt=settings.fixed_step,
-        method=settings.method,  # type: ignore[arg-type]  # checked by FixedStep itself
+        method=settings.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
         stick_rule=settings.stick_rule,
-        break_away=settings.break_away,  # type: ignore[arg-type]
+        break_away=settings.break_away or "static",  # type: ignore[arg-type]
         zero_velocity_band=settings.zero_velocity_band,
     )
 

@@ -221,8 +221,8 @@ def _values_table(found: PaperAudit) -> Table:
         and row.law.name != "dahl"
     ]
     other = (
-        f" {joined(bare)} have $sigma_2$ here (assumed), so that the sgn of its term shows, and none in"
-        " the table of the models above."
+        f" {joined(bare)} have $sigma_2$ here (assumed), so that the sgn of its term shows, and"
+        " none in the table of the models above."
         if bare
         else ""
     )
