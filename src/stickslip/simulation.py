@@ -33,6 +33,26 @@ OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str
 GivenFriction: TypeAlias = OneLaw | Mapping[str, OneLaw | None] | Laws
 """A law, its type or its name, for all contacts or by the name of the contact."""
 
+__all__ = [
+    "END",
+    "GivenFriction",
+    "OneLaw",
+    "beginning_pair",
+    "check_pair",
+    "ensemble",
+    "event_driven_law",
+    "initial_state",
+    "no_law",
+    "no_mechanism",
+    "own_law",
+    "refuse",
+    "simulate",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 def simulate(
     mechanism: Mechanism,
@@ -250,7 +270,7 @@ def no_mechanism(given: object) -> InputError:
 
 def no_law(given: object) -> InputError:
     """Return the error of what was given as a law and is none."""
-    return InputError(f"law must be a friction law such as Coulomb, got {given!r}.")
+    return InputError(f"law must be a friction law such as Coulomb, or its name, got {given!r}.")
 
 
 def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":

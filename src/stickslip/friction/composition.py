@@ -319,17 +319,19 @@ class Composition:
         with the ratio of the level to what it is without inputs.
         """
         names = [name for leaf in self.inside for name in leaf.names.values()]
-        if not (cast(Memory, memory.part).limited and any(isinstance(one, tuple) for one in names)):
+        if not (
+            cast(Memory, memory.part).limited and any(isinstance(name, tuple) for name in names)
+        ):
             return
         first = self.inside[0].factors
         shared = all(leaf.factors == first for leaf in self.inside)
         shared &= not any("coefficient" in name for leaf in self.inside for name in leaf.modulated)
-        told = [str(leaf) for leaf in self.inside if leaf.inputs]
-        told += [str(one) for leaf in self.inside for one in leaf.factors]
-        split = any(isinstance(one, tuple) for leaf in first for one in leaf.names.values())
-        if told and (split or not shared or any(leaf.inputs for leaf in self.inside)):
+        varying = [str(leaf) for leaf in self.inside if leaf.inputs]
+        varying += [str(factor) for leaf in self.inside for factor in leaf.factors]
+        split = any(isinstance(name, tuple) for leaf in first for name in leaf.names.values())
+        if varying and (split or not shared or any(leaf.inputs for leaf in self.inside)):
             self._refuse(
-                f"has {told[0]} and both_ways inside {memory.part.name}, whose force would jump"
+                f"has {varying[0]} and both_ways inside {memory.part.name}, whose force would jump"
                 f" where slip turns, as the input changes the levels of both directions by"
                 " different ratios: leave one of them out, or take dahl, lugre or gms."
             )

@@ -34,8 +34,8 @@ def formula_of(c: Composition) -> str:
         sides = (0, 1) if c.directional else (None,)
         curves = [" + ".join(_levels(c, c.inside, side)) for side in sides]
         terms += [_placed(c, c.memory, c.memory.part.tex_where), f"g = {_cases(curves)}"]
-        told = any(leaf.inputs or leaf.factors or leaf.modulated for leaf in c.inside)
-        if told and cast(Memory, c.memory.part).limited:
+        varies = any(leaf.inputs or leaf.factors or leaf.modulated for leaf in c.inside)
+        if varies and cast(Memory, c.memory.part).limited:
             # inputs leave the limits of deflections as they are
             base = [leaf for leaf in c.inside if isinstance(leaf.part, Level)][-1:]
             rests = [

@@ -55,7 +55,7 @@ DEPENDENT = 1e-14
 """Singular value of slip rows, over the largest and for each row, that is rounding."""
 NODES, MOST_ROWS = 4, 5_000
 """Places in a step at which the power of friction is looked at, and most steps for that."""
-GIVEN = 1e-9
+DRIVING_SHARE = 1e-9
 """Share of the work of friction that is rounding."""
 SHARED = 1e-9
 """Weight of a row in a sum that vanishes, of squares 1, below which it has no part in it."""
@@ -174,8 +174,8 @@ def driving(
             continue
         several = bool(playback.model.contacts)
         taken = certificate.work[contact.name] if several else certificate.work_friction
-        given = max(-taken, 0.0) if own.states else _given(mechanism, contact, playback)
-        if given > GIVEN * abs(taken):
+        given = max(-taken, 0.0) if own.states else _driving_work(mechanism, contact, playback)
+        if given > DRIVING_SHARE * abs(taken):
             where = f" at {contact.name}" if several else ""
             work = quantity(given, "J", 2)
             did = f"gave {work} more than it took" if own.states else f"did {work} of work on it"
@@ -194,7 +194,7 @@ def _may_drive(law: FrictionLaw) -> bool:
     return not all(part.opposes for part in parts)
 
 
-def _given(mechanism: Mechanism, contact: Contact, playback: Playback) -> float:
+def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) -> float:
     """Return the work that friction does at a contact while it is along the slip."""
     starts, ends = playback.rows[:, 0], playback.rows[:, 1]
     if len(starts) > MOST_ROWS:  # between evenly chosen times instead of all events

@@ -27,9 +27,9 @@ SAMPLES = 4000
 """Times at which loads and speeds are read."""
 
 
-def claim_section(found: PaperAudit) -> Section:
+def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
-    claims = (*_table_2(found), *_rig(found), *_equations(found), *_phenomena(found), *_cart(found))
+    claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
     columns = (
         Column(head="claim, equation or figure"),
         Column(head="where", numeric=True),
@@ -47,12 +47,12 @@ def claim_section(found: PaperAudit) -> Section:
     )
 
 
-def _table_2(found: PaperAudit) -> Iterator[Claim]:
-    steps = {one.row: one for one in found.step_travels}
-    for row in found.table:
+def _table_2(audit: PaperAudit) -> Iterator[Claim]:
+    steps = {one.row: one for one in audit.step_travels}
+    for row in audit.table:
         if row.published.travel is None:
             continue
-        need, step = found.requirement(row.law.name), steps.get(row.law.name)
+        need, step = audit.requirement(row.law.name), steps.get(row.law.name)
         parts = [f"exactly {fixed(row.reading('A').criteria.travel, 3)} m"]
         given = ""
         if need is not None and need.reading == "A":
@@ -68,13 +68,13 @@ def _table_2(found: PaperAudit) -> Iterator[Claim]:
         elif row.law.name != "coulomb":
             parts = ["exactly, no $sigma_2$ gives it for the push"]
         if step is not None and step.scatter is not None:
-            speed = significant(1e3 * found.creeps[len(found.creeps) // 2].stribeck_velocity, 4)
+            speed = significant(1e3 * audit.creeps[len(audit.creeps) // 2].stribeck_velocity, 4)
             low, high = (fixed(end, 2) for end in step.scatter)
             parts.append(
                 f"in steps, sgn $v$ added and $v_s$ = {speed} mm/s, it creeps to {low} to {high} m"
             )
         elif step is not None and row.law.states:
-            value = values_of(step.law, found.values.load).split(", ")
+            value = values_of(step.law, audit.values.load).split(", ")
             soft = next(part for part in value if "sigma_0" in part)
             parts.append(f"in steps of 10 ms {soft} gives {fixed(step.travel, 3)} m")
         elif step is not None:
@@ -92,7 +92,7 @@ def _table_2(found: PaperAudit) -> Iterator[Claim]:
         "Relative errors",
         "Table II",
         REPRODUCED,
-        f"they follow from the travels and the measured {found.measured:.2f} m",
+        f"they follow from the travels and the measured {audit.measured:.2f} m",
     )
     yield (
         "Coulomb and Coulomb + viscous are the most accurate",
@@ -102,19 +102,19 @@ def _table_2(found: PaperAudit) -> Iterator[Claim]:
     )
 
 
-def _rig(found: PaperAudit) -> Iterator[Claim]:
-    fit = found.verdict.best.fit if found.verdict.best else None
+def _rig(audit: PaperAudit) -> Iterator[Claim]:
+    fit = audit.verdict.best.fit if audit.verdict.best else None
     known = fit.estimates[0] if fit is not None and fit.estimates else None
-    inside = known is not None and known.low <= found.values.mu_k <= known.high
+    inside = known is not None and known.low <= audit.values.mu_k <= known.high
     allowed = "" if known is None else f"{known.low:.3f} to {known.high:.3f}"
     yield (
-        f"$mu_d$ = {found.values.mu_k:g}",
+        f"$mu_d$ = {audit.values.mu_k:g}",
         "Table I",
         REPRODUCED if inside else CORRECTED,
         f"the measured travel allows {allowed or 'none'} with the spring released,"
-        f" {_pushed(found)} if the block was pushed",
+        f" {_pushed(audit)} if the block was pushed",
     )
-    spring = found.table[0].reading("B")
+    spring = audit.table[0].reading("B")
     yield (
         "(11) energy balance",
         "IV",
@@ -124,22 +124,22 @@ def _rig(found: PaperAudit) -> Iterator[Claim]:
     met = [
         sum(
             seen.velocity_never_negative and seen.displacement_never_decreases
-            for seen in (row.reading(key).criteria for row in found.table)
+            for seen in (row.reading(key).criteria for row in audit.table)
         )
         for key in "AB"
     ]
     backs = [
         f"{back.law.title} {quantity(back.criteria.largest_return, 'm', 2)}"
-        for back in found.springbacks
+        for back in audit.springbacks
     ]
     yield (
         "Two criteria: no negative velocity, no decrease",
         "III.A",
         CORRECTED,
-        f"met by {met[0]} and {met[1]} of {len(found.table)} exact runs that hold the block (push,"
+        f"met by {met[0]} and {met[1]} of {len(audit.table)} exact runs that hold the block (push,"
         f" spring); free bristles spring back ({', '.join(backs)}), which is physical",
     )
-    free = next(row for row in found.fixed_steps if row.dt is not None and not row.stick_rule)
+    free = next(row for row in audit.fixed_steps if row.dt is not None and not row.stick_rule)
     yield (
         "A rule for rest is needed in steps",
         "III.A",
@@ -149,20 +149,20 @@ def _rig(found: PaperAudit) -> Iterator[Claim]:
     )
 
 
-def _pushed(found: PaperAudit) -> str:
+def _pushed(audit: PaperAudit) -> str:
     """Return the coefficients whose travel after the push rounds to the measured one."""
-    values, duration = found.values, PUSH_DURATION
+    values, duration = audit.values, PUSH_DURATION
     levels = [
         (values.force * duration) ** 2
         / (2.0 * values.rig.mass * travel + values.force * duration**2)
-        for travel in (found.measured + ROUNDING, found.measured - ROUNDING)
+        for travel in (audit.measured + ROUNDING, audit.measured - ROUNDING)
     ]
     low, high = (level / values.load for level in levels)
     return f"{low:.3f} to {high:.3f}"
 
 
-def _equations(found: PaperAudit) -> Iterator[Claim]:
-    by = {one.form.equation: one for one in found.consequences}
+def _equations(audit: PaperAudit) -> Iterator[Claim]:
+    by = {one.form.equation: one for one in audit.consequences}
     yield (
         "(1) Coulomb, of [6]",
         "II",
@@ -222,8 +222,8 @@ def _corrected(one: Consequence, test: str) -> float:
     return seen.corrected.travel
 
 
-def _phenomena(found: PaperAudit) -> Iterator[Claim]:
-    pulled = found.stick_slip
+def _phenomena(audit: PaperAudit) -> Iterator[Claim]:
+    pulled = audit.stick_slip
     if pulled is not None:
         yield (
             "Stick-slip motion",
@@ -231,14 +231,14 @@ def _phenomena(found: PaperAudit) -> Iterator[Claim]:
             REPRODUCED,
             f"sticks {pulled.stick_time:.3f} s, slips {pulled.slip_time:.3f} s, by run and formula",
         )
-    bristles = found.cart.break_away[-1]
+    bristles = audit.cart.break_away[-1]
     if isinstance(bristles.law, LuGre):
         yield (
             "Break-away force that varies",
             "III",
             REPRODUCED,
             f"only (9) has it: {significant(max(bristles.largest_friction), 3)} of the normal force"
-            f" on the cart, not {found.values.mu_s:g}",
+            f" on the cart, not {audit.values.mu_s:g}",
         )
     yield (
         "Figs 3, 4 Stribeck effect, presliding",
@@ -254,8 +254,8 @@ def _phenomena(found: PaperAudit) -> Iterator[Claim]:
     )
 
 
-def _cart(found: PaperAudit) -> Iterator[Claim]:
-    study = found.cart
+def _cart(audit: PaperAudit) -> Iterator[Claim]:
+    study = audit.cart
     printed, exact = study.run("printed-1"), study.run("exact")
     old, new = study.run("table-1"), study.run("table-1-exact")
     yield (
@@ -266,20 +266,20 @@ def _cart(found: PaperAudit) -> Iterator[Claim]:
         f" {_speed(exact.least_velocity)} at $mu$ = {KINETIC:g}",
     )
     loads, speeds = _ranges(study.run("paper").run)
-    _, block = _ranges(found.table[0].reading("B").run)
+    _, block = _ranges(audit.table[0].reading("B").run)
     yield (
         "Rig and cart share the same physical condition",
         "IV.B",
         CANNOT,
         f"masses and swing are not printed; with ours the load is {interval(*loads)} N and the"
-        f" speed up to {significant(speeds[1], 2)} m/s, on the rig {found.values.load:.2f} N"
+        f" speed up to {significant(speeds[1], 2)} m/s, on the rig {audit.values.load:.2f} N"
         f" throughout and {significant(block[1], 2)} m/s",
     )
     yield (
         "Fig. 11 with a rule for rest the cart never goes back",
         "V",
         IN_KIND,
-        f"back-slip {_way(new.mean_return)} a cycle with $mu_s$ = {found.values.mu_s:g}: the swing"
+        f"back-slip {_way(new.mean_return)} a cycle with $mu_s$ = {audit.values.mu_s:g}: the swing"
         f" pulls with {percent(largest_pull(new))} of the normal force",
     )
     yield (
