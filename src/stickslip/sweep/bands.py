@@ -20,10 +20,10 @@ from stickslip.errors import (
 )
 from stickslip.experiments import LawEstimates
 from stickslip.formatting import number
-from stickslip.friction import Friction, FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
-from stickslip.simulation import ensemble, event_driven_law
+from stickslip.simulation import GivenFriction, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
 from stickslip.sweep.parameter_grid import early_ends
 from stickslip.sweep.sensitivity_indices import (
@@ -222,7 +222,7 @@ class Band(OnAxes, Tabular):
 
 def band_of(
     mechanism: Mechanism,
-    law: Friction,
+    law: GivenFriction,
     estimates: LawEstimates | None,
     *,
     t_end: float,

@@ -12,9 +12,9 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
-from stickslip.friction import Friction, FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_among
-from stickslip.simulation import ensemble, event_driven_law
+from stickslip.simulation import GivenFriction, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, Samples
 from stickslip.sweep.cycles import CLOSED, period_of
 from stickslip.sweep.parameter_grid import (
@@ -118,7 +118,7 @@ class Basins(OnAxes):
 
 def basins(
     mechanism: Mechanism,
-    law: Friction,
+    law: GivenFriction,
     starts: Mapping[str, ArrayLike],
     *,
     coordinate: str | None = None,

@@ -15,11 +15,11 @@ from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import number
 from stickslip.formulation import formulate
-from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import BlockChain, Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
-from stickslip.simulation import beginning_pair, check_pair, ensemble, simulate
+from stickslip.simulation import GivenFriction, beginning_pair, check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, EventTimes, Final, Output, Samples, column_units
 from stickslip.sweep.cycles import period_of
 from stickslip.sweep.parameter_grid import (
@@ -156,7 +156,7 @@ class Bifurcation(OnAxes):
 
 def bifurcation(
     mechanism: Mechanism,
-    law: Friction,
+    law: GivenFriction,
     path: str,
     values: ArrayLike,
     *,

@@ -12,9 +12,8 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.formatting import span
-from stickslip.friction import Friction
 from stickslip.mechanisms import Mechanism, slip_among
-from stickslip.simulation import beginning_pair, ensemble, event_driven_law
+from stickslip.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Mean, Output
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -158,7 +157,7 @@ class VelocityMap(OnAxes):
 
 def average_velocity(
     mechanism: Mechanism,
-    law: Friction,
+    law: GivenFriction,
     parameters: Mapping[str, ArrayLike],
     *,
     coordinate: str | None = None,
