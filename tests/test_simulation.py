@@ -46,9 +46,7 @@ def test_an_end_time_that_is_no_time_is_refused(t_end):
 
 @pytest.mark.parametrize("law", [None, SpringBlock, 0.25, BLOCK], ids=str)
 def test_what_is_no_law_is_refused(law):
-    with pytest.raises(
-        InputError, match="friction law such as Coulomb, or its name, got"
-    ):
+    with pytest.raises(InputError, match="friction law such as Coulomb, or its name, got"):
         simulate(BLOCK, law, t_end=1.0)
 
 

@@ -737,7 +737,7 @@ def beginning(
     >>> beginning(roots, {"mu_s": [0.3, 0.4]}, {})["friction"].static_coefficient
     0.3
     """
-    given, declared = dict(known), {}
+    given, declared = dict(known), dict[str, Quantity]()
     for prefix, root in roots.items():
         given |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
         declared |= all_paths(root, prefix)

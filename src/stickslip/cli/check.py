@@ -29,6 +29,32 @@ MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red
 FORMATS = ("svg", "png")
 DOCUMENT = "checks.json"
 
+RESTED = "constant"
+"""Kind of the finding that a trial shows no motion."""
+LABELS = {
+    "constant": "a quantity that does not change",
+    "coverage": "the range of speeds",
+    "drive": "the force that drives the motion",
+    "effective size": "too few independent samples",
+    "force sign": "the sign of the force",
+    "friction sign": "the sign of friction",
+    "gap": "gaps",
+    "jump": "jumps",
+    "length": "too few samples",
+    "load": "the normal force",
+    "lost": "missing rows or cells",
+    "low speed": "slow samples",
+    "motion": "how much moves",
+    "order": "the order of the readings",
+    "rest": "readings at rest",
+    "rests": "periods of rest",
+    "reversals": "motion in one direction only",
+    "saturation": "clipped values",
+    "unused column": "unused columns",
+    "velocity": "the velocity beside the position",
+}
+"""Words of the last line for kinds of findings that their names alone do not explain."""
+
 
 def run(
     files: Sequence[Path],
@@ -59,8 +85,9 @@ def run(
         write_folder(output, {**_pictures(measurement), DOCUMENT: json_text(content)})
         if not as_json:
             stdout().print(f"\nFindings and pictures: {output}", markup=False)
+    if not as_json:
+        stdout().print(f"\n{_summary(found.findings)}", markup=False)
     if found.worst == "error":
-        note("The check found errors: correct the data before fitting.")
         raise typer.Exit(BAD_DATA)
 
 
@@ -110,7 +137,6 @@ def _show(measurement: Measurement, found: Checks) -> None:
     for finding in findings:
         mark, style = MARKS[finding.severity]
         console.print(f"{mark}{finding}", markup=False, style=style)
-    console.print(f"\n{_summary(found.findings)}", markup=False)
     if len(findings) < len(found.findings):
         console.print("All findings of each trial: --json.", markup=False)
 
@@ -118,13 +144,14 @@ def _show(measurement: Measurement, found: Checks) -> None:
 def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
     """Yield one line a trial, what several trials share, and what is of none.
 
-    The line has the first finding of the trial, and its warnings and errors that no other has.
+    The line has the first finding of the trial, its warnings and errors that no other has, and that
+    the body rested.
     """
     shared = Counter(f.sentence for f in findings if f.record and f.severity != "info")
     names = dict.fromkeys(one.record for one in findings if one.record)
     for name in names:
         first, *rest = [one for one in findings if one.record == name]
-        said = [one for one in (first, *rest) if shared[one.sentence] == 1]
+        said = [one for one in (first, *rest) if shared[one.sentence] == 1 or one.kind == RESTED]
         lines = [first.sentence] * (first not in said and first.severity == "info")
         lines += [one.sentence for one in said]
         if lines:
@@ -141,8 +168,8 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
 def _summary(findings: Sequence[Finding]) -> str:
     """Return in one line what is to be corrected."""
     errors, warnings = (
-        joined([*dict.fromkeys(one.kind for one in findings if one.severity == severity)])
-        for severity in ("error", "warning")
+        joined([*dict.fromkeys(LABELS.get(f.kind, f.kind) for f in findings if f.severity == name)])
+        for name in ("error", "warning")
     )
     if errors:
         return f"To correct before a fit: {errors}."

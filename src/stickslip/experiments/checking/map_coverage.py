@@ -156,7 +156,12 @@ def resting(record: Measurement) -> Iterator[Finding]:
 def lost(records: Sequence[Measurement]) -> Iterator[Finding]:
     """Yield what the files say that they hold and do not, once for all trials of a file."""
     for sentence in dict.fromkeys(line for record in records for line in record.lost):
-        yield Finding(kind="lost", sentence=sentence, severity="warning")
+        yield Finding(
+            kind="lost",
+            sentence=sentence,
+            severity="warning",
+            measure="Save or export the record again, complete",
+        )
 
 
 def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:

@@ -141,11 +141,13 @@ def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
     if values.size < FEW or np.ptp(values) == 0.0:
         return
     size = independent(values)
+    few = size < 0.9 * values.size  # two digits of nearly all would be more than all
+    shown = number(size, 2) if few else number(math.floor(size), 9)
     yield Finding(
         kind="effective size",
         severity="warning" if size < FEW else "info",
         sentence=(
-            f"Effective sample size before any fit: {number(size, 2)} of {number(values.size, 9)}"
+            f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
             f" samples (from the autocorrelation of the {what})."
         ),
         numbers={"samples": values.size, "independent": size},
