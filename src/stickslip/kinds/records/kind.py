@@ -130,7 +130,7 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         return Comparison(
             heads=heads,
             rows=[_row(c, verdict, second=second) for c in verdict.candidates],
-            notes=[*notes, *verdict.missing],
+            notes=[*notes, *verdict.missing, *(closest.fit.remarks if closest.fit else ())],
             checks=verdict.checks,
             fitted=(title, closest.fit.estimates) if closest.fit else None,
             trials=verdict.trials,
