@@ -85,7 +85,8 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     else:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
-    yield '# With the normal force, as in load = "50 N", levels of friction become coefficients.'
+    if "load" not in guess.columns:
+        yield '# With the normal force, as in load = "50 N", levels of friction become coefficients.'
     yield ""
 
 
