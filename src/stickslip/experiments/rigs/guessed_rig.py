@@ -86,7 +86,7 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
     if "load" not in guess.columns:
-        yield '# With the normal force, as in load = "50 N", levels of friction become coefficients.'
+        yield '# With the normal force, as in load = "50 N", levels become coefficients.'
     yield ""
 
 
