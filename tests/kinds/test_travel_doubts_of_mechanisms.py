@@ -26,6 +26,7 @@ from stickslip.identification.travel_model import standard_errors, trials_of
 from stickslip.kinds.travels import search as least_squares_of_travels
 from stickslip.kinds.travels.admissibility import improves
 from stickslip.kinds.travels.fit import fit_trials
+from stickslip.selection.identifiable import limits_of
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 K, M, X = "mechanism.stiffness", "mechanism.mass", "mechanism.compression"
@@ -262,7 +263,7 @@ def test_the_verdict_says_what_limits_the_interval():
 def test_the_verdict_names_a_setting_by_hand_in_millimetres():
     s = [mu_of(100.0, 1.0, x, 0.25) for x in (0.06, 0.08, 0.1)]
     reading = travels([0.06, 0.08, 0.1], s, error=0.0005, parameter_uncertainties={X: 0.001})
-    said = " ".join(select(BLOCK, [Coulomb], reading).words.settles)
+    said = " ".join(limits_of(select(BLOCK, [Coulomb], reading).best.fit))
     assert "The compression (1 mm) contributes more to its uncertainty than the readings." in said
 
 

@@ -735,7 +735,7 @@ class _Problem:
 
         The nuisances are the last unknowns here. Bristles take too long for that. They stay
         plausible: speeds below the largest of a run, beyond which more friction at rest is another
-        name of the level, and levels above half of the best one.
+        name of the level.
         """
         best = self.free_parameters(reached[0])
         least = self.cost(best)
@@ -744,9 +744,6 @@ class _Problem:
         for i, path in enumerate(self.model.free):
             if self.known[path][0].scale == "speed":
                 self.high[i] = max(speed, float(best[i]))
-            if np.count_nonzero(self.matrix[i]) > 1:  # at rest twice as much at most
-                base = np.flatnonzero(self.matrix[i])[0]
-                self.least[base] = max(self.least[base], 0.5 * best[base])
         first = [0.5 * (e.high - e.low) if e.bounded else math.inf for e in fit.estimates]
         values = np.array(reached)[:, told]
         # a valley of its own may begin where the best values have no slopes: those of a simpler law
