@@ -1,0 +1,188 @@
+r"""The ensemble: laws drawn over the set with their covariances, and the bands read from it.
+
+A structure is drawn by its share, its coefficients from Student's t about their estimates with the
+covariance of `BlockRegression.fit`; where the same measurement was prepared in other ways (twins),
+a part of the draws comes from each, so that what the preparation changes is spread too. A band is
+the quantiles of the drawn curves: point by point, or widened until that share of the curves lies
+inside all along.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from stickslip.identify.comparison import Comparison
+from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structure
+from stickslip.identify.regression import BlockRegression
+from stickslip.identify.thresholds import THRESHOLDS
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draw:
+    """A structure with the coefficients of its draws."""
+
+    structure: Structure
+    coefficients: Array
+    """Coefficients (d, p) of each draw."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Band:
+    """Limits of curves at rows (n,)."""
+
+    low: Array
+    median: Array
+    high: Array
+
+
+@final
+@dataclass(eq=False)
+class Ensemble:
+    """Draws of laws of a comparison."""
+
+    regression: BlockRegression
+    comparison: Comparison
+    seed: int = 0
+    _fits: dict[Structure, Fitted] = field(default_factory=dict)
+
+    @property
+    def problem(self) -> Problem:
+        """The measurement."""
+        return self.regression.problem
+
+    def fit(self, structure: Structure) -> Fitted:
+        """Return a structure fitted to all rows."""
+        if structure not in self._fits:
+            self._fits[structure] = self.regression.fit(structure)
+        return self._fits[structure]
+
+    def draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
+        """Return `count` laws, in the order of the structures."""
+        rng = np.random.default_rng(self.seed)
+        shares, structures = self.comparison.shares, self.comparison.structures
+        return [
+            Draw(structure=structures[i], coefficients=self.sampled(structures[i], n, rng))
+            for i, n in enumerate(_allotted(shares, count))
+            if n
+        ]
+
+    def sampled(self, structure: Structure, count: int, rng: np.random.Generator) -> Array:
+        """Return coefficients (count, p) of draws of one structure, alike many of each twin."""
+        fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
+        parts = _allotted(np.ones(len(fits)), count)
+        return np.vstack(
+            [
+                fit.coefficients + student(fit.covariance, fit.freedom, n, rng)
+                for fit, n in zip(fits, parts, strict=True)
+            ]
+        )
+
+    @cached_property
+    def _twins(self) -> "list[_Twin]":
+        return [_Twin(one) for one in self.problem.twins]
+
+    def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
+        """Return what drawn laws predict at rows (count, n).
+
+        Random effects of runs are those of one of the runs that were measured, in turn.
+        """
+        variants = [Columns(self.problem, one) for one in self.problem.variants(rows)]
+        length = self._length(variants[0])
+        found = []
+        for draw in self.draws(count):
+            runs = any(self.problem.terms[name].role == "run" for name, _ in draw.structure)
+            used = variants if runs else variants[:1]
+            for k, columns in enumerate(used):
+                x = columns.matrix(draw.structure, length)
+                found.append(draw.coefficients[k :: len(used)] @ x.T)
+        return np.vstack(found)
+
+    def _length(self, columns: Columns) -> int:
+        return len(columns.of(self.comparison.curve[0]))
+
+    def band(self, rows: Any, level: float = 0.95, *, all_along: bool = False) -> Band:
+        """Return the band of the curves at rows."""
+        return band_of(self.curves(rows), level, all_along=all_along)
+
+    def coefficient(
+        self, term: str, structures: Mapping[Structure, float], count: int = 1500
+    ) -> Array:
+        """Return draws of the first coefficient of a term over structures by weight (count,)."""
+        rng = np.random.default_rng(self.seed + 2)
+        found = []
+        having = {one: p for one, p in structures.items() if any(n == term for n, _ in one)}
+        weights = np.array([*having.values()])
+        for one, n in zip(having, _allotted(weights / weights.sum(), count), strict=True):
+            if n:
+                at = self.regression.index(one[: [name for name, _ in one].index(term)])
+                found.append(self.sampled(one, n, rng)[:, len(at)])
+        return np.concatenate(found)
+
+
+@final
+@dataclass(eq=False)
+class _Twin:
+    """The same measurement prepared otherwise: structures fitted with robust weights."""
+
+    problem: Problem
+    _fits: dict[Structure, Fitted] = field(default_factory=dict)
+
+    def fit(self, structure: Structure) -> Fitted:
+        if structure not in self._fits:
+            regression = BlockRegression(self.problem)
+            regression.add(structure)
+            weights = np.ones(len(self.problem.response))
+            regression.weigh(weights)
+            for _ in range(THRESHOLDS.weighings):
+                left = np.abs(self.problem.response - regression.fit(structure, weights).fitted)
+                z = left / (1.4826 * float(np.median(left)) + 1e-300)
+                weights = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9))
+                weights = weights**self.problem.softness
+            self._fits[structure] = regression.fit(structure, weights)
+        return self._fits[structure]
+
+
+def _allotted(shares: Array, count: int) -> list[int]:
+    """Return how many of `count` draws each share gets: systematic sampling, without chance."""
+    ends = np.floor(np.cumsum(shares) / shares.sum() * count + 0.5 - 1e-9)
+    return np.diff(ends, prepend=0.0).astype(int).tolist()
+
+
+def student(covariance: Array, freedom: float, count: int, rng: np.random.Generator) -> Array:
+    """Return draws (count, p) of Student's t with a covariance (p, p) that may be singular."""
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    if not size.any():
+        return np.zeros((count, len(size)))
+    unit = np.where(size > 0.0, size, 1.0)
+    scaled = covariance / np.outer(unit, unit)
+    root = np.linalg.cholesky(0.5 * (scaled + scaled.T) + 1e-9 * np.eye(len(size)))
+    normal = rng.normal(size=(count, len(size))) @ root.T
+    return np.asarray(normal * size / np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom))
+
+
+def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> Band:
+    """Return quantiles of curves (d, n): point by point, or so that they hold all along.
+
+    The quantiles of 95 % are those of `Thresholds.level`; others are as they are said.
+    """
+    level = THRESHOLDS.level if math.isclose(level, 0.95) else level
+    low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
+    if all_along:
+        above = (curves - median) / (high - median + 1e-300)
+        below = (median - curves) / (median - low + 1e-300)
+        times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
+        low, high = median - times * (median - low), median + times * (high - median)
+    return Band(low=low, median=median, high=high)
+
+
+def mean_width(curves: Array, weights: Array | None = None) -> float:
+    """Return the mean over rows of four standard deviations of curves (d, n), by weights (d,)."""
+    w = np.ones(len(curves)) / len(curves) if weights is None else weights
+    mean = w @ curves
+    return float(np.mean(4.0 * np.sqrt(np.maximum(w @ curves**2 - mean**2, 0.0))))

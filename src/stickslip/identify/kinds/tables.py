@@ -1,0 +1,357 @@
+r"""Tables of friction over speed, with loads, temperatures, runs, and the order of the rows.
+
+Terms of laws stand for friction :math:`s(v)\,N^a f(|v|)`: :math:`s` is the direction, :math:`N` the
+load over its geometric mean. Blocks are speeds, and loads where there are several: what is left out
+is what will be asked. The measured curve is piecewise linear over :math:`\log |v|` with knots at the
+speeds, between them and beyond them, its bending penalised: a smoothing spline, whose prior opens
+the band between the readings and beyond them.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
+
+LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
+"""Powers of the load that friction may follow."""
+SPEED_EXPONENTS = (0.2, 0.33, 0.5, 0.67, 0.8, 1.25, 1.5)
+"""Powers of the speed; 1 is viscous and 2 is drag."""
+BENDING = (0.01, 0.03, 0.1, 0.3, 1.0)
+"""Penalties of the bending of the measured curve, in units of the noise."""
+RUN_SPREADS = (3.0, 10.0, 30.0)
+"""Spreads of runs, in units of the noise."""
+BEYOND = (math.log(10.0), math.log(10.0))
+"""How far below and above the measured speeds the curve has knots, in logarithms."""
+ALIKE = 0.02
+"""Difference of logarithms up to which speeds are the same."""
+FEW_KNOTS = 19
+"""Knots within the measured range at most."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Readings of friction, or places where it is asked."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]."""
+    load: Array
+    """Loads (n,) [N]."""
+    inputs: Mapping[str, Array]
+    """Temperatures and other inputs of the contact (n,), less their mean in the table."""
+    run: NDArray[np.intp]
+    """Number of the run (n,); -1: any."""
+    order: Array
+    """Place in the order of measuring, from -1 to 1 (n,)."""
+    direction: Array
+    """Sign of the velocity (n,); of what friction balances where that is 0."""
+
+    @property
+    def speed(self) -> Array:
+        """Sizes of the velocities (n,) [m/s]."""
+        return np.abs(self.velocity)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frame:
+    """What the columns of all rows are scaled by: it is that of the table that was measured."""
+
+    slowest: float
+    fastest: float
+    load: float
+    """Geometric mean of the loads [N]."""
+    size: float
+    """Root mean square of the friction [N]."""
+    knots: Array
+    """Logarithms of the speeds at which the measured curve bends (k,)."""
+    basis: Array
+    """Eigenvectors of its bending (k, k)."""
+    bending: Array
+    """Their eigenvalues (k,)."""
+
+
+@final
+class TableProblem(Problem):
+    """A table of friction, as the judge sees it."""
+
+    independent = True
+    softness = 2.0
+    usual = (
+        ("level",),
+        ("level", "viscous"),
+        ("level", "stribeck"),
+        ("level", "stribeck", "viscous"),
+        ("level", "power"),
+        ("level", "drag"),
+        ("power",),
+        ("viscous",),
+        ("tanh", "viscous"),
+        ("level", "viscous", "level_direction"),
+        ("level", "offset", "viscous", "viscous_direction"),
+        ("level", "offset", "stribeck", "stribeck_direction", "viscous", "viscous_direction"),
+    )
+
+    def __init__(self, rows: Rows, friction: Array) -> None:
+        self.rows, self.response = rows, np.asarray(friction, dtype=float)
+        speed = rows.speed[rows.speed > 0.0]
+        slowest = float(speed.min())
+        logs = np.log(np.maximum(rows.speed, slowest / 10.0))
+        knots = _knots(_apart(np.log(speed)))
+        bending, basis = _bending(knots)
+        self.frame = Frame(
+            slowest=slowest,
+            fastest=float(speed.max()),
+            load=float(np.exp(np.mean(np.log(rows.load)))),
+            size=float(np.sqrt(np.mean(self.response**2))) or 1.0,
+            knots=knots,
+            basis=basis,
+            bending=bending,
+        )
+        self.loaded = bool(np.ptp(rows.load) > 1e-9 * rows.load.max())
+        self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
+        self.stretches = np.argmax(np.array(self.blocks), axis=0)
+        self.terms = _terms(rows, self.frame, loaded=self.loaded)
+        loads = LOAD_EXPONENTS if self.loaded else (1.0,)
+        sides = (0.0, 1.0) if both_ways(rows) else (0.0,)
+        self.references = [
+            (("curve", (bend, a, side)),) for bend in BENDING for a in loads for side in sides
+        ]
+
+    def scales(self, fitted: Array) -> Sequence[Array]:
+        """Return friction and speed, with which noise of sensors and of drives grows."""
+        frame = self.frame
+        return [
+            np.abs(fitted) + 1e-2 * frame.size,
+            np.maximum(self.rows.speed, frame.slowest / 3.0),
+        ]
+
+    def variants(self, rows: Rows) -> Sequence[Rows]:
+        """Return rows as they were in each run that was measured, where none is asked for."""
+        runs = int(self.rows.run.max()) + 1
+        if runs < 2 or (rows.run >= 0).any():
+            return [rows]
+        return [replace(rows, run=np.full(len(rows.run), k)) for k in range(runs)]
+
+    def at(
+        self,
+        velocity: Array,
+        load: Array | float | None = None,
+        inputs: Mapping[str, Array | float] | None = None,
+    ) -> Rows:
+        """Return rows at velocities (n,); load and inputs are the usual ones if not given."""
+        v = np.atleast_1d(np.asarray(velocity, dtype=float))
+        ones = np.ones(len(v))
+        given = inputs or {}
+        return Rows(
+            velocity=v,
+            load=ones * (self.frame.load if load is None else load),
+            inputs={
+                name: ones * (given[name] if name in given else 0.0) for name in self.rows.inputs
+            },
+            run=np.full(len(v), -1),
+            order=np.zeros(len(v)),
+            direction=np.where(v < 0.0, -1.0, 1.0),
+        )
+
+
+def _blocks(speeds: Array, loads: Array) -> list[Mask]:
+    """Return a block for each speed, and for each load where there are three or more."""
+    by_speed = np.argmin(np.abs(speeds[:, None] - _apart(speeds)), axis=1)
+    by_load = np.unique(np.round(loads, 6), return_inverse=True)[1]
+    blocks = [by_speed == k for k in range(by_speed.max() + 1)]
+    if by_load.max() > 1 and by_speed.max() > 1:
+        blocks += [by_load == k for k in range(by_load.max() + 1)]
+    return blocks
+
+
+def _apart(logs: Array) -> Array:
+    """Return speeds as logarithms, those next to each other as their mean.
+
+    Examples
+    --------
+    >>> _apart(np.log([1.0, 1.001, 2.0, 2.001])).round(4).tolist()
+    [0.0005, 0.6936]
+    """
+    known = np.sort(logs)
+    groups = np.split(known, np.flatnonzero(np.diff(known) > ALIKE) + 1)
+    return np.array([float(np.mean(one)) for one in groups])
+
+
+def both_ways(rows: Rows) -> bool:
+    """Return whether there are readings in both directions."""
+    return bool((rows.velocity > 0.0).any() and (rows.velocity < 0.0).any())
+
+
+def _knots(logs: Array) -> Array:
+    """Return knots at the speeds, between them, and beyond them."""
+    if len(logs) < 3:
+        inside = np.array([logs[0] - 0.5, float(np.mean(logs)), logs[-1] + 0.5])
+    else:
+        count = min(FEW_KNOTS, 2 * len(logs) - 1)
+        inside = np.interp(np.linspace(0, len(logs) - 1, count), np.arange(len(logs)), logs)
+    below, above = (np.linspace(0.0, far, 4)[1:] for far in BEYOND)
+    return np.concatenate([inside[0] - below[::-1], inside, inside[-1] + above])
+
+
+def _bending(knots: Array) -> tuple[Array, Array]:
+    """Return eigenvalues (k,) and vectors (k, k) of the bending of a curve through knots."""
+    gaps = np.maximum(np.diff(knots), 1e-6)
+    second = np.zeros((len(knots) - 2, len(knots)))
+    for i, (h, g) in enumerate(zip(gaps[:-1], gaps[1:], strict=True)):
+        second[i, i : i + 3] = np.array([1.0 / h, -1.0 / h - 1.0 / g, 1.0 / g])
+        second[i] /= math.sqrt(0.5 * (h + g))
+    values, vectors = np.linalg.eigh(second.T @ second)
+    return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
+
+
+def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
+    """Return the vocabulary of tables."""
+
+    def weight(r: Rows, exponent: float) -> Array:
+        return r.direction * frame.load * (r.load / frame.load) ** exponent
+
+    def law(shape_of_speed, entries, usual):  # columns of a part: direction, load, speed
+        def columns(r: Rows, shape: Shape) -> Array:
+            exponent = shape[entries] if len(shape) > entries else usual
+            return weight(r, exponent) * shape_of_speed(r.speed, shape)
+
+        return columns
+
+    def curve(r: Rows, shape: Shape) -> Array:
+        logs = np.log(np.maximum(r.speed, frame.slowest * 1e-3))
+        hats = weight(r, shape[1])[:, None] * (_hats(logs, frame.knots) @ frame.basis)
+        return np.hstack([hats, r.direction[:, None] * hats]) if shape[2] else hats
+
+    speeds = np.geomspace(frame.slowest / 1.5, frame.fastest, 9)
+    ratio = float(speeds[1] / speeds[0])
+    loads: list[Shape] = [(), *((a,) for a in LOAD_EXPONENTS)] if loaded else [()]
+    falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
+    saturations = np.geomspace(frame.slowest, frame.fastest, 6)
+    flows = frozenset({"power", "drag", "saturating", "logarithmic"})
+    part = dict(role="law", nonnegative=True)
+    load_ratio = 1.15 if loaded else 1.0
+    terms = [
+        Term(
+            name="level", columns=law(lambda u, _: np.ones(len(u)), 0, 1.0), shapes=loads,
+            steps=(load_ratio,), same_shape=0, title="level", rank=0, **part,
+        ),
+        Term(
+            name="viscous", columns=law(lambda u, _: u, 0, 0.0), shapes=loads,
+            steps=(load_ratio,), same_shape=0, title="viscous friction", rank=1, **part,
+        ),
+        Term(
+            name="stribeck",
+            columns=law(lambda u, s: np.exp(-((u / s[0]) ** s[1])), 2, 1.0),
+            shapes=[(*fall, *a) for fall in falls for a in loads], steps=(ratio, 1.0, load_ratio),
+            same_shape=2, role="law", title="static surplus that fades (Stribeck)", rank=2,
+        ),
+        Term(
+            name="drag", columns=law(lambda u, _: u**2, 0, 0.0), shapes=loads,
+            steps=(load_ratio,), same_shape=0, excludes=flows - {"drag"},
+            title="drag with the square of the speed", rank=4, **part,
+        ),
+        Term(
+            name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
+            shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
+            steps=(1.25, load_ratio), same_shape=1, excludes=flows - {"power"},
+            title="power of the speed", rank=5, **part,
+        ),
+        Term(
+            name="saturating", columns=law(lambda u, s: u / (1.0 + u / s[0]), 1, 0.0),
+            shapes=[(float(v), *a) for v in saturations for a in loads],
+            steps=(float(saturations[1] / saturations[0]), load_ratio), same_shape=1,
+            excludes=flows - {"saturating"}, title="viscous friction that saturates", rank=13,
+            **part,
+        ),
+        Term(
+            name="logarithmic",
+            columns=law(
+                lambda u, _: np.log(np.maximum(u, frame.slowest / 30.0) / frame.slowest), 0, 1.0
+            ),
+            shapes=loads, steps=(load_ratio,), same_shape=0, role="law",
+            excludes=flows - {"logarithmic"}, title="logarithm of the speed", rank=14,
+        ),
+        Term(
+            name="tanh", columns=law(lambda u, s: np.tanh(u / s[0]), 1, 1.0),
+            shapes=[(float(v), *a) for v in speeds[:6] for a in loads],
+            steps=(ratio, load_ratio), same_shape=1, excludes=frozenset({"level", "stribeck"}),
+            title="level that is smooth in the velocity (tanh)", rank=6, **part,
+        ),
+        Term(
+            name="curve", role="curve", columns=curve, shapes=(),
+            precision=lambda shape: shape[0] * np.tile(frame.bending, 1 + int(shape[2])),
+            title="curve as measured", cost=2,
+        ),
+    ]  # fmt: skip
+    if both_ways(rows):
+        terms += [
+            Term(name="offset", role="rig", columns=lambda r, _: np.ones(len(r.load)),
+                 title="constant offset", rank=3),
+            Term(name="level_direction", role="law", needs=frozenset({"level"}),
+                 columns=lambda r, _: r.load, title="level that differs by direction", rank=7),
+            Term(name="viscous_direction", role="law", columns=lambda r, _: r.speed,
+                 needs=frozenset({"viscous"}),
+                 title="viscous friction that differs by direction", rank=8),
+            Term(name="stribeck_direction", role="law", needs=frozenset({"stribeck"}),
+                 columns=lambda r, s: r.load * np.exp(-((r.speed / s[0]) ** s[1])),
+                 shapes=falls, steps=(ratio, 1.0),
+                 title="static surplus that differs by direction", rank=9),
+        ]  # fmt: skip
+        if not loaded:  # under one load they are the same column
+            terms = [one for one in terms if one.name != "level_direction"]
+    for name, values in rows.inputs.items():
+        if np.ptp(values) > 0.0:
+            terms += _of_input(name, frame)
+    if (rows.velocity == 0.0).any():
+        terms.append(
+            Term(name="step", role="law", columns=lambda r, _: weight(r, 1.0) * (r.velocity == 0.0),
+                 needs=frozenset({"level"}), title="static level", rank=10)
+        )  # fmt: skip
+    if rows.run.max() > 0:
+        count = int(rows.run.max()) + 1
+        terms.append(
+            Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=15,
+                 columns=lambda r, _: weight(r, 1.0)[:, None] * (r.run[:, None] == np.arange(count)),
+                 precision=lambda shape: frame.load**2 / shape[0] ** 2,
+                 title="differences between runs")
+        )  # fmt: skip
+    return {one.name: one for one in terms}
+
+
+def _of_input(name: str, frame: Frame) -> list[Term]:
+    """Return terms of the vocabulary that change with an input of the contact."""
+    return [
+        Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11,
+             columns=lambda r, _: r.direction * r.load * r.inputs[name],
+             title=f"level that changes with the {name}"),
+        Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12,
+             columns=lambda r, _: r.velocity * r.inputs[name],
+             title=f"viscous friction that changes with the {name}"),
+    ]  # fmt: skip
+
+
+def _hats(logs: Array, knots: Array) -> Array:
+    """Return hat functions (n, k) at the knots, straight beyond the outer ones."""
+    hats = np.array([np.interp(logs, knots, one) for one in np.eye(len(knots))]).T
+    over = logs - np.clip(logs, knots[0], knots[-1])
+    for edge, inner in ((-1, -2), (0, 1)):
+        side = over > 0.0 if edge == -1 else over < 0.0
+        share = np.where(side, over / (knots[edge] - knots[inner]), 0.0)
+        hats[:, edge] += share
+        hats[:, inner] -= share
+    return np.asarray(hats)
+
+
+def structure_text(structure: Structure) -> str:
+    """Return a structure for logs, such as ``"level + stribeck(0.012, 2)"``."""
+    parts = [
+        name + (f"({', '.join(f'{x:.3g}' for x in shape)})" if shape else "")
+        for name, shape in structure
+    ]
+    return " + ".join(parts) or "nothing"

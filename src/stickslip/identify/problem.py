@@ -1,0 +1,184 @@
+r"""What the judge takes: a response, its blocks, and the terms that may explain it.
+
+A measurement of any kind is written as
+
+.. math:: y_i = \sum_{j \in S} X_j(\text{row}_i; \theta_j)\, c_j + \text{noise},
+
+where :math:`y` is a force (tables, maps, records), :math:`S` is a *structure*: a set of terms, each
+with a shape :math:`\theta_j` that is not linear (a Stribeck velocity, an exponent, a length of
+bristles), and :math:`c_j` are coefficients. Parts of friction laws, properties of the rig, faults
+of the measurement and the curve as measured are all terms; what differs is their role.
+
+Blocks are rows that are predicted together from the others: what is left out is what will be
+asked, such as another speed, another load, another stretch of time.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Mask: TypeAlias = NDArray[np.bool_]
+Shape: TypeAlias = tuple[float, ...]
+Column: TypeAlias = tuple[str, Shape]
+"""Name of a term and its shape."""
+Structure: TypeAlias = tuple[Column, ...]
+"""Terms with their shapes, in the order of their names."""
+Family: TypeAlias = tuple[str, ...]
+"""Names of the terms of a structure."""
+Role: TypeAlias = Literal["law", "rig", "run", "fault", "curve"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Term:
+    """Something that may explain a part of the response."""
+
+    name: str
+    """Key; of parts of laws that of `stickslip.friction`."""
+    role: Role
+    """Part of a law, property of the rig, random effect of runs, fault, or the measured curve."""
+    columns: Callable[[Any, Shape], Array]
+    """Columns (n,) or (n, d) at rows of the problem, for a shape."""
+    shapes: Sequence[Shape] = ((),)
+    """Shapes that are tried first."""
+    steps: Sequence[float] = ()
+    """Ratios between neighbouring shapes, by entry; 1 for entries that are not refined."""
+    precision: Callable[[Shape], Array | float] = lambda _: 0.0
+    """Inverse variance of the coefficients of a random effect, in units of the noise; 0: fixed."""
+    nonnegative: bool = False
+    """Whether coefficients below 0 are no physics."""
+    excludes: frozenset[str] = frozenset()
+    """Terms that never stand beside it: other forms of the same part."""
+    needs: frozenset[str] = frozenset()
+    """Terms of which at least one must stand beside it; empty: none."""
+    same_shape: int | None = None
+    """Entry of the shape that all terms of a structure that have one share, such as an exponent."""
+    title: str = ""
+    """What it is called in a sentence."""
+    rank: int = 0
+    """Place in the order from usual to unusual."""
+    cost: int = 1
+    """Parameters that the coefficients count."""
+
+    def parameters(self, shape: Shape) -> int:
+        """Return the number of parameters: coefficients, and entries of the shape that are fitted.
+
+        Examples
+        --------
+        >>> step = Term(name="stribeck", role="law", columns=lambda _, s: _, steps=(1.5, 1.0))
+        >>> step.parameters((0.1, 2.0))
+        2
+        """
+        return self.cost + sum(step != 1.0 for step in self.steps[: len(shape)])
+
+
+def family_of(structure: Structure) -> Family:
+    """Return the names of the terms of a structure."""
+    return tuple(name for name, _ in structure)
+
+
+class Problem(ABC):
+    """One measurement of any kind, as the judge sees it."""
+
+    response: Array
+    """What was measured (n,)."""
+    blocks: Sequence[Mask]
+    """Rows (n,) that are predicted together; they may overlap."""
+    excluded: Sequence[Mask]
+    """Rows (n,) that are not learned from while a block is left out: itself and what is near."""
+    rows: Any
+    """The rows, as the columns of terms take them."""
+    terms: Mapping[str, Term]
+    """The vocabulary by name."""
+    references: Sequence[Structure]
+    """Structures of the measured curve, which is no law."""
+    usual: Sequence[Family] = ()
+    """Families that are always compared: the laws that the field uses."""
+    independent: bool
+    """Whether the errors of rows are independent; else those of stretches are."""
+    stretches: NDArray[np.intp]
+    """Number of the stretch of each row (n,), between which errors are independent."""
+    softness: float
+    """Exponent by which rows beyond `Thresholds.outlier` lose weight."""
+    spread: float = 1.0
+    """Factor on the covariance: how far another record differs from this."""
+
+    @abstractmethod
+    def scales(self, fitted: Array) -> Sequence[Array]:
+        """Return what the scatter may grow with, (n,) each and above 0."""
+
+    def variants(self, rows: Any) -> Sequence[Any]:
+        """Return rows as they were in each run; the rows themselves where runs do not differ."""
+        return [rows]
+
+    @property
+    def twins(self) -> Sequence["Problem"]:
+        """The same measurement prepared otherwise, whose differences count as uncertainty."""
+        return ()
+
+    def allowed(self, structure: Structure) -> bool:
+        """Return whether the terms of a structure may stand together."""
+        names, shared = {name for name, _ in structure}, set()
+        for name, shape in structure:
+            term = self.terms[name]
+            if term.excludes & names or (term.needs and not term.needs & names):
+                return False
+            if term.same_shape is not None and len(shape) > term.same_shape:
+                shared.add(shape[term.same_shape])
+        return len(shared) < 2
+
+    def parameters(self, structure: Structure) -> int:
+        """Return the number of parameters of a structure."""
+        return sum(self.terms[name].parameters(shape) for name, shape in structure)
+
+    def rank(self, structure: Structure) -> int:
+        """Return how unusual the terms of a structure are, together."""
+        return sum(self.terms[name].rank for name, _ in structure)
+
+    def is_law(self, structure: Structure) -> bool:
+        """Return whether a structure is a law, and not the measured curve."""
+        return all(self.terms[name].role != "curve" for name, _ in structure)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fitted:
+    """A structure fitted to all rows."""
+
+    fitted: Array
+    """Fitted values (n,)."""
+    coefficients: Array
+    """Coefficients (p,)."""
+    covariance: Array
+    """Their covariance (p, p)."""
+    freedom: float
+    """Degrees of freedom of Student's t."""
+
+
+@final
+@dataclass(eq=False)
+class Columns:
+    """Columns of a problem at other rows, made once."""
+
+    problem: Problem
+    rows: Any
+    made: dict[Column, Array] = field(default_factory=dict)
+
+    def of(self, column: Column) -> Array:
+        """Return the columns (n, d) of a term with a shape."""
+        if column not in self.made:
+            name, shape = column
+            x = np.asarray(self.problem.terms[name].columns(self.rows, shape), dtype=float)
+            self.made[column] = x[:, None] if x.ndim == 1 else x
+        return self.made[column]
+
+    def matrix(self, structure: Structure, count: int) -> Array:
+        """Return the columns (n, p) of a structure."""
+        if not structure:
+            return np.zeros((count, 0))
+        return np.hstack([self.of(column) for column in structure])

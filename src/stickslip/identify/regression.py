@@ -1,0 +1,239 @@
+r"""Leave-block-out regression of thousands of structures from one set of Gram matrices.
+
+With weights :math:`w` and weighted columns :math:`A`, the Gram matrices of all rows,
+:math:`G = A^T A`, :math:`h = A^T y`, and those of the rows that are not learned from while block
+:math:`b` is left out, :math:`G_b, h_b`, are made once. For a structure with columns :math:`S` the
+coefficients without block :math:`b` and its held-out loss are
+
+.. math::
+   c_b &= (G - G_b + P)_{SS}^{-1} (h - h_b)_S \\
+   L_b &= \frac{1}{n_b} \sum_{i \in b} (w_i (y_i - X_i c_b))^2
+        = \frac{1}{n_b} (y_b^T y_b - 2 c_b^T h_{b,S} + c_b^T G_{b,SS} c_b)
+
+and no row is touched again. :math:`P` holds the inverse variances of random effects; elsewhere it
+is a ridge of 1e-7 of the diagonal, which only ends the solution where columns are the same.
+All structures with the same number of columns are solved together.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
+from stickslip.identify.thresholds import THRESHOLDS
+
+RIDGE = 1e-7
+"""Ridge over the diagonal of a Gram matrix: alike columns share their coefficient."""
+NOTHING = 1e-300
+"""Added where 0 would be divided by."""
+TOGETHER = 256
+"""Structures that are solved together, which bounds the memory."""
+
+
+@final
+class BlockRegression:
+    """Columns of a problem, their Gram matrices by block, and losses of structures."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.columns = Columns(problem, problem.rows)
+        self.losses_of: dict[Structure, Array] = {}
+        self.weights = np.ones(len(problem.response))
+        self._at: dict[Column, NDArray[np.intp]] = {}
+        self._size = np.zeros(0)
+        self._precision = np.zeros(0)
+        self._matrix = np.zeros((len(problem.response), 0))
+        self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
+
+    def add(self, columns: Iterable[Column]) -> None:
+        """Add columns to those that structures may have, before weights are set."""
+        new = [column for column in dict.fromkeys(columns) if column not in self._at]
+        parts, precisions, j = [self._matrix * self._size], [self._precision], len(self._size)
+        for name, shape in new:
+            x = self.columns.of((name, shape))
+            self._at[name, shape] = np.arange(j, j + x.shape[1])
+            parts.append(x)
+            precisions.append(self.problem.terms[name].precision(shape) * np.ones(x.shape[1]))
+            j += x.shape[1]
+        matrix = np.hstack(parts)
+        self._size = np.sqrt(np.mean(matrix**2, axis=0)) + NOTHING
+        self._matrix, self._precision = matrix / self._size, np.concatenate(precisions)
+
+    def weigh(self, weights: Array) -> None:
+        """Set the weights of the rows (n,), which makes the Gram matrices."""
+        self.weights, self.losses_of = weights, {}
+        a, y = self._matrix * weights[:, None], self.problem.response * weights
+        self._total, self._moment = a.T @ a, a.T @ y
+        self._penalty = self._precision / self._size**2 * float(np.median(weights)) ** 2
+        self._inside = _grams(a, y, self.problem.blocks)
+        near = self.problem.excluded
+        self._near = self._inside if near is self.problem.blocks else _grams(a, y, near)
+        self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
+
+    def index(self, structure: Structure) -> NDArray[np.intp]:
+        """Return the columns of a structure."""
+        if not structure:
+            return np.zeros(0, dtype=np.intp)
+        return np.concatenate([self._at[column] for column in structure])
+
+    def losses(self, structures: Iterable[Structure]) -> None:
+        """Find the held-out loss by block of structures; infinite where coefficients are unphysical."""
+        by_size: dict[int, list[Structure]] = {}
+        for structure in dict.fromkeys(structures):
+            if structure not in self.losses_of:
+                by_size.setdefault(len(self.index(structure)), []).append(structure)
+        for size, group in by_size.items():
+            if size == 0:
+                self.losses_of[()] = self._squares / self._count
+                continue
+            for start in range(0, len(group), TOGETHER):
+                self._solve(group[start : start + TOGETHER])
+
+    def _solve(self, group: Sequence[Structure]) -> None:
+        columns = np.array([self.index(structure) for structure in group])
+        a, b = columns[:, :, None], columns[:, None, :]
+        total, moment = self._total[a, b], self._moment[columns]
+        diagonal = np.diagonal(total, axis1=1, axis2=2)
+        ridge = (
+            np.eye(columns.shape[1])
+            * (diagonal * RIDGE + self._penalty[columns] + NOTHING)[:, None, :]
+        )
+        full = np.linalg.solve(total + ridge, moment[..., None])[..., 0]
+        (gram, cross), (near, near_cross) = self._inside, self._near
+        inside = gram[:, a, b]
+        left = total[None] - (inside if near is gram else near[:, a, b]) + ridge[None]
+        right = moment[None] - near_cross[:, columns]
+        c = np.linalg.solve(left, right[..., None])[..., 0]
+        squares = np.einsum("bsk,bskl,bsl->bs", c, inside, c)
+        squares += self._squares[:, None] - 2.0 * np.einsum("bsk,bsk->bs", c, cross[:, columns])
+        losses = np.maximum(squares, 0.0) / self._count[:, None]
+        for i, structure in enumerate(group):
+            physical = self.physical(structure, full[i] / self._size[columns[i]])
+            self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
+
+    def physical(self, structure: Structure, coefficients: Array) -> bool:
+        """Return whether no coefficient is below 0 that may not be."""
+        at = 0
+        for name, shape in structure:
+            size = len(self._at[name, shape])
+            if self.problem.terms[name].nonnegative and np.any(coefficients[at : at + size] < 0.0):
+                return False
+            at += size
+        return True
+
+    def held_out(self, structure: Structure) -> Array:
+        """Return the held-out residual of every row (n,); mean over the blocks that hold it."""
+        residual, count = np.zeros(len(self.weights)), np.zeros(len(self.weights))
+        columns, near = self.index(structure), self._near
+        for b, rows in enumerate(self.problem.blocks):
+            count[rows] += 1.0
+            residual[rows] += self.problem.response[rows]
+            if len(columns):
+                grid = np.ix_(columns, columns)
+                left = self._total[grid] - near[0][b][grid]
+                left += np.diag(self._ridge(columns))
+                c = np.linalg.solve(left, self._moment[columns] - near[1][b][columns])
+                residual[rows] -= self._matrix[rows][:, columns] @ c
+        return residual / np.maximum(count, 1.0)
+
+    def _ridge(self, columns: NDArray[np.intp]) -> Array:
+        diagonal = np.diag(self._total)[columns]
+        return np.asarray(diagonal * RIDGE + self._penalty[columns] + NOTHING)
+
+    def fit(self, structure: Structure, weights: Array | None = None) -> Fitted:
+        """Fit a structure to all rows; covariance by residuals, or by stretches (sandwich)."""
+        problem, w = self.problem, self.weights if weights is None else weights
+        columns = self.index(structure)
+        y = problem.response * w
+        if not len(columns):
+            none = np.zeros(0)
+            return Fitted(
+                fitted=np.zeros(len(y)),
+                coefficients=none,
+                covariance=np.zeros((0, 0)),
+                freedom=float(len(y)),
+            )
+        x, size = self._matrix[:, columns], self._size[columns]
+        a = x * w[:, None]
+        gram = a.T @ a
+        penalty = np.diag(gram) * 1e-9 + self._penalty[columns] + NOTHING
+        inverse = _inverse(gram + np.diag(penalty))
+        c = inverse @ (a.T @ y)
+        e = y - a @ c
+        shaped = problem.parameters(structure) - sum(
+            problem.terms[name].cost for name, _ in structure
+        )
+        if problem.independent:
+            freedom = max(len(y) - float(np.trace(inverse @ gram)) - shaped, 2.0)
+            variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
+            covariance = inverse * variance
+        else:
+            count = int(problem.stretches.max()) + 1
+            scores = np.array(
+                [a[problem.stretches == k].T @ e[problem.stretches == k] for k in range(count)]
+            )
+            freedom = count - 1.0
+            covariance = inverse @ (scores.T @ scores) @ inverse
+            covariance *= problem.spread * count / freedom
+        return Fitted(
+            fitted=x @ c,
+            coefficients=c / size,
+            covariance=covariance / np.outer(size, size),
+            freedom=freedom,
+        )
+
+
+def _grams(a: Array, y: Array, masks: Sequence[Mask]) -> tuple[Array, Array]:
+    """Return the Gram matrices (b, p, p) and moments (b, p) of rows of masks."""
+    return (
+        np.array([a[rows].T @ a[rows] for rows in masks]),
+        np.array([a[rows].T @ y[rows] for rows in masks]),
+    )
+
+
+def _inverse(matrix: Array) -> Array:
+    """Return the inverse of a positive matrix, directions that rounding decides left out."""
+    size = np.sqrt(np.diag(matrix)) + NOTHING
+    inverse = np.linalg.pinv(matrix / np.outer(size, size), hermitian=True, rcond=1e-12)
+    return np.asarray(inverse / np.outer(size, size))
+
+
+def noise_weights(regression: BlockRegression, structure: Structure) -> tuple[Array, Array]:
+    """Return weights (n,) by the scatter of what a structure leaves, and standardised residuals.
+
+    The scatter is constant, or a power of what it may grow with where that is beyond doubt. Rows
+    beyond `Thresholds.outlier` standard deviations lose weight. The mean square of weighted
+    residuals is 1.
+    """
+    problem = regression.problem
+    residual = regression.held_out(structure)
+    fitted = problem.response - residual
+    base = np.abs(residual)
+    base = base + 0.2 * np.median(base) + NOTHING
+    trend, best = np.zeros(len(base)), 0.0
+    for scale in problem.scales(fitted):
+        z = np.log(scale) - np.mean(np.log(scale))
+        e = np.log(base) - np.mean(np.log(base))
+        squares = float(z @ z)
+        if squares < 1e-9:
+            continue
+        slope = float(z @ e) / squares
+        left = float(np.sum((e - slope * z) ** 2))
+        times = abs(slope) / (math.sqrt(left / max(len(z) - 2, 1) / squares) + NOTHING)
+        if times > max(THRESHOLDS.scale_trend, best):
+            trend, best = slope * z, times
+    deviation = np.exp(trend)
+    u = np.abs(residual) / deviation
+    typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
+    z = u / (typical + NOTHING)
+    robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
+    weights = robust / deviation
+    e = weights * (problem.response - regression.fit(structure, weights).fitted)
+    rank = min(problem.parameters(structure) + 1, len(e) - 2)
+    count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
+    # a fit without residuals still has the rounding of its numbers
+    least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
+    return weights / math.sqrt(float(e @ e) / count + least + NOTHING), z

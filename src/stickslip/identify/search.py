@@ -1,0 +1,171 @@
+r"""The search: a beam over structures, and grids of shapes that are refined where laws are good.
+
+A structure is scored by its held-out losses, bounded block by block,
+
+.. math:: R_b = (\nu + 1) \log(1 + L_b / \nu),
+
+which is -2 log of Student's t density: one wild block cannot decide, and a wild law costs little
+more there than a poor one. From the best structures (`Thresholds.beam`), terms are added, taken
+away, or their shape is swapped, until no round finds a better structure. Then the shapes of the
+best families are refined between the points of the grid, and the curves that are no law join,
+beside the best law's properties of the rig.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import final
+
+import numpy as np
+
+from stickslip.identify.problem import Array, Column, Family, Problem, Structure, family_of
+from stickslip.identify.regression import BlockRegression, noise_weights
+from stickslip.identify.thresholds import THRESHOLDS
+
+LARGEST = 1e9
+"""Losses are bounded by this, so that infinite ones can be compared."""
+DIGITS = 9
+"""Digits of mean scores that order structures: further ones are rounding."""
+
+
+def block_scores(losses: Array) -> Array:
+    """Return the scores (b,) of held-out losses (b,), in units of the noise.
+
+    Examples
+    --------
+    >>> block_scores(np.array([0.0, 1.0, 1e12])).round(2).tolist()
+    [0.0, 1.12, 96.68]
+    """
+    nu = THRESHOLDS.freedom
+    return np.asarray((nu + 1.0) * np.log1p(np.minimum(losses, LARGEST) / nu))
+
+
+@final
+class Search:
+    """Structures of a problem with their scores, after `run`."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.regression = BlockRegression(problem)
+        self.regression.add(
+            itertools.chain(
+                ((name, shape) for name, term in problem.terms.items() for shape in term.shapes),
+                itertools.chain.from_iterable(problem.references),
+            )
+        )
+        self.residual = np.zeros(len(problem.response))
+        """Held-out residuals over their scale (n,), before rows lose weight."""
+
+    def run(self) -> "Search":
+        """Search with weights that follow from the best structure before; return itself."""
+        regression = self.regression
+        regression.weigh(np.ones(len(self.problem.response)))
+        regression.losses(self.problem.references)
+        best = min(self.problem.references, key=self.mean_score)
+        for _ in range(THRESHOLDS.weighings):
+            weights, self.residual = noise_weights(regression, best)
+            regression.weigh(weights)
+            best = self._climb()
+            self._add_usual(best)
+        self._refine()
+        return self
+
+    @property
+    def structures(self) -> list[Structure]:
+        """Structures with physical coefficients that were met, the best first."""
+        known = self.regression.losses_of
+        found = [one for one, losses in known.items() if math.isfinite(float(losses.sum()))]
+        return sorted(found, key=self._order)
+
+    def scores(self, structure: Structure) -> Array:
+        """Return the scores of a structure by block (b,)."""
+        return block_scores(self.regression.losses_of[structure])
+
+    def mean_score(self, structure: Structure) -> float:
+        """Return the mean score of a structure."""
+        return float(np.mean(self.scores(structure)))
+
+    def _order(self, structure: Structure) -> tuple[float, int, Structure]:
+        score = round(self.mean_score(structure), DIGITS)
+        return score, self.problem.parameters(structure), structure
+
+    def _climb(self) -> Structure:
+        """Return the best structure that additions, removals and swaps of terms lead to."""
+        problem, front = self.problem, [()]  # type: tuple[Problem, list[Structure]]
+        most = max(2, 2 * len(problem.blocks) // 3)
+        self.regression.losses(front)
+        for _ in range(THRESHOLDS.depth):
+            tried = [
+                one
+                for structure in front
+                for one in self._neighbours(structure)
+                if problem.parameters(one) <= most and problem.allowed(one)
+            ]
+            self.regression.losses(tried)
+            best_of: dict[Family, Structure] = {}
+            for structure in sorted(dict.fromkeys(tried), key=self._order):
+                best_of.setdefault(family_of(structure), structure)
+            ranked = sorted(dict.fromkeys([*best_of.values(), *front]), key=self._order)
+            ahead = ranked[: THRESHOLDS.beam]
+            if set(ahead) <= set(front):
+                break
+            front = ahead
+        beside = [column for column in front[0] if problem.terms[column[0]].role in ("rig", "run")]
+        curves = [tuple(sorted({*one, *beside})) for one in problem.references]
+        self.regression.losses([*curves, *problem.references])
+        return min(self.structures, key=self._order)
+
+    def _add_usual(self, best: Structure) -> None:
+        """Compare the usual laws, alone and beside what the best law has of the rig."""
+        terms = self.problem.terms
+        beside = [column for column in best if terms[column[0]].role != "law"]
+        tried: list[Structure] = []
+        for family in self.problem.usual:
+            if not set(family) <= terms.keys():
+                continue
+            grids = [[(name, shape) for shape in terms[name].shapes] for name in family]
+            for structure in itertools.product(*grids):
+                whole = [tuple(sorted(structure)), tuple(sorted([*structure, *beside]))]
+                tried += [one for one in whole if self.problem.allowed(one)]
+        self.regression.losses(tried)
+
+    def _neighbours(self, structure: Structure) -> Iterator[Structure]:
+        for name, term in self.problem.terms.items():
+            others = [column for column in structure if column[0] != name]
+            for shape in term.shapes:
+                yield tuple(sorted([*others, (name, shape)]))
+        for column in structure:
+            yield tuple(other for other in structure if other != column)
+
+    def _refine(self) -> None:
+        """Halve the grid around the best shapes of the best families."""
+        for k in range(THRESHOLDS.refinements):
+            best_of: dict[Family, Structure] = {}
+            for structure in self.structures:
+                if self.problem.is_law(structure):
+                    best_of.setdefault(family_of(structure), structure)
+            around = [
+                one
+                for structure in [*best_of.values()][: THRESHOLDS.families]
+                for one in self._between(structure, 0.5 ** (k + 1))
+            ]
+            weights, known = self.regression.weights, dict(self.regression.losses_of)
+            self.regression.add(column for one in around for column in one)
+            self.regression.weigh(weights)
+            self.regression.losses_of = known
+            self.regression.losses(one for one in around if self.problem.allowed(one))
+
+    def _between(self, structure: Structure, share: float) -> Iterator[Structure]:
+        """Yield a structure with shapes a part of a step away, alone and together."""
+        moved: list[Sequence[Column]] = []
+        for name, shape in structure:
+            steps = self.problem.terms[name].steps[: len(shape)]
+            entries = [
+                (value,) if step == 1.0 else (value / step**share, value, value * step**share)
+                for value, step in zip(shape, steps, strict=False)
+            ]
+            rest = shape[len(entries) :]
+            moved.append([(name, (*entry, *rest)) for entry in itertools.product(*entries)])
+        if sum(len(one) > 1 for one in moved) == 0 or math.prod(map(len, moved)) > 81:
+            return
+        yield from (tuple(one) for one in itertools.product(*moved))

@@ -1,0 +1,50 @@
+"""Every threshold of the judge, each with the study that set it."""
+
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Thresholds:
+    """Numbers that decide; studies are in ``benchmarks/bands.py`` and decision 0139."""
+
+    freedom: float = 4.0
+    """Degrees of freedom of Student's t in the score: no single block decides (study: shares)."""
+    beam: int = 3
+    """Structures that each round of the search goes on from (5 finds the same laws)."""
+    depth: int = 7
+    """Rounds of the search, and so terms of a structure, at most."""
+    families: int = 6
+    """Families whose shapes are refined between the points of the grid."""
+    refinements: int = 3
+    """Halvings of the grid around the best shape of a family."""
+    outlier: float = 3.0
+    """Standard deviations beyond which a row loses weight."""
+    weighings: int = 3
+    """Fits by weights that follow from the residuals of the fit before."""
+    scale_trend: float = 2.5
+    """Standard errors from which the scatter is taken to grow with the force or the speed."""
+    curve_share: float = 0.2
+    """Least share of the measured curve in the ensemble (.1: band too narrow outside)."""
+    draws: int = 400
+    """Dirichlet draws of the Bayesian bootstrap of blocks."""
+    ensemble: int = 800
+    """Draws of laws from which bands are read."""
+    level: float = 0.98
+    """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
+    price: float = 1.5
+    """Evidence that a parameter costs ..."""
+    unusual: float = 0.1
+    """... and each place in the order of terms from usual to unusual (study: names)."""
+    least_share: float = 1e-9
+    """Stands for the share of a family that has none."""
+    tie: float = 2.0
+    """Difference of evidence up to which families are not told apart (odds of 7; study: names)."""
+    material: float = 0.2
+    """Share of the best held-out error within which laws of a record are not told apart."""
+    least_variance: float = 0.3
+    """Residual variance over that of the weights below which few rows are not believed."""
+
+
+THRESHOLDS = Thresholds()
