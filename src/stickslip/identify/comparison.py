@@ -45,13 +45,15 @@ class Comparison:
     best: Structure
     """The law that predicts best."""
     set: Sequence[Structure]
-    """The best structure of each family that is not told apart from it, the best first."""
+    """The best structure of each family that is not told apart from the named one."""
     named: Structure
-    """The simplest of these."""
+    """The best structure of the named family."""
+    evidence: Mapping[Structure, float]
+    """Evidence of the best structure of each family, the most first."""
     curve: Structure
     """The best measured curve."""
-    curve_gain: float
-    """Mean score of the best law less that of the curve: positive where no law explains."""
+    curve_share: float
+    """Share of the measured curve before it got its least: near 1 where no law explains."""
 
     def share_of(self, family: Family) -> float:
         """Return the share of all structures of a family."""
@@ -67,8 +69,8 @@ def compare(search: Search) -> Comparison:
     scores = block_scores(losses)
     laws = np.array([problem.is_law(one) for one in structures])
     shares = _shares(scores, _priors(problem, structures))
+    curve_share = float(shares[~laws].sum())
     shares = _with_curve(shares, laws, scores)
-    mean = scores.mean(axis=1)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
         best_of.setdefault(family_of(structures[i]), int(i))
@@ -89,10 +91,13 @@ def compare(search: Search) -> Comparison:
         scores=scores,
         shares=shares,
         best=structures[top],
-        set=[structures[i] for i in sorted(near)],
+        set=[structures[i] for i in sorted(near, key=lambda i: (i != named, -evidence[i], i))],
         named=structures[named],
+        evidence={
+            structures[i]: evidence[i] for i in sorted(evidence, key=lambda i: (-evidence[i], i))
+        },
         curve=structures[curve],
-        curve_gain=float(mean[top] - mean[curve]),
+        curve_share=curve_share,
     )
 
 

@@ -94,7 +94,7 @@ class TableProblem(Problem):
         ("tanh", "viscous"),
         ("level", "viscous", "level_direction"),
         ("level", "offset", "viscous", "viscous_direction"),
-        ("level", "offset", "stribeck", "stribeck_direction", "viscous", "viscous_direction"),
+        ("level", "offset", "stribeck_sides", "viscous", "viscous_direction"),
     )
 
     def __init__(self, rows: Rows, friction: Array) -> None:
@@ -259,23 +259,23 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), same_shape=1, excludes=flows - {"power"},
+            steps=(1.25, load_ratio), same_shape=1,
+            excludes=(flows | {"viscous"}) - {"power"},
             title="power of the speed", rank=5, **part,
         ),
         Term(
-            name="saturating", columns=law(lambda u, s: u / (1.0 + u / s[0]), 1, 0.0),
+            name="saturating", columns=law(lambda u, s: s[0] * np.arctan(u / s[0]), 1, 0.0),
             shapes=[(float(v), *a) for v in saturations for a in loads],
             steps=(float(saturations[1] / saturations[0]), load_ratio), same_shape=1,
-            excludes=flows - {"saturating"}, title="viscous friction that saturates", rank=13,
+            excludes=(flows | {"viscous"}) - {"saturating"}, title="viscous friction that saturates", rank=13,
             **part,
         ),
         Term(
             name="logarithmic",
-            columns=law(
-                lambda u, _: np.log(np.maximum(u, frame.slowest / 30.0) / frame.slowest), 0, 1.0
-            ),
-            shapes=loads, steps=(load_ratio,), same_shape=0, role="law",
-            excludes=flows - {"logarithmic"}, title="logarithm of the speed", rank=14,
+            columns=law(lambda u, s: np.log1p(u / s[0]), 1, 1.0),
+            shapes=[(frame.slowest * 10.0**k, *a) for k in (-1.0, 0.0, 1.0) for a in loads],
+            steps=(10.0, load_ratio), same_shape=1, role="law", excludes=flows - {"logarithmic"},
+            title="logarithm of the speed", rank=14,
         ),
         Term(
             name="tanh", columns=law(lambda u, s: np.tanh(u / s[0]), 1, 1.0),
@@ -298,9 +298,10 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             Term(name="viscous_direction", role="law", columns=lambda r, _: r.speed,
                  needs=frozenset({"viscous"}),
                  title="viscous friction that differs by direction", rank=8),
-            Term(name="stribeck_direction", role="law", needs=frozenset({"stribeck"}),
-                 columns=lambda r, s: r.load * np.exp(-((r.speed / s[0]) ** s[1])),
-                 shapes=falls, steps=(ratio, 1.0),
+            Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2,
+                 excludes=frozenset({"stribeck"}), shapes=falls, steps=(ratio, 1.0),
+                 columns=lambda r, s: (r.load * np.exp(-((r.speed / s[0]) ** s[1])))[:, None]
+                 * np.column_stack([r.direction, np.ones(len(r.load))]),
                  title="static surplus that differs by direction", rank=9),
         ]  # fmt: skip
         if not loaded:  # under one load they are the same column
