@@ -158,8 +158,10 @@ def _priors(problem: Problem, structures: Sequence[Structure]) -> Array:
             for entry, step in enumerate(problem.terms[name].steps):
                 if step == 1.0:
                     continue
-                values = np.log([structures[i][k][1][entry] for i in rows])
-                priors[rows] *= _spacing(values, math.log(step))
+                having = [i for i in rows if len(structures[i][k][1]) > entry]
+                if having:  # shapes without an entry have its usual value
+                    values = np.log([structures[i][k][1][entry] for i in having])
+                    priors[having] *= _spacing(values, math.log(step)) / math.log(step)
         priors[rows] /= priors[rows].sum()
     return priors
 
@@ -168,7 +170,7 @@ def _spacing(values: Array, step: float) -> Array:
     """Return for each value half the distance between those that are next to it."""
     known, at = np.unique(np.round(values, 12), return_inverse=True)
     if len(known) < 2:
-        return np.ones(len(values))
+        return np.full(len(values), step)
     gap = np.diff(known)
     side = np.full(1, min(step, float(gap.max())))
     ends = np.concatenate([side, gap, side])

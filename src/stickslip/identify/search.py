@@ -97,8 +97,8 @@ class Search:
         for _ in range(THRESHOLDS.depth):
             tried = [
                 one
-                for structure in front
-                for one in self._neighbours(structure)
+                for k, structure in enumerate(front)
+                for one in self._neighbours(structure, replacing=k == 0)
                 if problem.parameters(one) <= most and problem.allowed(one)
             ]
             self.regression.losses(tried)
@@ -129,13 +129,15 @@ class Search:
                 tried += [one for one in whole if self.problem.allowed(one)]
         self.regression.losses(tried)
 
-    def _neighbours(self, structure: Structure) -> Iterator[Structure]:
+    def _neighbours(self, structure: Structure, *, replacing: bool) -> Iterator[Structure]:
+        """Yield structures with a term more, less, in another shape, or in place of another."""
+        less = [tuple(other for other in structure if other != one) for one in structure]
+        yield from less
         for name, term in self.problem.terms.items():
-            others = [column for column in structure if column[0] != name]
-            for shape in term.shapes:
-                yield tuple(sorted([*others, (name, shape)]))
-        for column in structure:
-            yield tuple(other for other in structure if other != column)
+            for begun in [structure, *(less if replacing else ())]:
+                others = [column for column in begun if column[0] != name]
+                for shape in term.shapes:
+                    yield tuple(sorted([*others, (name, shape)]))
 
     def _refine(self) -> None:
         """Halve the grid around the best shapes of the best families."""

@@ -15,7 +15,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement, speeds_in_order
+from stickslip.identification import stretches_of
+from stickslip.identify.laws import FLOWS, Composition, compose
 from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
+from stickslip.mechanisms import Mechanism
 
 LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
 """Powers of the load that friction may follow."""
@@ -29,6 +34,10 @@ BEYOND = (math.log(10.0), math.log(10.0))
 """How far below and above the measured speeds the curve has knots, in logarithms."""
 ALIKE = 0.02
 """Difference of logarithms up to which speeds are the same."""
+FEWEST = 5
+"""Readings that a table must have."""
+DRIFTS = (0.0, 0.2, 0.6)
+"""Shares of the time of measuring in which friction settles; 0 for a straight line."""
 FEW_KNOTS = 19
 """Knots within the measured range at most."""
 
@@ -43,7 +52,7 @@ class Rows:
     load: Array
     """Loads (n,) [N]."""
     inputs: Mapping[str, Array]
-    """Temperatures and other inputs of the contact (n,), less their mean in the table."""
+    """Temperatures and other inputs of the contact (n,)."""
     run: NDArray[np.intp]
     """Number of the run (n,); -1: any."""
     order: Array
@@ -55,6 +64,30 @@ class Rows:
     def speed(self) -> Array:
         """Sizes of the velocities (n,) [m/s]."""
         return np.abs(self.velocity)
+
+    def where(self, kept: Mask) -> "Rows":
+        """Return some of the rows."""
+        return Rows(
+            velocity=self.velocity[kept],
+            load=self.load[kept],
+            inputs={name: x[kept] for name, x in self.inputs.items()},
+            run=self.run[kept],
+            order=self.order[kept],
+            direction=self.direction[kept],
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence["Rows"]) -> "Rows":
+        """Return the rows of several tables; only inputs that all have are kept."""
+        names = set.intersection(*(set(one.inputs) for one in parts))
+        return cls(
+            velocity=np.concatenate([one.velocity for one in parts]),
+            load=np.concatenate([one.load for one in parts]),
+            inputs={name: np.concatenate([one.inputs[name] for one in parts]) for name in names},
+            run=np.concatenate([one.run for one in parts]),
+            order=np.concatenate([one.order for one in parts]),
+            direction=np.concatenate([one.direction for one in parts]),
+        )
 
 
 @final
@@ -74,6 +107,8 @@ class Frame:
     """Eigenvectors of its bending (k, k)."""
     bending: Array
     """Their eigenvalues (k,)."""
+    means: Mapping[str, float]
+    """Means of the inputs."""
 
 
 @final
@@ -112,6 +147,7 @@ class TableProblem(Problem):
             knots=knots,
             basis=basis,
             bending=bending,
+            means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
         )
         self.loaded = bool(np.ptp(rows.load) > 1e-9 * rows.load.max())
         self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
@@ -151,13 +187,94 @@ class TableProblem(Problem):
         return Rows(
             velocity=v,
             load=ones * (self.frame.load if load is None else load),
-            inputs={
-                name: ones * (given[name] if name in given else 0.0) for name in self.rows.inputs
-            },
+            inputs={name: ones * given.get(name, mean) for name, mean in self.frame.means.items()},
             run=np.full(len(v), -1),
             order=np.zeros(len(v)),
             direction=np.where(v < 0.0, -1.0, 1.0),
         )
+
+    def composition(self, structure: Structure, coefficients: Array) -> Composition:
+        """Return the law that a structure with coefficients (d, p) is.
+
+        Where friction follows another power of the load, it is the law at the mean load.
+        """
+        load, at = self.frame.load, 0
+        terms: dict[str, tuple[Shape, Array]] = {}
+        rig: dict[str, Array] = {}
+        for name, shape in structure:
+            size = self.size(name, shape)
+            own, at = coefficients[:, at : at + size], at + size
+            entries = self.terms[name].same_shape
+            if entries is not None and len(shape) > entries and self.loaded:
+                rig["load_exponent"] = np.full(len(own), shape[entries])
+            if name in ("offset", "drift"):
+                rig[name] = own[:, 0]
+            elif name == "curve":
+                return Composition(text="", values={}, rig=rig)
+            elif name != "run":
+                terms[name] = shape[:entries], own * (load if name in FLOWS else 1.0)
+        found = compose(terms, self.frame.means)
+        return replace(found, rig=rig)
+
+    def size(self, name: str, shape: Shape) -> int:
+        """Return the number of coefficients of a term."""
+        if name == "curve":
+            return len(self.frame.knots) * (1 + int(shape[2]))
+        return int(self.rows.run.max()) + 1 if name == "run" else self.terms[name].cost
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, measurement: Measurement) -> "TableProblem":
+        """Return the problem of a measured table; readings at rest are left out.
+
+        Examples
+        --------
+        >>> from stickslip import Axis
+        >>> v = np.linspace(0.1, 1.0, 10)
+        >>> table = Measurement(velocity=v, friction=2.0 + v)
+        >>> len(TableProblem.of(Axis(inertia=1.0), table).response)
+        10
+        """
+        segments = stretches_of(mechanism, measurement)
+        parts, frictions = [], []
+        for segment in segments:
+            path, count = segment.path, len(segment.friction)
+            v = path.velocity
+            run = _sweeps(v) if len(segments) == 1 else np.full(count, segment.record)
+            parts.append(
+                Rows(
+                    velocity=v,
+                    load=path.load,
+                    inputs=path.inputs,
+                    run=run,
+                    order=np.linspace(-1.0, 1.0, count),
+                    direction=np.sign(v),
+                ).where(v != 0.0)
+            )
+            frictions.append(segment.friction[v != 0.0])
+        rows = Rows.joined(parts)
+        if len(rows.velocity) < FEWEST:
+            raise InputError(
+                f"a table of friction needs at least {FEWEST} readings that slide, and this has"
+                f" {len(rows.velocity)}: measure friction at more speeds."
+            )
+        return cls(rows, np.concatenate(frictions))
+
+
+def _sweeps(velocity: Array) -> NDArray[np.intp]:
+    """Return the number of the sweep of each row (n,), if each meets all speeds once.
+
+    Examples
+    --------
+    >>> _sweeps(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])).tolist()
+    [0, 0, 0, 1, 1, 1]
+    >>> _sweeps(np.array([0.1, 0.1, 0.2, 0.2, 0.3, 0.3])).tolist()
+    [0, 0, 0, 0, 0, 0]
+    """
+    known, count = np.unique(velocity), len(velocity)
+    sweeps = np.arange(count) // len(known)
+    parts = [velocity[sweeps == k] for k in range(int(sweeps[-1]) + 1)]
+    alike = all(np.array_equal(np.sort(one), known) for one in parts)
+    return sweeps if alike and len(parts) > 1 and len(known) > 2 else np.zeros(count, dtype=int)
 
 
 def _blocks(speeds: Array, loads: Array) -> list[Mask]:
@@ -295,8 +412,8 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
                  title="constant offset", rank=3),
             Term(name="level_direction", role="law", needs=frozenset({"level"}),
                  columns=lambda r, _: r.load, title="level that differs by direction", rank=7),
-            Term(name="viscous_direction", role="law", columns=lambda r, _: r.speed,
-                 needs=frozenset({"viscous"}),
+            Term(name="viscous_direction", role="law", needs=frozenset({"viscous"}),
+                 columns=lambda r, _: frame.load * r.speed,
                  title="viscous friction that differs by direction", rank=8),
             Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2,
                  excludes=frozenset({"stribeck"}), shapes=falls, steps=(ratio, 1.0),
@@ -309,10 +426,11 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     for name, values in rows.inputs.items():
         if np.ptp(values) > 0.0:
             terms += _of_input(name, frame)
-    if (rows.velocity == 0.0).any():
+    if not speeds_in_order(rows.velocity):
         terms.append(
-            Term(name="step", role="law", columns=lambda r, _: weight(r, 1.0) * (r.velocity == 0.0),
-                 needs=frozenset({"level"}), title="static level", rank=10)
+            Term(name="drift", role="fault", shapes=[(one,) for one in DRIFTS], rank=10,
+                 columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0]),
+                 title="drift in the order of measuring")
         )  # fmt: skip
     if rows.run.max() > 0:
         count = int(rows.run.max()) + 1
@@ -329,12 +447,20 @@ def _of_input(name: str, frame: Frame) -> list[Term]:
     """Return terms of the vocabulary that change with an input of the contact."""
     return [
         Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11,
-             columns=lambda r, _: r.direction * r.load * r.inputs[name],
+             columns=lambda r, _: r.direction * r.load * (r.inputs[name] - frame.means[name]),
              title=f"level that changes with the {name}"),
         Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12,
-             columns=lambda r, _: r.velocity * r.inputs[name],
+             columns=lambda r, _: frame.load * r.velocity * (r.inputs[name] - frame.means[name]),
              title=f"viscous friction that changes with the {name}"),
     ]  # fmt: skip
+
+
+def _course(order: Array, settling: float) -> Array:
+    """Return a drift over the order from -1 to 1: a line, or what settles; 0 at its mean."""
+    if settling == 0.0:
+        return order
+    decay = np.exp(-0.5 * (order + 1.0) / settling)
+    return np.asarray(decay - settling * (1.0 - math.exp(-1.0 / settling)))
 
 
 def _hats(logs: Array, knots: Array) -> Array:
