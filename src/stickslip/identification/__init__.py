@@ -106,6 +106,7 @@ INSIDE = {
     "laws_of": "validation",
     "ljung_box": "residuals.trends",
     "load_along": "force_map.data",
+    "reads_as_forces": "estimation.parameters",
     "stretches_of": "force_map.data",
     "load_of": "series.start_values",
     "loads_motor": "terms.dense_series",

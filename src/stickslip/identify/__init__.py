@@ -1,0 +1,21 @@
+"""The judge: which friction law, and what friction is whichever law holds."""
+
+from stickslip.lazy import attach
+
+HOMES = {
+    "Band": "ensemble",
+    "BandVerdict": "verdict",
+    "Interval": "judge",
+    "LawCandidate": "verdict",
+    "LawFit": "verdict",
+}
+
+INSIDE = {
+    "select_table": "kinds.tables",
+    "verdict_sections": "page",
+}
+"""Names that other subpackages use, and that are not part of the public interface."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES, inside=INSIDE)

@@ -68,14 +68,14 @@ class Ensemble:
         shares, structures = self.comparison.shares, self.comparison.structures
         return [
             Draw(structure=structures[i], coefficients=self.sampled(structures[i], n, rng))
-            for i, n in enumerate(_allotted(shares, count))
+            for i, n in enumerate(allotted(shares, count))
             if n
         ]
 
     def sampled(self, structure: Structure, count: int, rng: np.random.Generator) -> Array:
         """Return coefficients (count, p) of draws of one structure, alike many of each twin."""
         fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
-        parts = _allotted(np.ones(len(fits)), count)
+        parts = allotted(np.ones(len(fits)), count)
         return np.vstack(
             [
                 fit.coefficients + student(fit.covariance, fit.freedom, n, rng)
@@ -86,6 +86,12 @@ class Ensemble:
     @cached_property
     def _twins(self) -> "list[_Twin]":
         return [_Twin(one) for one in self.problem.twins]
+
+    def predicted(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
+        """Return what a structure with coefficients (p,) predicts at rows (n,)."""
+        columns = Columns(self.problem, rows)
+        x = columns.matrix(structure, self._length(columns))
+        return np.asarray(x @ coefficients)
 
     def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
         """Return what drawn laws predict at rows (count, n).
@@ -118,7 +124,7 @@ class Ensemble:
         found = []
         having = {one: p for one, p in structures.items() if any(n == term for n, _ in one)}
         weights = np.array([*having.values()])
-        for one, n in zip(having, _allotted(weights / weights.sum(), count), strict=True):
+        for one, n in zip(having, allotted(weights / weights.sum(), count), strict=True):
             if n:
                 at = self.regression.index(one[: [name for name, _ in one].index(term)])
                 found.append(self.sampled(one, n, rng)[:, len(at)])
@@ -148,7 +154,7 @@ class _Twin:
         return self._fits[structure]
 
 
-def _allotted(shares: Array, count: int) -> list[int]:
+def allotted(shares: Array, count: int) -> list[int]:
     """Return how many of `count` draws each share gets: systematic sampling, without chance."""
     ends = np.floor(np.cumsum(shares) / shares.sum() * count + 0.5 - 1e-9)
     return np.diff(ends, prepend=0.0).astype(int).tolist()

@@ -14,12 +14,14 @@ asked, such as another speed, another load, another stretch of time.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from stickslip.identify.laws import Composition
 
 Array: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -48,6 +50,8 @@ class Term:
     """Shapes that are tried first."""
     steps: Sequence[float] = ()
     """Ratios between neighbouring shapes, by entry; 1 for entries that are not refined."""
+    limits: Sequence[tuple[float, float]] = ()
+    """Ranges of the entries of the shape in which they are refined; all if not given."""
     precision: Callable[[Shape], Array | float] = lambda _: 0.0
     """Inverse variance of the coefficients of a random effect, in units of the noise; 0: fixed."""
     nonnegative: bool = False
@@ -99,6 +103,8 @@ class Problem(ABC):
     """Structures of the measured curve, which is no law."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
+    only: Sequence[Family] = ()
+    """Families whose laws are compared beside properties of the rig; empty for all."""
     independent: bool
     """Whether the errors of rows are independent; else those of stretches are."""
     stretches: NDArray[np.intp]
@@ -112,6 +118,27 @@ class Problem(ABC):
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return what the scatter may grow with, (n,) each and above 0."""
 
+    @abstractmethod
+    def speeds(self, rows: Any) -> Array:
+        """Return the speeds of rows (n,), above 0: readings at alike ones scatter alike."""
+
+    @abstractmethod
+    def at(
+        self,
+        velocity: Any,
+        load: Any = None,
+        inputs: Mapping[str, Any] | None = None,
+    ) -> Any:
+        """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
+
+    @abstractmethod
+    def curve_rows(self) -> tuple[Array, Any, float]:
+        """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
+
+    @abstractmethod
+    def composition(self, structure: Structure, coefficients: Array) -> Composition:
+        """Return the law that a structure with coefficients (d, p) is."""
+
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
@@ -124,6 +151,8 @@ class Problem(ABC):
     def allowed(self, structure: Structure) -> bool:
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()
+        if self.only and not self._is_asked(names):
+            return False
         for name, shape in structure:
             term = self.terms[name]
             if term.excludes & names or (term.needs and not term.needs & names):
@@ -131,6 +160,12 @@ class Problem(ABC):
             if term.same_shape is not None and len(shape) > term.same_shape:
                 shared.add(shape[term.same_shape])
         return len(shared) < 2
+
+    def _is_asked(self, names: Set[str]) -> bool:
+        """Return whether the parts of laws among names are those of a law that is compared."""
+        laws = {name for name in names if self.terms[name].role == "law"}
+        asked = [{name for name in one if self.terms[name].role == "law"} for one in self.only]
+        return laws in asked or any(self.terms[name].role == "curve" for name in names)
 
     def parameters(self, structure: Structure) -> int:
         """Return the number of parameters of a structure."""

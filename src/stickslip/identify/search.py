@@ -91,9 +91,9 @@ class Search:
 
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
-        problem, front = self.problem, [()]  # type: tuple[Problem, list[Structure]]
+        problem = self.problem
         most = max(2, 2 * len(problem.blocks) // 3)
-        self.regression.losses(front)
+        front = self._begin()
         for _ in range(THRESHOLDS.depth):
             tried = [
                 one
@@ -115,17 +115,32 @@ class Search:
         self.regression.losses([*curves, *problem.references])
         return min(self.structures, key=self._order)
 
+    def _begin(self) -> list[Structure]:
+        """Return the structures from which the search begins: none, or the laws asked for."""
+        front: list[Structure] = [()]
+        if self.problem.only:
+            self._compare(self.problem.only, ())
+            front = sorted((one for one in self.structures if self.problem.allowed(one)),
+                           key=self._order)[: THRESHOLDS.beam]  # fmt: skip
+        self.regression.losses(front)
+        return front
+
     def _add_usual(self, best: Structure) -> None:
         """Compare the usual laws, alone and beside what the best law has of the rig."""
         terms = self.problem.terms
         beside = [column for column in best if terms[column[0]].role != "law"]
-        tried: list[Structure] = []
-        for family in self.problem.usual:
+        self._compare(self.problem.only or self.problem.usual, beside)
+
+    def _compare(self, families: Sequence[Family], beside: Sequence[Column]) -> None:
+        """Compare families in all shapes, alone and beside other columns."""
+        terms, tried = self.problem.terms, list[Structure]()
+        for family in families:
             if not set(family) <= terms.keys():
                 continue
             grids = [[(name, shape) for shape in terms[name].shapes] for name in family]
             for structure in itertools.product(*grids):
-                whole = [tuple(sorted(structure)), tuple(sorted([*structure, *beside]))]
+                together = {name: (name, shape) for name, shape in (*beside, *structure)}
+                whole = [tuple(sorted(structure)), tuple(sorted(together.values()))]
                 tried += [one for one in whole if self.problem.allowed(one)]
         self.regression.losses(tried)
 
@@ -162,9 +177,16 @@ class Search:
         moved: list[Sequence[Column]] = []
         for name, shape in structure:
             steps = self.problem.terms[name].steps[: len(shape)]
+            limits = self.problem.terms[name].limits or [(0.0, math.inf)] * len(steps)
             entries = [
-                (value,) if step == 1.0 else (value / step**share, value, value * step**share)
-                for value, step in zip(shape, steps, strict=False)
+                (value,)
+                if step == 1.0
+                else [
+                    other
+                    for other in (value / step**share, value, value * step**share)
+                    if low <= other <= high
+                ]
+                for value, step, (low, high) in zip(shape, steps, limits, strict=False)
             ]
             rest = shape[len(entries) :]
             moved.append([(name, (*entry, *rest)) for entry in itertools.product(*entries)])

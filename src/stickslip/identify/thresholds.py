@@ -17,10 +17,12 @@ class Thresholds:
     """Rounds of the search, and so terms of a structure, at most."""
     families: int = 6
     """Families whose shapes are refined between the points of the grid."""
-    refinements: int = 3
+    refinements: int = 5
     """Halvings of the grid around the best shape of a family."""
     outlier: float = 3.0
     """Standard deviations beyond which a row loses weight."""
+    outlying: float = 6.0
+    """Standard deviations from which a row is said to be far from the others."""
     weighings: int = 3
     """Fits by weights that follow from the residuals of the fit before."""
     scale_trend: float = 2.5
@@ -43,6 +45,10 @@ class Thresholds:
     """Difference of evidence up to which families are not told apart (odds of 7; study: names)."""
     material: float = 0.2
     """Share of the best held-out error within which laws of a record are not told apart."""
+    no_law: float = 0.9
+    """Share of the measured curve, before its least share, from which no law explains."""
+    second: float = 0.85
+    """Share of readings of a second measurement in the 95 % band below which it differs."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 

@@ -10,22 +10,32 @@ the band between the readings and beyond them.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, speeds_in_order
+from stickslip.formatting import quantity
 from stickslip.identification import stretches_of
-from stickslip.identify.laws import FLOWS, Composition, compose
+from stickslip.identify.advice import propose
+from stickslip.identify.ensemble import band_of
+from stickslip.identify.judge import Judgement
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
+from stickslip.identify.requests import families_of
+from stickslip.identify.verdict import BandVerdict, verdict_on
+from stickslip.identify.wording import ORDERED
 from stickslip.mechanisms import Mechanism
+from stickslip.selection import checked
 
 LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
 """Powers of the load that friction may follow."""
 SPEED_EXPONENTS = (0.2, 0.33, 0.5, 0.67, 0.8, 1.25, 1.5)
 """Powers of the speed; 1 is viscous and 2 is drag."""
+EXPONENTS = (0.2, 1.5)
+"""Range of the power of the speed, which is that of `stickslip.friction`."""
 BENDING = (0.01, 0.03, 0.1, 0.3, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
 RUN_SPREADS = (3.0, 10.0, 30.0)
@@ -34,6 +44,10 @@ BEYOND = (math.log(10.0), math.log(10.0))
 """How far below and above the measured speeds the curve has knots, in logarithms."""
 ALIKE = 0.02
 """Difference of logarithms up to which speeds are the same."""
+ASKED = 40
+"""Speeds of each direction at which the band is stated."""
+FEW_SPEEDS = 3
+"""Speeds of a direction from which it may differ from the other."""
 FEWEST = 5
 """Readings that a table must have."""
 DRIFTS = (0.0, 0.2, 0.6)
@@ -167,6 +181,10 @@ class TableProblem(Problem):
             np.maximum(self.rows.speed, frame.slowest / 3.0),
         ]
 
+    def speeds(self, rows: Rows) -> Array:
+        """Return the speeds of rows (n,)."""
+        return np.maximum(rows.speed, 1e-3 * self.frame.slowest)
+
     def variants(self, rows: Rows) -> Sequence[Rows]:
         """Return rows as they were in each run that was measured, where none is asked for."""
         runs = int(self.rows.run.max()) + 1
@@ -192,6 +210,32 @@ class TableProblem(Problem):
             order=np.zeros(len(v)),
             direction=np.where(v < 0.0, -1.0, 1.0),
         )
+
+    def asked(self) -> Rows:
+        """Return the rows over which the band is stated: each measured direction, at mean load."""
+        v = self.rows.velocity
+        sides = [v[v < 0.0], v[v > 0.0]]
+        grids = [
+            np.sign(one[0]) * np.geomspace(np.abs(one).min(), np.abs(one).max(), ASKED)
+            for one in sides
+            if len(np.unique(one)) >= FEW_SPEEDS
+        ]
+        return self.at(np.sort(np.concatenate(grids)))
+
+    def offered(self) -> Rows:
+        """Return the readings that may be proposed: at the asked speeds."""
+        return self.asked()
+
+    def like(self, rows: Rows) -> Rows:
+        """Return rows of another table as this one sees them: of any of its runs, at any time."""
+        return self.at(rows.velocity, rows.load, rows.inputs)
+
+    def curve_rows(self) -> tuple[Array, Rows, float]:
+        """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
+        frame = self.frame
+        side = 1.0 if (self.rows.velocity > 0.0).any() else -1.0
+        speeds = np.geomspace(frame.slowest, frame.fastest, POINTS)
+        return speeds, self.at(side * speeds), side * frame.load
 
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is.
@@ -301,8 +345,9 @@ def _apart(logs: Array) -> Array:
 
 
 def both_ways(rows: Rows) -> bool:
-    """Return whether there are readings in both directions."""
-    return bool((rows.velocity > 0.0).any() and (rows.velocity < 0.0).any())
+    """Return whether there are readings at several speeds in both directions."""
+    sides = (rows.velocity[rows.velocity > 0.0], rows.velocity[rows.velocity < 0.0])
+    return all(len(np.unique(one)) >= FEW_SPEEDS for one in sides)
 
 
 def _knots(logs: Array) -> Array:
@@ -376,7 +421,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), same_shape=1,
+            steps=(1.25, load_ratio), limits=(EXPONENTS, (0.0, math.inf)), same_shape=1,
             excludes=(flows | {"viscous"}) - {"power"},
             title="power of the speed", rank=5, **part,
         ),
@@ -482,3 +527,89 @@ def structure_text(structure: Structure) -> str:
         for name, shape in structure
     ]
     return " + ".join(parts) or "nothing"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TableWords:
+    """How sentences call what a table has."""
+
+    force_unit: str
+    speed_unit: str
+    measured: str = "readings"
+    held_out: str = "speeds"
+
+
+def select_table(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    laws: Any = None,
+    validate: Measurement | None = None,
+    route: str = "force-map",
+) -> BandVerdict:
+    """Judge a table of friction: which law, and what friction is whichever law holds.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; its load holds where none was measured.
+    measurement : Measurement
+        Velocity and friction of each reading, perhaps with loads and inputs; trials are runs.
+    laws : mapping or sequence of laws, types or names, optional
+        The laws to compare; all sums of the vocabulary if not given.
+    validate : Measurement, optional
+        A second table: how many of its readings lie in the band of readings.
+    route : str
+        Name of the route in documents.
+
+    Returns
+    -------
+    BandVerdict
+        The verdict.
+
+    Raises
+    ------
+    InputError
+        If the table cannot decide, or a law is not of the vocabulary of tables.
+    """
+    checks = checked(mechanism, measurement, validate)
+    problem = TableProblem.of(mechanism, measurement)
+    if laws is not None:
+        problem.only = families_of(laws, problem.terms)
+    judgement = Judgement.of(problem)
+    words = TableWords(
+        force_unit=measurement.unit("friction"), speed_unit=measurement.unit("velocity")
+    )
+    asked = problem.asked()
+    curves = judgement.ensemble.curves(asked)
+    band = band_of(curves)
+    offered = problem.offered()
+    proposal = propose(curves, judgement.ensemble.curves(offered), judgement.noise(offered))
+    places = tuple(float(offered.velocity[k]) for k in proposal.places)
+    inside = math.nan
+    if validate is not None:
+        other = TableProblem.of(mechanism, validate)
+        low, high = np.quantile(
+            judgement.readings(problem.like(other.rows)), (0.025, 0.975), axis=0
+        )
+        inside = float(np.mean((other.response >= low) & (other.response <= high)))
+    ordered = speeds_in_order(problem.rows.velocity)
+    return verdict_on(
+        judgement,
+        mechanism,
+        measurement,
+        words,
+        checks=checks,
+        speeds=asked.velocity,
+        band=band,
+        proposal=proposal,
+        places=places,
+        place_text=[quantity(v, words.speed_unit, 2) for v in places],
+        largest_speed=problem.frame.fastest,
+        route=route,
+        second=validate,
+        inside=inside,
+        readings=0 if validate is None else len(other.response),
+        remarks=(ORDERED,) if ordered else (),
+    )

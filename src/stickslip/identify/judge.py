@@ -1,0 +1,201 @@
+"""The judge: search, comparison and ensemble of one problem, and what they say of parameters.
+
+1. `Search` meets structures by their held-out losses, with weights that follow from residuals.
+2. `compare` gives each a share, names a family, and says which are not told apart from it.
+3. `Ensemble` draws laws by their shares with their covariances: bands, samples, intervals.
+
+Every statement of a verdict is read from these; there are no further rules.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from stickslip.identify.comparison import Comparison, compare, family_members
+from stickslip.identify.ensemble import Draw, Ensemble, allotted
+from stickslip.identify.laws import Composition
+from stickslip.identify.problem import Array, Problem, Structure, family_of
+from stickslip.identify.regression import BlockRegression, noise_weights
+from stickslip.identify.search import Search
+from stickslip.identify.thresholds import THRESHOLDS
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Interval:
+    """What a measurement says of a parameter."""
+
+    path: str
+    """Full path, such as ``"friction.kinetic_coefficient"``; of nuisances their name."""
+    value: float
+    """Estimate under the named law."""
+    low: float
+    high: float
+    """95 % interval under the named law."""
+    low_any: float
+    high_any: float
+    """95 % interval over whichever law of the set has the parameter."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """A property of the rig, or a fault of the measurement, that the named structure holds."""
+
+    term: str
+    """Name of the term."""
+    title: str
+    """What it is, in words."""
+    share: float
+    """Share of the squared held-out error that it takes off."""
+    left: float
+    """Share of the variance of the response that the named structure leaves."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A judged problem."""
+
+    problem: Problem
+    regression: BlockRegression
+    comparison: Comparison
+    ensemble: Ensemble
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Judgement":
+        """Judge a problem."""
+        search = Search(problem).run()
+        comparison = compare(search)
+        ensemble = Ensemble(search.regression, comparison)
+        return cls(problem, search.regression, comparison, ensemble)
+
+    @property
+    def named(self) -> Structure:
+        """The best structure of the named family."""
+        return self.comparison.named
+
+    @cached_property
+    def composition(self) -> Composition:
+        """The named law with its estimates."""
+        fit = self.ensemble.fit(self.named)
+        return self.problem.composition(self.named, fit.coefficients[None])
+
+    def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
+        """Return draws of the named family: shapes by their shares, coefficients by covariance."""
+        rng = np.random.default_rng(self.ensemble.seed + 1)
+        members = family_members(self.comparison, family_of(self.named))
+        parts = allotted(np.array([*members.values()]), count)
+        return [
+            Draw(structure=one, coefficients=self.ensemble.sampled(one, n, rng))
+            for one, n in zip(members, parts, strict=True)
+            if n
+        ]
+
+    def values(self, draws: list[Draw]) -> dict[str, Array]:
+        """Return parameters of draws by path (d,); of those only that have them."""
+        found: dict[str, list[Array]] = {}
+        for draw in draws:
+            composed = self.problem.composition(draw.structure, draw.coefficients)
+            for path, x in composed.paths().items():
+                found.setdefault(path, []).append(x)
+        return {path: np.concatenate(parts) for path, parts in found.items()}
+
+    @cached_property
+    def named_values(self) -> dict[str, Array]:
+        """Draws of the parameters of the named family (d,) by path."""
+        return self.values(self.named_draws())
+
+    @cached_property
+    def intervals(self) -> tuple[Interval, ...]:
+        """Intervals of the parameters of the named law."""
+        own, every = self.named_values, self.values(self.ensemble.draws())
+        tail = 0.5 * (1.0 - THRESHOLDS.level)
+        found = []
+        for path, x in self.composition.paths().items():
+            low, high = np.quantile(own[path], (tail, 1.0 - tail)).tolist()
+            others = every.get(path, own[path])
+            # as many draws of the named family as of all that have the parameter
+            both = np.concatenate([own[path], np.resize(others, len(own[path]))])
+            low_any, high_any = np.quantile(both, (tail, 1.0 - tail)).tolist()
+            found.append(
+                Interval(
+                    path=path,
+                    value=float(x[0]),
+                    low=low,
+                    high=high,
+                    low_any=min(low, low_any),
+                    high_any=max(high, high_any),
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def correlation(self) -> Array:
+        """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
+        table = np.array([self.named_values[one.path] for one in self.intervals])
+        spread = np.std(table, axis=1)
+        safe = np.where(spread > 0.0, spread, 1.0)
+        centred = (table - table.mean(axis=1, keepdims=True)) / safe[:, None]
+        return np.asarray(centred @ centred.T / table.shape[1])
+
+    def held_out_error(self, structure: Structure) -> float:
+        """Return the root mean square of the held-out residuals of a structure."""
+        left = self.regression.held_out(structure)
+        return float(np.sqrt(np.mean(left**2)))
+
+    @cached_property
+    def causes(self) -> tuple[Cause, ...]:
+        """What the named structure holds beside a law, the largest first."""
+        terms, named = self.problem.terms, self.named
+        losses = self.regression.losses_of
+        total = float(np.var(self.problem.response)) or 1.0
+        left = self.held_out_error(named) ** 2 / total
+        found = []
+        for column in named:
+            if terms[column[0]].role not in ("rig", "fault", "run"):
+                continue
+            without = tuple(other for other in named if other != column)
+            if not self.problem.allowed(without):
+                continue
+            self.regression.losses([without])
+            before, after = (float(np.mean(losses[one])) for one in (without, named))
+            share = 1.0 - after / before if math.isfinite(before) and before > 0.0 else 1.0
+            found.append(
+                Cause(term=column[0], title=terms[column[0]].title, share=share, left=left)
+            )
+        return tuple(sorted(found, key=lambda one: -one.share))
+
+    @cached_property
+    def outliers(self) -> Mapping[int, float]:
+        """Rows that are far from the others, with how many standard deviations."""
+        _, z = noise_weights(self.regression, self.named)
+        far = np.flatnonzero(z > THRESHOLDS.outlying)
+        return {int(row): float(z[row]) for row in far}
+
+    @cached_property
+    def freedom(self) -> float:
+        """Degrees of freedom of the noise."""
+        count = len(self.problem.response)
+        return float(max(count - self.problem.parameters(self.comparison.structures[0]), 2))
+
+    def noise(self, rows: Any) -> Array:
+        """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
+        own = 1.0 / self.regression.weights
+        own = np.minimum(own, 3.0 * float(np.median(own)))
+        nearest = np.argmin(
+            np.abs(np.log(self.problem.speeds(rows))[:, None]
+                   - np.log(self.problem.speeds(self.problem.rows))[None]), axis=1
+        )  # fmt: skip
+        return np.asarray(own[nearest])
+
+    def readings(self, rows: Any) -> Array:
+        """Return draws of new readings at rows (d, n): curves and noise."""
+        curves = self.ensemble.curves(rows)
+        rng = np.random.default_rng(self.ensemble.seed + 3)
+        scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
+        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) / scale)

@@ -1,0 +1,156 @@
+"""The page of a verdict: law, band and figure on the first screen; then what they rest on."""
+
+from functools import partial
+from typing import Final
+
+from stickslip.formatting import interval, number, percent, with_unit
+from stickslip.identify.figures import draw_band_verdict
+from stickslip.identify.verdict import BandVerdict
+from stickslip.plots import MAP_SIZES, inline_svg
+from stickslip.report import (
+    Column,
+    Fact,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Name,
+    Number,
+    Origin,
+    Paragraph,
+    Row,
+    Section,
+    SectionMaker,
+    Table,
+    opening,
+    record_and_checks,
+    reproduce,
+)
+
+LINES: Final = 3
+"""Sentences of a column of the opening at most."""
+
+
+def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of the page of a verdict."""
+    return (
+        partial(opening_section, verdict, origin, remark),
+        partial(figure_section, verdict),
+        partial(laws_section, verdict),
+        partial(parameters_section, verdict),
+        partial(remarks_section, verdict),
+        partial(record_and_checks, verdict.checks),
+        partial(reproduce, origin, laws=[one.fit.law for one in verdict.candidates[:1] if one.fit]),
+    )
+
+
+def opening_section(verdict: BandVerdict, origin: Origin, remark: str) -> Section:
+    """Return the section that a reader may stop after."""
+    return opening(verdict.words, origin.data, remark, facts=facts(verdict), record="measurement")
+
+
+def facts(verdict: BandVerdict) -> list[Fact]:
+    """Return the parameters of the named law with their intervals, three at most."""
+    fit = verdict.closest.fit
+    assert fit is not None
+    found = []
+    for own, every in zip(fit.estimates, verdict.intervals, strict=True):
+        value = with_unit(number(own.value), own.quantity.unit)
+        aside = f"{interval(every.low, every.high)} whichever law holds"
+        found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
+    return found[:LINES]
+
+
+def figure_section(verdict: BandVerdict) -> Section:
+    """Return the figure of the readings, the band and the law."""
+    svg = inline_svg(
+        draw_band_verdict(verdict),
+        alt="Friction against velocity: readings, the 95 % band and the named law",
+        prefix="band-figure",
+        **MAP_SIZES,
+    )
+    text = (
+        "**Friction.** Points: readings, hollow where they lie far from the others. Line:"
+        f" {verdict.closest.title}. Band: where friction lies with 95 % at each velocity, whichever"
+        " law of the set, or the measured curve, holds."
+    )
+    if verdict.places:
+        text += " Dotted: where further readings narrow the band most."
+    block = Figure(svg=svg, caption=text)
+    return Section(id="band", nav="Band", heading=verdict.words.lede, blocks=(block,))
+
+
+def laws_section(verdict: BandVerdict) -> Section:
+    """Return the table of the laws."""
+    scale = verdict.scale
+    rows = tuple(
+        Row(
+            cells=(
+                Name(text=one.title, aside=one.outcome),
+                str(one.count),
+                Number(value=number(scale.factor * one.held_out), unit=scale.unit),
+                percent(one.share) if one.share >= 0.005 else "below 0.5 %",
+                number(one.evidence, 2),
+            )
+        )
+        for one in verdict.candidates
+    )
+    columns = (
+        Column(head="law"),
+        Column(head="parameters", numeric=True, phone="label"),
+        Column(head="held-out error", numeric=True, phone="label"),
+        Column(head="share of the band", numeric=True, phone="label"),
+        Column(head="evidence", numeric=True, phone="label"),
+    )
+    caption = (
+        "Evidence: mean of the log share and the log likelihood, less a price for each parameter;"
+        " laws within 2 of the named one are not told apart from it."
+    )
+    table = Table(columns=columns, rows=rows, caption=caption)
+    count = len(verdict.set)
+    heading = (
+        "One law is left" if count == 1 else f"{count} laws are not told apart by this measurement"
+    )
+    if not verdict.explained:
+        heading = "No law predicts as well as the measured curve"
+    return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
+
+
+def parameters_section(verdict: BandVerdict) -> Section | None:
+    """Return the parameters: under the named law, and whichever law has them."""
+    fit = verdict.closest.fit
+    assert fit is not None
+    if not fit.estimates:
+        return None
+    rows = []
+    for own, every in zip(fit.estimates, verdict.intervals, strict=True):
+        unit = "" if own.quantity.unit == "1" else own.quantity.unit
+        value, doubt = own.parts
+        rows.append(
+            Row(
+                cells=(
+                    Name(text=f"${own.quantity.symbol}$", aside=own.path.rpartition(".")[2]),
+                    Number(value=value, doubt=doubt, unit=unit),
+                    with_unit(interval(every.low, every.high), unit),
+                )
+            )
+        )
+    columns = (
+        Column(head="parameter"),
+        Column(head="if this law holds, 95 %", numeric=True),
+        Column(head="whichever law holds", numeric=True, phone="label"),
+    )
+    caption = "Levels are over the normal force, or forces where none is known."
+    table = Table(columns=columns, rows=tuple(rows), caption=caption)
+    heading = f"Parameters of {verdict.closest.title}"
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=(table,))
+
+
+def remarks_section(verdict: BandVerdict) -> Section:
+    """Return what is beside the law, what is open, and what to measure next."""
+    words = verdict.words
+    items = [KeyValue(key="Open", value=line) for line in words.cannot_tell]
+    items += [KeyValue(key="Measure", value=line) for line in words.measure_next]
+    blocks = (Paragraph(text=words.settles[0]), KeyValues(items=tuple(items)))
+    return Section(
+        id="next", nav="Next", heading="What is open, and what to measure", blocks=blocks
+    )

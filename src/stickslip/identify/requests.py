@@ -1,0 +1,84 @@
+"""Laws that a user asks to compare, as families of terms."""
+
+from collections.abc import Collection, Iterable, Mapping
+
+from stickslip.errors import InputError
+from stickslip.formatting import joined
+from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction.parts import PARTS
+from stickslip.identify.problem import Family
+
+IGNORED = ("peak", "step")
+"""Optional parts: without a value for them, a law lacks them."""
+BOTH_WAYS: Mapping[str, str] = {
+    "level": "level_direction",
+    "stribeck": "stribeck_sides",
+    "viscous": "viscous_direction",
+}
+"""Terms that make a part differ by direction."""
+
+
+def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[str]) -> Family:
+    """Return the terms of a law among those that a measurement can tell.
+
+    Raises
+    ------
+    InputError
+        If a part of the law is none of the terms.
+
+    Examples
+    --------
+    >>> terms = ["level", "viscous", "stribeck"]
+    >>> family_of_law("stribeck", terms)
+    ('level', 'stribeck', 'viscous')
+    >>> family_of_law("dahl", terms)
+    Traceback (most recent call last):
+    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, which does ...
+    """
+    kind = law_type(law) if isinstance(law, str) else law
+    found: set[str] = set()
+    parts = [str(one) for one in kind.composition.parts()]
+    both = any(part.startswith("both_ways") for part in parts)
+    smooth = "tanh" in parts
+    unknown = []
+    inputs = [name.partition("[")[2].rstrip("]") for name in parts if name.startswith("linear[")]
+    for part in parts:
+        if part.startswith(("both_ways", "linear[")) or part in IGNORED:
+            continue
+        name = "tanh" if smooth and part == "level" else part
+        if name not in known:
+            unknown.append(part)
+            continue
+        found.add(name)
+        other = BOTH_WAYS.get(name) if both else None
+        if other == "level_direction" and other not in known:
+            other = "offset"  # under one load they are the same
+        if other is not None and other in known:
+            found.add(other)
+            found -= {"stribeck"} if other == "stribeck_sides" else set()
+    text = str(kind.composition)
+    for name in inputs:
+        for part in ("level", "viscous"):
+            if f"{part} * linear[{name}]" in text and f"{part}*{name}" in known:
+                found.add(f"{part}*{name}")
+    if unknown:
+        memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
+        why = (
+            "does not tell its memory: give friction and position in time"
+            if memory
+            else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
+        )
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
+            f" can be {', '.join(known)} and sums of these."
+        )
+    return tuple(sorted(found))
+
+
+def families_of(
+    laws: Mapping[str, FrictionLaw] | Iterable[FrictionLaw | type[FrictionLaw] | str],
+    known: Collection[str],
+) -> tuple[Family, ...]:
+    """Return the families of laws, each once."""
+    given = laws.values() if isinstance(laws, Mapping) else laws
+    return tuple(dict.fromkeys(family_of_law(law, known) for law in given))

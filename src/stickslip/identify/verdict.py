@@ -1,0 +1,514 @@
+"""The verdict: a law, a band that holds whichever law does, and what would narrow it."""
+
+import math
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
+from stickslip.formatting import Scale
+from stickslip.friction import FrictionLaw
+from stickslip.identification import Estimate, Fit, estimates_for, reads_as_forces
+from stickslip.identify.advice import Proposal
+from stickslip.identify.ensemble import Band, band_of
+from stickslip.identify.judge import Cause, Interval, Judgement
+from stickslip.identify.laws import RIG_QUANTITIES, curve_law
+from stickslip.identify.problem import Array, Family, Structure, family_of
+from stickslip.identify.wording import (
+    Words,
+    advice_sentence,
+    band_sentence,
+    cause_sentence,
+    error_sentence,
+    law_sentence,
+    no_law,
+    outlier_sentence,
+    parameter_sentence,
+    second_sentence,
+    title_of,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters, turned
+from stickslip.selection import (
+    NOT_DISTINGUISHED,
+    UNMEASURED,
+    Candidate,
+    Verdict,
+    Wording,
+    score_scale,
+)
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
+
+WORTH = 0.9
+"""Expected width of the band, over today's, from which a proposal is worth a sentence."""
+SHOWN = 8
+"""Families in the table of a verdict at most."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LawFit(Fit[FrictionLaw]):
+    """A law of the set with its parameters and their intervals."""
+
+    judgement: Judgement
+    structure: Structure
+    largest_speed: float
+    """Largest speed that was measured [m/s] or [rad/s]."""
+    correlation: Array
+    """Correlation of the estimates (p, p)."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.correlation,
+            levels=levels_at(self.mechanism),
+            largest_speed=self.largest_speed,
+        )
+
+    @override
+    def __str__(self) -> str:
+        return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LawCandidate(Candidate[LawFit]):
+    """A family of structures, as the table of a verdict shows it."""
+
+    structure: Structure
+    """The best structure of the family."""
+    share: float
+    """Share of the ensemble."""
+    evidence: float
+    """Evidence less that of the named family."""
+    held_out: float
+    """Root mean square of the held-out residuals [N] or [N m]."""
+    count: int
+    """Number of parameters."""
+
+    @property
+    def family(self) -> Family:
+        """Names of its terms."""
+        return family_of(self.structure)
+
+    @property
+    @override
+    def parameters(self) -> int:
+        return self.count
+
+    @property
+    @override
+    def score(self) -> float | None:
+        return self.held_out
+
+    @override
+    def to_row(self) -> Mapping[str, Any]:
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.count,
+            "held_out_error": self.held_out,
+            "share": self.share,
+            "evidence": self.evidence,
+            "outcome": self.outcome,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class BandVerdict(Verdict[LawCandidate]):
+    """Which law to use, and what friction is whichever law holds."""
+
+    judgement: Judgement
+    """What the verdict is read from."""
+    speeds: Array
+    """Velocities (n,) over which the verdict states the band [m/s] or [rad/s]."""
+    friction: Band
+    """Band of the friction there [N] or [N m]."""
+    checks: Checks
+    """What is doubtful about the measurement."""
+    route_name: str
+    second: Measurement | None = None
+    """The second measurement, which no fit has seen; None without one."""
+    inside: float = float("nan")
+    """Share of the readings of the second measurement in the band of readings."""
+    shrinks: float = 1.0
+    """Expected width of the band after what is proposed, over today's."""
+    places: tuple[float, ...] = ()
+    """Velocities that are proposed [m/s] or [rad/s]."""
+    intervals: tuple[Estimate, ...] = field(default=())
+    """Parameters of the named law with their intervals whichever law of the set has them."""
+
+    @property
+    @override
+    def route(self) -> str:
+        return self.route_name
+
+    @property
+    @override
+    def score_unit(self) -> str:
+        return self.measurement.unit("friction")
+
+    @property
+    def scale(self) -> Scale:
+        """Multiple of the unit in which held-out errors are shown."""
+        return score_scale([one.held_out for one in self.candidates], self.score_unit)
+
+    def named_curve(self, velocity: Array) -> Array:
+        """Return the friction of the named law at velocities (n,), with its constant offset."""
+        judgement = self.judgement
+        fit = judgement.ensemble.fit(judgement.named)
+        rows = judgement.problem.at(velocity)
+        return judgement.ensemble.predicted(judgement.named, fit.coefficients, rows)
+
+    @property
+    @override
+    def closest(self) -> LawCandidate:
+        return self.candidates[0]
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The named law; through measured levels where it is none of `stickslip.friction`."""
+        fit = self.candidates[0].fit
+        assert fit is not None
+        return fit.law
+
+    @property
+    def family(self) -> Family:
+        """Names of the terms of the named law."""
+        return family_of(self.judgement.named)
+
+    @property
+    def set(self) -> tuple[Family, ...]:
+        """Families that are not told apart, the named one first."""
+        return tuple(family_of(one) for one in self.judgement.comparison.set)
+
+    @property
+    def parameters(self) -> tuple[Interval, ...]:
+        """Intervals of the parameters: under the named law, and whichever law of the set holds."""
+        return self.judgement.intervals
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """Properties of the rig and faults beside the law, with the share that they explain."""
+        return self.judgement.causes
+
+    @property
+    def explained(self) -> bool:
+        """Whether a law predicts as well as the measured curve."""
+        return not no_law(self.judgement)
+
+    def band(
+        self,
+        velocity: Array | Sequence[float] | float,
+        load: Array | float | None = None,
+        inputs: Mapping[str, Array | float] | None = None,
+        *,
+        level: float = 0.95,
+        all_along: bool = False,
+    ) -> Band:
+        """Return what friction is at velocities, whichever law holds.
+
+        Parameters
+        ----------
+        velocity : array_like (n,)
+            Slip velocities [m/s] or [rad/s].
+        load : array_like (n,), optional
+            Normal force [N]; the mean of the measurement if not given.
+        inputs : mapping of str to array_like (n,), optional
+            Temperature and other inputs of the contact; their means if not given.
+        level : float
+            Probability with which friction at each velocity lies in the band.
+        all_along : bool
+            Whether that is the probability that it lies in the band at all of them together.
+
+        Returns
+        -------
+        Band
+            Limits and median (n,) [N] or [N m].
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Measurement, select
+        >>> v = np.linspace(0.1, 1.0, 10)
+        >>> noise = 0.01 * np.random.default_rng(1).normal(size=10)
+        >>> table = Measurement(velocity=v, friction=2.0 + 0.5 * v + noise)
+        >>> band = select(Axis(inertia=1.0), None, table).band([0.5])
+        >>> bool(band.low[0] < 2.25 < band.high[0])
+        True
+        """
+        rows = self.judgement.problem.at(velocity, load, inputs)
+        curves = self.judgement.ensemble.curves(rows)
+        return band_of(curves, level, all_along=all_along)
+
+    def readings(
+        self,
+        velocity: Array | Sequence[float] | float,
+        load: Array | float | None = None,
+        inputs: Mapping[str, Array | float] | None = None,
+        *,
+        level: float = 0.95,
+    ) -> Band:
+        """Return the band of new readings at velocities: friction and the noise of a reading.
+
+        Parameters are those of `band`.
+        """
+        rows = self.judgement.problem.at(velocity, load, inputs)
+        low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level
+        return Band(*np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0))
+
+    def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
+        """Return laws drawn over the set with their covariances, for ensembles of runs.
+
+        Parameters
+        ----------
+        count : int
+            Number of laws.
+        seed : int
+            Seed of the draws.
+
+        Returns
+        -------
+        list of FrictionLaw
+            Laws of `stickslip.friction`, and laws through measured levels for draws of the
+            measured curve.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Measurement, select
+        >>> v = np.linspace(0.1, 1.0, 10)
+        >>> noise = 0.01 * np.random.default_rng(1).normal(size=10)
+        >>> table = Measurement(velocity=v, friction=2.0 + 0.5 * v + noise)
+        >>> len(select(Axis(inertia=1.0), None, table).sample(5))
+        5
+        """
+        judgement = self.judgement
+        ensemble = replace(judgement.ensemble, seed=seed)
+        found: list[FrictionLaw] = []
+        for draw in ensemble.draws(count):
+            composed = judgement.problem.composition(draw.structure, draw.coefficients)
+            for k, row in enumerate(draw.coefficients):
+                law = composed.law(k)
+                found.append(law or self._through(draw.structure, row))
+        return found
+
+    def _through(self, structure: Structure, coefficients: Array) -> FrictionLaw:
+        return law_through(self.judgement, structure, coefficients)
+
+    @override
+    def _details(self) -> Mapping[str, Any]:
+        return {
+            "law_sentence": self.words.verdict.replace("$", ""),
+            "band_sentence": self.words.lede.replace("$", ""),
+            "explained": self.explained,
+            "set": [list(one) for one in self.set],
+            "band": {
+                "velocity": self.speeds.tolist(),
+                "low": self.friction.low.tolist(),
+                "median": self.friction.median.tolist(),
+                "high": self.friction.high.tolist(),
+                "level": 0.95,
+            },
+            "parameters": [
+                {
+                    "parameter": one.path,
+                    "value": one.value,
+                    "low": one.low,
+                    "high": one.high,
+                    "low_any": one.low_any,
+                    "high_any": one.high_any,
+                }
+                for one in self.parameters
+            ],
+            "causes": [
+                {"term": one.term, "title": one.title, "share": one.share, "left": one.left}
+                for one in self.causes
+            ],
+            "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()},
+            "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
+            "inside_second": None if self.second is None else self.inside,
+        }
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.identify.figures import plot_band_verdict
+
+        return plot_band_verdict(self, ax)
+
+
+def verdict_on(
+    judgement: Judgement,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    words: Words,
+    *,
+    checks: Checks,
+    speeds: Array,
+    band: Band,
+    proposal: Proposal,
+    places: Sequence[float],
+    place_text: Sequence[str],
+    largest_speed: float,
+    route: str,
+    second: Measurement | None = None,
+    inside: float = math.nan,
+    readings: int = 0,
+    remarks: Sequence[str] = (),
+) -> BandVerdict:
+    """Return the verdict of a judgement, in words."""
+    comparison = judgement.comparison
+    error = {one: judgement.held_out_error(one) for one in [*comparison.evidence][:SHOWN]}
+    order = [comparison.named, *(one for one in error if one != comparison.named)]
+    most = comparison.evidence[comparison.named]
+    together = set(comparison.set)
+    candidates = tuple(
+        LawCandidate(
+            name=" + ".join(family_of(one)),
+            title=title_of(judgement, one),
+            fit=fit_of(judgement, one, mechanism, measurement, largest_speed),
+            outcome=_outcome(one, comparison.named, together),
+            structure=one,
+            share=comparison.share_of(family_of(one)),
+            evidence=comparison.evidence[one] - most,
+            held_out=error[one],
+            count=judgement.problem.parameters(one),
+        )
+        for one in order
+    )
+    first = candidates[0]
+    assert first.fit is not None
+    title = first.title
+    every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
+    own = first.fit.estimates
+    settles = [error_sentence(judgement, words)]
+    settles += [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
+    doubts = [cause_sentence(one, "", words) for one in judgement.causes]
+    if far := judgement.outliers:
+        doubts.append(outlier_sentence([*far], [*far.values()], words))
+    if second is not None:
+        doubts.append(second_sentence(inside, readings))
+    doubts += [*remarks, UNMEASURED]
+    advice = []
+    if proposal.places and proposal.shrinks < WORTH:
+        advice.append(advice_sentence(proposal, place_text))
+    return BandVerdict(
+        mechanism=mechanism,
+        measurement=measurement,
+        words=Wording(
+            verdict=law_sentence(judgement, words),
+            lede=band_sentence(speeds, band, words),
+            settles=tuple(settles),
+            cannot_tell=tuple(doubts),
+            measure_next=tuple(advice),
+            no_score="",
+        ),
+        candidates=candidates,
+        best=None if no_law(judgement) else first,
+        ranked=True,
+        judgement=judgement,
+        speeds=speeds,
+        friction=band,
+        checks=checks,
+        route_name=route,
+        second=second,
+        inside=inside,
+        shrinks=proposal.shrinks,
+        places=tuple(places),
+        intervals=every,
+    )
+
+
+def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:
+    if structure == named:
+        return "named"
+    return NOT_DISTINGUISHED if structure in together else ""
+
+
+def law_through(judgement: Judgement, structure: Structure, coefficients: Array) -> FrictionLaw:
+    """Return the law through levels that a structure predicts over the measured speeds."""
+    speeds, rows, load = judgement.problem.curve_rows()
+    force = judgement.ensemble.predicted(structure, coefficients, rows)
+    return curve_law(speeds, force, load)
+
+
+def fit_of(
+    judgement: Judgement,
+    structure: Structure,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    largest_speed: float,
+) -> LawFit:
+    """Return the best structure of a family as a fit: the named one with its intervals."""
+    fit = judgement.ensemble.fit(structure)
+    composed = judgement.problem.composition(structure, fit.coefficients[None])
+    law = composed.law() or law_through(judgement, structure, fit.coefficients)
+    estimates: tuple[Estimate, ...] = ()
+    correlation = np.zeros((0, 0))
+    remarks: list[str] = []
+    if structure == judgement.named:
+        estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
+        correlation = judgement.correlation
+    if composed.law() is None:
+        remarks.append(
+            f"The law goes through levels of {title_of(judgement, structure)}, which is no"
+            " composition of stickslip.friction."
+        )
+    return LawFit(
+        law=law,
+        mechanism=mechanism,
+        estimates=estimates,
+        remarks=tuple(remarks),
+        judgement=judgement,
+        structure=structure,
+        largest_speed=largest_speed,
+        correlation=correlation,
+    )
+
+
+def _estimate(
+    one: Interval,
+    law: FrictionLaw,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    any_law: bool,
+) -> Estimate:
+    """Return an interval as an estimate with symbol and unit, within the range of the quantity."""
+    name = one.path.rpartition(".")[2]
+    known = {path: q for path, q, _ in parameters(law, "friction")}
+    known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    own = known.get(one.path) or RIG_QUANTITIES.get(name) or Quantity(name, "1")
+    forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
+    unit = own.force_unit if forces else own.unit
+    own = replace(own, unit=turned(unit, measurement.turning))
+    low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
+    least = own.low if own.above is None else max(own.low, own.above)
+    return Estimate(
+        path=one.path,
+        quantity=own,
+        value=one.value,
+        low=max(low, least),
+        high=max(high, least),
+        interval="95 %",
+    )
+
+
+def estimates_of(
+    judgement: Judgement,
+    law: FrictionLaw,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    any_law: bool,
+) -> tuple[Estimate, ...]:
+    """Return the parameters of the named law, with intervals if it holds or whichever law does."""
+    return tuple(
+        _estimate(one, law, mechanism, measurement, any_law=any_law) for one in judgement.intervals
+    )

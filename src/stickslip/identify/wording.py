@@ -1,0 +1,190 @@
+"""Every sentence of a verdict, in one place: the law, the band, and what narrows it.
+
+There are ten kinds: which law; how well friction is known; each parameter; laws that are not told
+apart; a cause beside the law, with the share it explains; readings far from the others; what the
+order of the readings hides; what a second measurement says; what other measurements would differ
+by; what to measure next.
+"""
+
+import itertools
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from stickslip.formatting import (
+    capital,
+    interval,
+    joined,
+    number,
+    percent,
+    quantity,
+    with_unit,
+    within,
+)
+from stickslip.friction import law as law_class
+from stickslip.identification import Estimate
+from stickslip.identify.advice import Proposal
+from stickslip.identify.ensemble import Band
+from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.problem import Array, Structure, family_of
+from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.selection import friction_of, in_sentence
+
+BESIDE = ("rig", "run", "fault")
+"""Roles of terms beside a law."""
+NAMED = 3
+"""Laws that a sentence names at most."""
+
+
+class Words(Protocol):
+    """How a kind of measurement calls things."""
+
+    measured: str
+    """What was measured, such as ``"readings"``."""
+    held_out: str
+    """What is predicted from the others, such as ``"speeds"``."""
+    force_unit: str
+    speed_unit: str
+
+
+def title_of(judgement: Judgement, structure: Structure) -> str:
+    """Return what the law of a structure is called.
+
+    A structure that is no law of `stickslip.friction` is called by its terms.
+    """
+    fit = judgement.ensemble.fit(structure)
+    composed = judgement.problem.composition(structure, fit.coefficients[None])
+    if composed.text:
+        title = str(law_class(composed.text).title)
+    else:
+        terms = judgement.problem.terms
+        parts = [terms[name].title for name in family_of(structure) if terms[name].role == "law"]
+        title = capital(" + ".join(parts)) or "No friction"
+    exponent = composed.rig.get("load_exponent")
+    if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
+        title += f" with the load to the power {number(float(exponent[0]), 2)}"
+    terms = judgement.problem.terms
+    beside = [terms[name].title for name in family_of(structure) if terms[name].role in BESIDE]
+    return f"{title}, {joined(beside)}" if beside else title
+
+
+def no_law(judgement: Judgement) -> bool:
+    """Return whether the measured curve predicts better than every law."""
+    return judgement.comparison.curve_share > THRESHOLDS.no_law
+
+
+def law_sentence(judgement: Judgement, words: Words) -> str:
+    """Return which law to use."""
+    comparison = judgement.comparison
+    title = title_of(judgement, comparison.named)
+    others = list(
+        dict.fromkeys(
+            in_sentence(title_of(judgement, one))
+            for one in comparison.set
+            if title_of(judgement, one) != title
+        )
+    )
+    if no_law(judgement):
+        return (
+            f"No law explains these {words.measured}: their own curve predicts held-out"
+            f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
+            " the closest."
+        )
+    said = f"Use {friction_of(title)}"
+    if not others:
+        return f"{said}."
+    more = [*others[:NAMED], f"{len(others) - NAMED} more"] if len(others) > NAMED else others
+    return f"{said}; these {words.measured} do not tell it from {joined(more)}."
+
+
+def band_sentence(speeds: Array, band: Band, words: Words) -> str:
+    """Return how well friction is known over the speeds, whichever law holds."""
+    half = 0.5 * (band.high - band.low)
+    size = np.abs(band.median)
+    typical = float(np.median(size))
+    order = np.argsort(speeds)
+    low, high = float(speeds[order[0]]), float(speeds[order[-1]])
+    relative = half / np.maximum(size, 0.1 * typical + 1e-300)
+    worst = int(np.argmax(relative))
+    span = f"From {quantity(low, words.speed_unit)} to {quantity(high, words.speed_unit)}"
+    if not typical > 0.0 or float(np.median(relative)) > 1.0:
+        widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
+        return f"{span}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
+    said = f"{span}, friction is known to ± {percent(float(np.median(relative)))}"
+    if relative[worst] > 1.5 * float(np.median(relative)):
+        at = quantity(float(speeds[worst]), words.speed_unit, 2)
+        said += f", at {at} to ± {percent(float(relative[worst]))}"
+    return f"{said} (95 % band, whichever law holds)."
+
+
+def error_sentence(judgement: Judgement, words: Words) -> str:
+    """Return how well the named law predicts what is held out."""
+    error = judgement.held_out_error(judgement.named)
+    size = float(np.sqrt(np.mean(judgement.problem.response**2)))
+    share = f", {percent(error / size)} of the friction" if size > 0.0 else ""
+    return (
+        f"The law predicts held-out {words.held_out} to"
+        f" {quantity(error, words.force_unit, 2)}{share} (root mean square)."
+    )
+
+
+def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
+    """Return an interval under the named law, and whichever law of the set has the parameter."""
+    unit = estimate.quantity.unit
+    value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
+    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {friction_of(title)} holds"
+    if (other.low, other.high) != (estimate.low, estimate.high):
+        said += f", {interval(other.low, other.high)} whichever law does"
+    return f"{said}."
+
+
+def cause_sentence(cause: Cause, size: str, words: Words) -> str:
+    """Return a property of the rig or a fault, with the share that it explains."""
+    what = capital(cause.title) + (f": {size}" if size else "")
+    if cause.left > 0.5:
+        return f"{what}; it explains little of what is measured, most stays unexplained."
+    if cause.share <= 0.01:
+        return f"{what}; without it, held-out {words.held_out} are predicted as well."
+    share = percent(min(cause.share, 0.999))
+    return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+
+
+def outlier_sentence(rows: Sequence[int], far: Sequence[float], words: Words) -> str:
+    """Return which readings are far from the others."""
+    named = joined([str(row + 1) for row in itertools.islice(rows, NAMED)])
+    more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
+    lies, weighs = ("lies", "weighs") if len(rows) == 1 else ("lie", "weigh")
+    reading = "Reading" if len(rows) == 1 else "Readings"
+    return (
+        f"{reading} {named}{more} {lies} {number(max(far), 2)} standard deviations from the others,"
+        f" and {weighs} accordingly less: check {'it' if len(rows) == 1 else 'them'}."
+    )
+
+
+ORDERED = (
+    "The speeds were measured in their order: a drift, such as warming or wear, would pass for an"
+    " effect of the speed. Measure them in random order, or some again at the end."
+)
+
+
+def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
+    """Return what to measure next, and what it is expected to gain."""
+    counts: dict[str, int] = {}
+    for place in places:
+        counts[place] = counts.get(place, 0) + 1
+    parts = [
+        place if count == 1 else f"{place} ({count} readings)" for place, count in counts.items()
+    ]
+    return (
+        f"Measure at {joined(parts)}: the band is then expected to be"
+        f" {percent(proposal.shrinks)} as wide."
+    )
+
+
+def second_sentence(share: float, count: int) -> str:
+    """Return how many readings of a second measurement lie in the band of readings."""
+    said = f"{percent(share)} of the {count:,} readings of the second measurement lie in the band"
+    if share >= THRESHOLDS.second:
+        return f"{said}, as expected."
+    return f"{said} in which 95 % should: it differs by more than this measurement shows."

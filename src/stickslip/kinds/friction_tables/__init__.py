@@ -1,1 +1,0 @@
-"""Friction at steady speeds: its laws, and a curve that is none."""
