@@ -54,6 +54,8 @@ class Comparison:
     """The best measured curve."""
     curve_share: float
     """Share of the measured curve before it got its least: near 1 where no law explains."""
+    curve_gain: float
+    """Mean score of the best law less that of the curve, over its paired standard error."""
 
     def share_of(self, family: Family) -> float:
         """Return the share of all structures of a family."""
@@ -98,7 +100,14 @@ def compare(search: Search) -> Comparison:
         },
         curve=structures[curve],
         curve_share=curve_share,
+        curve_gain=_paired(scores[top] - scores[curve]),
     )
+
+
+def _paired(difference: Array) -> float:
+    """Return the mean of differences by block (b,) over its standard error."""
+    error = float(np.std(difference, ddof=1)) / math.sqrt(len(difference))
+    return float(np.mean(difference)) / (error + 1e-9)
 
 
 def _evidence(

@@ -23,6 +23,9 @@ from stickslip.identify.regression import BlockRegression, noise_weights
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
 
+FLOW = "viscous_coefficient"
+"""Parameter whose meaning depends on the part that has it."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -97,12 +100,13 @@ class Judgement:
         ]
 
     def values(self, draws: list[Draw]) -> dict[str, Array]:
-        """Return parameters of draws by path (d,); of those only that have them."""
+        """Return parameters of draws (d,) by path, of those that have them as the law does."""
         found: dict[str, list[Array]] = {}
         for draw in draws:
             composed = self.problem.composition(draw.structure, draw.coefficients)
             for path, x in composed.paths().items():
-                found.setdefault(path, []).append(x)
+                if composed.flow == self.composition.flow or not path.endswith(FLOW):
+                    found.setdefault(path, []).append(x)
         return {path: np.concatenate(parts) for path, parts in found.items()}
 
     @cached_property

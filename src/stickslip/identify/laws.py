@@ -36,6 +36,8 @@ class Composition:
     """Properties of rig and record (d,) by path, such as ``"mechanism.inertia"``."""
     fixed: frozenset[str] = frozenset()
     """Names in `values` that were not fitted."""
+    flow: str = ""
+    """Part that has the viscous coefficient: of other parts, it is another quantity."""
 
     def law(self, draw: int = 0) -> FrictionLaw | None:
         """Return the law of one draw; None if there is none."""
@@ -139,6 +141,7 @@ def compose(
         text = f"{memory}({text})"
         values |= memory_values or {}
     slopes: dict[str, Array] = {}
+    flow = next((name for name in ("power", "saturating", "viscous") if name in terms), "")
     flows = [text] if text else []
     for name, (parameter, shapes) in FLOWS.items():
         if name in terms:
@@ -172,7 +175,7 @@ def compose(
         text = ""  # a surplus below 0 is no part of a law
     if any(np.any(x < 0.0) for x in least.values()):
         text = ""
-    return Composition(text=text, values=values, fixed=frozenset(fixed))
+    return Composition(text=text, values=values, fixed=frozenset(fixed), flow=flow)
 
 
 def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:

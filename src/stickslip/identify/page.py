@@ -26,8 +26,8 @@ from stickslip.report import (
     reproduce,
 )
 
-LINES: Final = 3
-"""Sentences of a column of the opening at most."""
+FACTS: Final = 3
+"""Parameters in the opening at most."""
 
 
 def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
@@ -45,7 +45,15 @@ def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple
 
 def opening_section(verdict: BandVerdict, origin: Origin, remark: str) -> Section:
     """Return the section that a reader may stop after."""
-    return opening(verdict.words, origin.data, remark, facts=facts(verdict), record="measurement")
+    words = verdict.words
+    return opening(
+        words,
+        origin.data,
+        remark,
+        facts=facts(verdict),
+        settles=words.settles[:1],
+        record="measurement",
+    )
 
 
 def facts(verdict: BandVerdict) -> list[Fact]:
@@ -57,7 +65,7 @@ def facts(verdict: BandVerdict) -> list[Fact]:
         value = with_unit(number(own.value), own.quantity.unit)
         aside = f"{interval(every.low, every.high)} whichever law holds"
         found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
-    return found[:LINES]
+    return found[:FACTS]
 
 
 def figure_section(verdict: BandVerdict) -> Section:
@@ -76,7 +84,7 @@ def figure_section(verdict: BandVerdict) -> Section:
     if verdict.places:
         text += " Dotted: where further readings narrow the band most."
     block = Figure(svg=svg, caption=text)
-    return Section(id="band", nav="Band", heading=verdict.words.lede, blocks=(block,))
+    return Section(id="band", nav="Band", heading="Friction over the speed", blocks=(block,))
 
 
 def laws_section(verdict: BandVerdict) -> Section:

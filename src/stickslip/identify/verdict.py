@@ -262,7 +262,8 @@ class BandVerdict(Verdict[LawCandidate]):
         """
         rows = self.judgement.problem.at(velocity, load, inputs)
         low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level
-        return Band(*np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0))
+        limits = np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0)
+        return Band(low=limits[0], median=limits[1], high=limits[2])
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.
@@ -388,7 +389,7 @@ def verdict_on(
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
-    settles += [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
+    said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
     doubts = [cause_sentence(one, "", words) for one in judgement.causes]
     if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()], words))
@@ -404,7 +405,7 @@ def verdict_on(
         words=Wording(
             verdict=law_sentence(judgement, words),
             lede=band_sentence(speeds, band, words),
-            settles=tuple(settles),
+            settles=(*settles, *said),
             cannot_tell=tuple(doubts),
             measure_next=tuple(advice),
             no_score="",

@@ -71,7 +71,11 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
 
 def no_law(judgement: Judgement) -> bool:
     """Return whether the measured curve predicts better than every law."""
-    return judgement.comparison.curve_share > THRESHOLDS.no_law
+    comparison = judgement.comparison
+    return (
+        comparison.curve_share > THRESHOLDS.no_law
+        and comparison.curve_gain > THRESHOLDS.no_law_gain
+    )
 
 
 def law_sentence(judgement: Judgement, words: Words) -> str:
