@@ -183,6 +183,7 @@ def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> B
         above = (curves - median) / (high - median + 1e-300)
         below = (median - curves) / (median - low + 1e-300)
         times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
+        times *= THRESHOLDS.all_along
         low, high = median - times * (median - low), median + times * (high - median)
     return Band(low=low, median=median, high=high)
 

@@ -170,6 +170,10 @@ def compose(
             values[name] = x
     if both:
         text = f"both_ways[levels]({text})"
+        doubled = law_class(text).__dataclass_fields__
+        for name in [one for one in values if one not in doubled]:
+            x = values.pop(name)
+            values |= {f"forward_{name}": x, f"backward_{name}": x}
     least = {name: x for name, x in values.items() if name.endswith("_coefficient")}
     if surplus and np.any(levels["static_coefficient"] < kinetic):
         text = ""  # a surplus below 0 is no part of a law

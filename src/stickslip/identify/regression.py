@@ -209,10 +209,11 @@ def noise_weights(regression: BlockRegression, structure: Structure) -> tuple[Ar
     residuals is 1.
     """
     problem = regression.problem
-    residual = regression.held_out(structure)
-    fitted = problem.response - residual
-    base = np.abs(residual)
-    base = base + 0.2 * np.median(base) + NOTHING
+    held_out = regression.held_out(structure)
+    fitted = regression.fit(structure).fitted
+    # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
+    residual = np.sqrt(np.abs(held_out * (problem.response - fitted)))
+    base = residual + 0.2 * np.median(residual) + NOTHING
     trend, best = np.zeros(len(base)), 0.0
     for scale in problem.scales(fitted):
         z = np.log(scale) - np.mean(np.log(scale))
@@ -226,13 +227,13 @@ def noise_weights(regression: BlockRegression, structure: Structure) -> tuple[Ar
         if times > max(THRESHOLDS.scale_trend, best):
             trend, best = slope * z, times
     deviation = np.exp(trend)
-    u = np.abs(residual) / deviation
+    u = residual / deviation
     typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
     robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
-    rank = min(problem.parameters(structure) + 1, len(e) - 2)
+    rank = min(problem.parameters(structure) + 2, len(e) - 2)
     count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
     # a fit without residuals still has the rounding of its numbers
     least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2

@@ -62,12 +62,17 @@ class Search:
         regression.weigh(np.ones(len(self.problem.response)))
         regression.losses(self.problem.references)
         best = min(self.problem.references, key=self.mean_score)
-        for _ in range(THRESHOLDS.weighings):
+        weights = regression.weights
+        for k in range(THRESHOLDS.weighings):
+            last = weights
             weights, self.residual = noise_weights(regression, best)
+            if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
+                break
             regression.weigh(weights)
             best = self._climb()
             self._add_usual(best)
-        self._refine()
+            self._refine()
+            best = min(self.structures, key=self._price)
         return self
 
     @property
@@ -88,6 +93,12 @@ class Search:
     def _order(self, structure: Structure) -> tuple[float, int, Structure]:
         score = round(self.mean_score(structure), DIGITS)
         return score, self.problem.parameters(structure), structure
+
+    def _price(self, structure: Structure) -> tuple[float, Structure]:
+        """Return the score with the price of parameters: weights follow no law that is too rich."""
+        blocks = len(self.problem.blocks)
+        price = THRESHOLDS.price * self.problem.parameters(structure)
+        return round(0.5 * blocks * self.mean_score(structure) + price, DIGITS), structure
 
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
@@ -128,7 +139,7 @@ class Search:
     def _add_usual(self, best: Structure) -> None:
         """Compare the usual laws, alone and beside what the best law has of the rig."""
         terms = self.problem.terms
-        beside = [column for column in best if terms[column[0]].role != "law"]
+        beside = [column for column in best if terms[column[0]].role in ("rig", "run", "fault")]
         self._compare(self.problem.only or self.problem.usual, beside)
 
     def _compare(self, families: Sequence[Family], beside: Sequence[Column]) -> None:

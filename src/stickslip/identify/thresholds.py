@@ -23,8 +23,10 @@ class Thresholds:
     """Standard deviations beyond which a row loses weight."""
     outlying: float = 6.0
     """Standard deviations from which a row is said to be far from the others."""
-    weighings: int = 3
-    """Fits by weights that follow from the residuals of the fit before."""
+    weighings: int = 6
+    """Searches by weights that follow from the residuals of the best structure before ..."""
+    weighed: float = 0.05
+    """... until no weight changes by more than this share."""
     scale_trend: float = 2.5
     """Standard errors from which the scatter is taken to grow with the force or the speed."""
     curve_share: float = 0.2
@@ -35,14 +37,16 @@ class Thresholds:
     """Draws of laws from which bands are read."""
     level: float = 0.98
     """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
-    price: float = 1.5
+    price: float = 2.0
     """Evidence that a parameter costs ..."""
     unusual: float = 0.1
     """... and each place in the order of terms from usual to unusual (study: names)."""
     least_share: float = 1e-9
     """Stands for the share of a family that has none."""
-    tie: float = 2.0
-    """Difference of evidence up to which families are not told apart (odds of 7; study: names)."""
+    all_along: float = 1.3
+    """Widening of bands that hold all along: a feature between two speeds is in no draw."""
+    tie: float = 3.0
+    """Difference of evidence up to which families are not told apart (odds of 20; study: names)."""
     material: float = 0.2
     """Share of the best held-out error within which laws of a record are not told apart."""
     no_law: float = 0.9

@@ -278,8 +278,8 @@ class BandVerdict(Verdict[LawCandidate]):
         Returns
         -------
         list of FrictionLaw
-            Laws of `stickslip.friction`, and laws through measured levels for draws of the
-            measured curve.
+            Laws of `stickslip.friction`, by their shares; through measured levels only where no
+            structure is such a law.
 
         Examples
         --------
@@ -291,17 +291,18 @@ class BandVerdict(Verdict[LawCandidate]):
         5
         """
         judgement = self.judgement
-        ensemble = replace(judgement.ensemble, seed=seed)
-        found: list[FrictionLaw] = []
-        for draw in ensemble.draws(count):
+        laws, curves = list[FrictionLaw](), list[FrictionLaw]()
+        for draw in replace(judgement.ensemble, seed=seed).draws():
             composed = judgement.problem.composition(draw.structure, draw.coefficients)
             for k, row in enumerate(draw.coefficients):
                 law = composed.law(k)
-                found.append(law or self._through(draw.structure, row))
-        return found
-
-    def _through(self, structure: Structure, coefficients: Array) -> FrictionLaw:
-        return law_through(self.judgement, structure, coefficients)
+                if law is not None:
+                    laws.append(law)
+                elif not laws and len(curves) < count:
+                    curves.append(law_through(judgement, draw.structure, row))
+        found = laws or curves
+        order = np.random.default_rng(seed).permutation(len(found))
+        return [found[k] for k in np.resize(order, count)]
 
     @override
     def _details(self) -> Mapping[str, Any]:

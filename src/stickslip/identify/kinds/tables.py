@@ -52,6 +52,8 @@ FEWEST = 5
 """Readings that a table must have."""
 DRIFTS = (0.0, 0.2, 0.6)
 """Shares of the time of measuring in which friction settles; 0 for a straight line."""
+LOOSE = 0.5
+"""Stiffness of the measured curve beyond the measured speeds, over that within."""
 FEW_KNOTS = 19
 """Knots within the measured range at most."""
 
@@ -368,6 +370,8 @@ def _bending(knots: Array) -> tuple[Array, Array]:
     for i, (h, g) in enumerate(zip(gaps[:-1], gaps[1:], strict=True)):
         second[i, i : i + 3] = np.array([1.0 / h, -1.0 / h - 1.0 / g, 1.0 / g])
         second[i] /= math.sqrt(0.5 * (h + g))
+    edge = len(gaps) - 2
+    second[[0, 1, 2, edge - 2, edge - 1, edge]] *= LOOSE
     values, vectors = np.linalg.eigh(second.T @ second)
     return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
 

@@ -1,0 +1,259 @@
+"""Tables of friction: the law, the band, and the intervals, against truths that are known."""
+
+import json
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Coulomb, Measurement, Stribeck, fit, select
+from stickslip.errors import InputError
+from stickslip.identify.judge import Judgement
+from stickslip.identify.kinds.tables import TableProblem
+
+AXIS = Axis(inertia=1.0)
+SPEEDS = np.geomspace(0.01, 1.0, 20)
+BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
+
+
+def stribeck(v):
+    return np.sign(v) * (2.0 + 1.5 * np.exp(-((v / 0.1) ** 2))) + 3.0 * v
+
+
+CURVES = {
+    "level": (lambda v: 2.0 * np.sign(v), ("level",)),
+    "viscous": (lambda v: 2.0 * np.sign(v) + 3.0 * v, ("level", "viscous")),
+    "stribeck": (stribeck, ("level", "stribeck", "viscous")),
+    "power": (lambda v: np.sign(v) * (1.0 + 2.0 * np.abs(v) ** 0.5), ("level", "power")),
+    "tanh": (lambda v: 2.0 * np.tanh(v / 0.05) + v, ("tanh", "viscous")),
+}
+
+
+def table(curve, v=SPEEDS, noise=0.02, seed=0, **more):
+    read = curve(v) + noise * np.random.default_rng(seed).normal(size=len(v))
+    return Measurement(velocity=v, friction=read, **more)
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(AXIS, None, table(stribeck))
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_the_law_of_a_curve_is_named_or_not_told_from_the_named_law(name):
+    curve, family = CURVES[name]
+    found = select(AXIS, None, table(curve))
+    assert family in found.set
+    assert found.explained
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_the_band_holds_the_true_curve(name):
+    curve, _ = CURVES[name]
+    v = np.geomspace(0.01, 1.0, 60)
+    found = select(AXIS, None, table(curve, seed=3)).band(v)
+    inside = (found.low <= curve(v)) & (curve(v) <= found.high)
+    assert np.mean(inside) >= 0.9
+    # a curve through 20 readings is about as uncertain as one of them, of four times its noise
+    assert np.median(found.high - found.low) < 2.0 * 4.0 * 0.02
+
+
+def test_a_curve_that_no_law_has_lies_in_the_band():
+    def bowl(v):
+        return 1.0 + 0.2 * np.log(v / 0.1) ** 2
+
+    v = np.geomspace(0.01, 1.0, 60)
+    found = select(AXIS, None, table(bowl, seed=1)).band(v)
+    assert np.mean((found.low <= bowl(v)) & (bowl(v) <= found.high)) >= 0.9
+
+
+def test_the_band_opens_beyond_the_measured_speeds(verdict):
+    inside, beyond = verdict.band([0.1, 1.0]), verdict.band([0.002, 4.0])
+    assert (beyond.high - beyond.low > 2.0 * (inside.high - inside.low)).all()
+
+
+def test_the_band_that_holds_all_along_is_wider(verdict):
+    v = np.geomspace(0.01, 1.0, 30)
+    one, all_along = verdict.band(v), verdict.band(v, all_along=True)
+    assert (all_along.high - all_along.low > one.high - one.low).all()
+
+
+def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds(verdict):
+    truth = {
+        "kinetic_coefficient": 2.0, "static_coefficient": 3.5,
+        "stribeck_velocity": 0.1, "viscous_coefficient": 3.0,
+    }  # fmt: skip
+    for one in verdict.parameters:
+        value = truth[one.path.rpartition(".")[2]]
+        assert one.low_any <= one.low <= value <= one.high <= one.high_any
+
+
+def test_friction_of_the_law_is_what_its_structure_predicts():
+    found = select(AXIS, None, table(stribeck, BOTH, seed=2))
+    force = np.asarray(found.law.force(BOTH, np.ones(len(BOTH))))
+    np.testing.assert_allclose(force, found.named_curve(BOTH), rtol=1e-9)
+
+
+def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
+    v = np.concatenate([-SPEEDS[::-1], SPEEDS[::2]])
+    read = table(lambda x: stribeck(x) + 0.3, v, seed=4)
+    mirrored = Measurement(velocity=-v[::-1], friction=-np.asarray(read.friction)[::-1])
+    one, other = (select(AXIS, None, m).band([0.05, 0.5]) for m in (read, mirrored))
+    back = select(AXIS, None, mirrored).band([-0.05, -0.5])
+    assert one.low.shape == other.low.shape
+    np.testing.assert_allclose(back.median, -one.median, rtol=0.01)
+    np.testing.assert_allclose(back.low, -one.high, rtol=0.02)
+
+
+def test_friction_in_other_units_scales_the_band(verdict):
+    read = table(stribeck)
+    scaled = Measurement(velocity=read.velocity, friction=1000.0 * np.asarray(read.friction))
+    found = select(AXIS, None, scaled).band([0.05])
+    expected = verdict.band([0.05])
+    np.testing.assert_allclose(found.low, 1000.0 * expected.low, rtol=1e-6)
+
+
+@pytest.mark.rounding
+def test_last_bits_of_the_readings_change_no_sentence(verdict):
+    read = table(stribeck)
+    random = np.random.default_rng(0)
+    for _ in range(4):
+        friction = np.asarray(read.friction) * (1.0 + 1e-12 * random.normal(size=len(SPEEDS)))
+        other = select(AXIS, None, Measurement(velocity=SPEEDS, friction=friction))
+        assert other.words == verdict.words
+
+
+def test_readings_at_rest_are_no_sliding():
+    v = np.concatenate([BOTH, [5e-6, 2e-4, -5e-4]])
+    read = np.concatenate([np.asarray(table(CURVES["viscous"][0], BOTH).friction), [0.4, 0.3, -1]])
+    found = select(AXIS, None, Measurement(velocity=v, friction=read))
+    assert found.family == ("level", "viscous")
+    (level, slope) = found.parameters
+    assert level.low_any < 2.0 < level.high_any
+    assert slope.low_any < 3.0 < slope.high_any
+
+
+def test_an_outlier_is_said_and_hardly_counts():
+    read = np.array(table(CURVES["viscous"][0]).friction)
+    read[4] += 1.0
+    found = select(AXIS, None, Measurement(velocity=SPEEDS, friction=read))
+    assert list(found.judgement.outliers) == [4]
+    assert any(line.startswith("Reading 5 lies") for line in found.words.cannot_tell)
+    band = found.band([0.1])
+    assert band.low[0] < 2.3 < band.high[0]
+
+
+def test_the_exponent_of_the_load_is_a_parameter():
+    load = np.tile([5.0, 10.0, 20.0], 8)
+    v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
+    read = 0.5 * load**0.67 + 0.01 * np.random.default_rng(1).normal(size=24)
+    found = select(AXIS, None, Measurement(velocity=v, friction=read, load=load))
+    exponent = next(one for one in found.parameters if one.path == "load_exponent")
+    assert exponent.low <= 0.67 <= exponent.high
+    band = found.band([0.1, 0.1], load=[7.0, 15.0])
+    truth = 0.5 * np.array([7.0, 15.0]) ** 0.67
+    assert ((band.low < truth) & (truth < band.high)).all()
+
+
+def test_friction_that_changes_with_the_temperature_is_a_law():
+    heat = np.tile([20.0, 40.0, 60.0], 8)
+    v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
+    read = 2.0 - 0.01 * (heat - 20.0) + 3.0 * v + 0.01 * np.random.default_rng(1).normal(size=24)
+    found = select(AXIS, None, Measurement(velocity=v, friction=read, inputs={"temperature": heat}))
+    assert "level*temperature" in found.family
+    band = found.band([0.1], inputs={"temperature": 30.0})
+    assert band.low[0] < 2.2 < band.high[0]
+
+
+def test_a_drift_in_the_order_of_measuring_is_named_where_the_order_tells_it():
+    v = np.tile(SPEEDS[::4], 5)[np.random.default_rng(0).permutation(25)]
+    drift = np.linspace(0.0, 0.4, 25)
+    read = 2.0 + 3.0 * v + drift + 0.01 * np.random.default_rng(1).normal(size=25)
+    found = select(AXIS, None, Measurement(velocity=v, friction=read))
+    assert [one.term for one in found.causes] == ["drift"]
+
+
+def test_advice_that_is_followed_narrows_the_band():
+    sparse = table(stribeck, np.geomspace(0.01, 1.0, 8), noise=0.05, seed=5)
+    before = select(AXIS, None, sparse)
+    more = np.array(before.places)
+    new = stribeck(more) + 0.05 * np.random.default_rng(6).normal(size=len(more))
+    both = Measurement(
+        velocity=np.concatenate([sparse.velocity, more]),
+        friction=np.concatenate([sparse.friction, new]),
+    )
+    v = np.geomspace(0.01, 1.0, 40)
+    widths = [
+        float(np.mean(one.high - one.low))
+        for one in (before.band(v), select(AXIS, None, both).band(v))
+    ]
+    assert before.shrinks < 0.9
+    assert widths[1] < 0.9 * widths[0]
+
+
+def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_does():
+    read = table(stribeck)
+    found = select(AXIS, ["coulomb", "coulomb-viscous"], read)
+    assert set(found.set) <= {("level",), ("level", "viscous")}
+    assert found.best is None
+    assert found.sentence.startswith("No law explains these readings")
+    assert select(AXIS, [Coulomb, Stribeck], read).family == ("level", "stribeck", "viscous")
+
+
+def test_laws_that_a_table_cannot_tell_are_refused():
+    with pytest.raises(InputError, match=r"Dahl friction cannot be compared on this measurement"):
+        select(AXIS, ["dahl"], table(stribeck))
+
+
+def test_too_few_readings_are_refused():
+    few = Measurement(velocity=SPEEDS[:4], friction=np.ones(4))
+    with pytest.raises(InputError, match="at least 5"):
+        select(AXIS, None, few)
+
+
+def test_a_second_table_of_the_same_friction_lies_in_the_band(verdict):
+    other = table(stribeck, np.geomspace(0.02, 0.8, 20), seed=9)
+    found = select(AXIS, None, table(stribeck), validate=other)
+    assert found.inside >= 0.85
+    faulty = Measurement(velocity=other.velocity, friction=1.3 * np.asarray(other.friction))
+    said = select(AXIS, None, table(stribeck), validate=faulty)
+    assert said.inside < 0.5
+    assert any("differs by more" in line for line in said.words.cannot_tell)
+
+
+def test_samples_are_laws_whose_spread_is_that_of_the_band(verdict):
+    laws = verdict.sample(60, seed=1)
+    at = np.array([float(np.asarray(law.force(0.1, 1.0))) for law in laws])
+    band = verdict.band([0.1])
+    assert np.mean((at > band.low[0]) & (at < band.high[0])) > 0.9
+    assert at.std() > 0.05 * (band.high[0] - band.low[0])
+
+
+def test_a_verdict_is_a_document_and_its_law_a_rig_file(verdict):
+    said = json.loads(json.dumps(verdict.to_dict()))
+    assert said["best"] == "level + stribeck + viscous"
+    assert len(said["band"]["velocity"]) == len(said["band"]["low"])
+    assert "[friction.stribeck]" in verdict.best.fit.to_toml()
+
+
+def test_the_named_law_has_the_values_of_a_fit_with_it(verdict):
+    found = fit(AXIS, Stribeck, table(stribeck))
+    own = {one.path: one.value for one in verdict.parameters}
+    for one in found.estimates:
+        if one.path in own:
+            assert own[one.path] == pytest.approx(one.value, abs=1.5 * one.half_width)
+
+
+def test_the_held_out_losses_are_those_of_fits_without_each_block():
+    problem = TableProblem.of(AXIS, table(CURVES["viscous"][0]))
+    judgement = Judgement.of(problem)
+    structure = (("level", ()), ("viscous", ()))
+    regression = judgement.regression
+    regression.losses([structure])
+    # the ridge of 1e-7 that ends the solution where columns are the same is in the tolerance
+    x = np.column_stack([np.ones(20), SPEEDS]) * regression.weights[:, None]
+    y = problem.response * regression.weights
+    for k in range(20):
+        kept = np.arange(20) != k
+        c = np.linalg.lstsq(x[kept], y[kept])[0]
+        loss = (y[k] - x[k] @ c) ** 2
+        assert regression.losses_of[structure][k] == pytest.approx(loss, rel=2e-3)
