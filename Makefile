@@ -55,9 +55,10 @@ types: $(DEV) ## static types
 	$(call heading,mypy)
 	$(BIN)/mypy
 
-architecture: $(DEV) ## import contracts
+architecture: $(DEV) ## import contracts, and the size of each room beside its budget
 	$(call heading,lint-imports)
 	$(BIN)/lint-imports
+	$(BIN)/python -m tools.budget
 
 unit: $(DEV) | types ## tests and the examples in docstrings
 	$(call heading,pytest)

@@ -7,6 +7,7 @@ import math
 import re
 import sys
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -248,15 +249,67 @@ ARROWS = (
 )  # fmt: skip
 
 
+JUDGED = (
+    (130, 40, "measurement and mechanism:\nrows, blocks, terms", False),
+    (130, 130, "Search: structures by their\nheld-out losses, block by block", False),
+    (130, 220, "Weights from what the best\nstructure leaves", False),
+    (430, 40, "Scores bounded by block,\nshares by Bayesian bootstrap;\n"
+     "the measured curve has a fifth", False),
+    (430, 145, "Named: the family with the most\nevidence; not told apart: those\n"
+     "within 3 of it", False),
+    (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
+     True),
+    (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),
+    (733, 130, "Band, samples, intervals\nwhichever law holds", False),
+    (733, 220, "Measure next: readings that take\nmost off the variance of the band", False),
+)  # fmt: skip
+JUDGED_ARROWS = (
+    (0, 1, ""), (1, 2, "until weights stay"), (1, 3, ""), (3, 4, ""), (4, 5, ""), (3, 6, ""),
+    (6, 7, ""), (7, 8, ""),
+)  # fmt: skip
+
+
+def judge() -> None:
+    """How a law is chosen and a band is made of tables."""
+    chart(
+        "judge.svg",
+        JUDGED,
+        JUDGED_ARROWS,
+        275,
+        "Flow chart: a measurement becomes rows, blocks and terms; a search finds structures by"
+        " held-out losses; scores give shares; evidence names a law; an ensemble gives the band",
+    )
+
+
 def choices() -> None:
     """How route, segments and law are chosen."""
+    chart(
+        "choices.svg",
+        BOXES,
+        ARROWS,
+        425,
+        "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
+        " driven records to simulated segments or, where these do not predict the motion, to"
+        " inverse dynamics; then the laws that the force balance asks for are fitted, compared and"
+        " one is named",
+    )
+
+
+def chart(
+    name: str,
+    boxes: Sequence[tuple[int, int, str, bool]],
+    arrows: Sequence[tuple[int, int, str]],
+    height: int,
+    title: str,
+) -> None:
+    """Draw boxes with arrows between them; questions are round."""
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        axes.set(xlim=(20, 860), ylim=(425, 5))
+        axes.set(xlim=(20, 860), ylim=(height, 5))
         axes.axis("off")
         halves = []
-        for x, y, text, asked in BOXES:
+        for x, y, text, asked in boxes:
             lines = text.split("\n")
             half = 0.5 * (LINE * len(lines) + ROUND)
             halves.append(half)
@@ -271,9 +324,9 @@ def choices() -> None:
             for k, line in enumerate(lines):
                 place = y + LINE * (k - 0.5 * (len(lines) - 1))
                 axes.text(x, place, line, ha="center", va="center_baseline", fontsize=11)
-        into = [to for _, to, _ in ARROWS]
-        for k, (first, to, word) in enumerate(ARROWS):
-            (x, y), (to_x, to_y) = BOXES[first][:2], BOXES[to][:2]
+        into = [to for _, to, _ in arrows]
+        for k, (first, to, word) in enumerate(arrows):
+            (x, y), (to_x, to_y) = boxes[first][:2], boxes[to][:2]
             if x == to_x:
                 start, end = (x, y + halves[first]), (x, to_y - halves[to])
             else:  # what meets at one box is spread along its side
@@ -289,18 +342,10 @@ def choices() -> None:
                     ha="left" if x == to_x else "center", va="center_baseline",
                 )  # fmt: skip
 
-    card(
-        "choices.svg",
-        draw,
-        (840, 420),
-        "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
-        " driven records to simulated segments or, where these do not predict the motion, to"
-        " inverse dynamics; then the laws that the force balance asks for are fitted, compared and"
-        " one is named",
-    )
+    card(name, draw, (840, height - 5), title)
 
 
-DRAWN = (choices, reversal, separation, chatter, hunting, axis_record, report, cart)
+DRAWN = (choices, judge, reversal, separation, chatter, hunting, axis_record, report, cart)
 """In the order in which they are made."""
 
 if __name__ == "__main__":

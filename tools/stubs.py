@@ -42,6 +42,7 @@ PACKAGES = (
     "stickslip.plots",
     "stickslip.report",
     "stickslip.results",
+    "stickslip.identify",
     "stickslip.selection",
     "stickslip.solver",
 )

@@ -35,6 +35,7 @@ from stickslip.identification.estimation.problem import ResidualJacobian as Resi
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
+from stickslip.identification.force_map.data import stretches_of as stretches_of
 from stickslip.identification.force_map.force_balance import balanced as balanced
 from stickslip.identification.force_map.force_balance import torque_along as torque_along
 from stickslip.identification.force_map.joint_balance import JointPiece as JointPiece

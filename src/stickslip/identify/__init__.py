@@ -3,7 +3,7 @@
 from stickslip.lazy import attach
 
 HOMES = {
-    "Band": "ensemble",
+    "PredictionBand": "ensemble",
     "BandVerdict": "verdict",
     "Interval": "judge",
     "LawCandidate": "verdict",

@@ -26,7 +26,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Family, Problem, Structure, family_of
+from stickslip.identify.problem import Array, Family, Mask, Problem, Structure, family_of
 from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -72,7 +72,7 @@ def compare(search: Search) -> Comparison:
     laws = np.array([problem.is_law(one) for one in structures])
     shares = _shares(scores, _priors(problem, structures))
     curve_share = float(shares[~laws].sum())
-    shares = _with_curve(shares, laws, scores)
+    shares = _with_curve(shares, laws)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
         best_of.setdefault(family_of(structures[i]), int(i))
@@ -144,7 +144,7 @@ def _shares(scores: Array, priors: Array) -> Array:
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
 
 
-def _with_curve(shares: Array, laws: Array, scores: Array) -> Array:
+def _with_curve(shares: Array, laws: Mask) -> Array:
     """Return shares of which the measured curve has at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
     own = float(shares[~laws].sum())

@@ -33,7 +33,7 @@ class Draw:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Band:
+class PredictionBand:
     """Limits of curves at rows (n,)."""
 
     low: Array
@@ -112,7 +112,7 @@ class Ensemble:
     def _length(self, columns: Columns) -> int:
         return len(columns.of(self.comparison.curve[0]))
 
-    def band(self, rows: Any, level: float = 0.95, *, all_along: bool = False) -> Band:
+    def band(self, rows: Any, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
         """Return the band of the curves at rows."""
         return band_of(self.curves(rows), level, all_along=all_along)
 
@@ -157,7 +157,7 @@ class _Twin:
 def allotted(shares: Array, count: int) -> list[int]:
     """Return how many of `count` draws each share gets: systematic sampling, without chance."""
     ends = np.floor(np.cumsum(shares) / shares.sum() * count + 0.5 - 1e-9)
-    return np.diff(ends, prepend=0.0).astype(int).tolist()
+    return [int(one) for one in np.diff(ends, prepend=0.0)]
 
 
 def student(covariance: Array, freedom: float, count: int, rng: np.random.Generator) -> Array:
@@ -172,7 +172,7 @@ def student(covariance: Array, freedom: float, count: int, rng: np.random.Genera
     return np.asarray(normal * size / np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom))
 
 
-def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> Band:
+def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
     """Return quantiles of curves (d, n): point by point, or so that they hold all along.
 
     The quantiles of 95 % are those of `Thresholds.level`; others are as they are said.
@@ -185,7 +185,7 @@ def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> B
         times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
         times *= THRESHOLDS.all_along
         low, high = median - times * (median - low), median + times * (high - median)
-    return Band(low=low, median=median, high=high)
+    return PredictionBand(low=low, median=median, high=high)
 
 
 def mean_width(curves: Array, weights: Array | None = None) -> float:

@@ -1,20 +1,22 @@
 """The figure of a verdict: what was measured, the band, and the law."""
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from stickslip.formatting import scale_of
+from stickslip.formatting import number, scale_of
+from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.problem import Array
 from stickslip.plots import C1, C3, DATA, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from stickslip.display import Drawing, Target
-    from stickslip.identify.verdict import BandVerdict
     from stickslip.plots import Draw
 
 SIZE = (8.0, 3.4)
@@ -26,49 +28,67 @@ LOADS = 4
 MARKERS = ("o", "s", "^", "D")
 
 
-def draw_band_verdict(verdict: "BandVerdict") -> "Draw":
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BandDrawing:
+    """What the figure of a verdict shows, in SI units."""
+
+    velocity: Array
+    """Velocities of the readings (n,)."""
+    friction: Array
+    """Their friction (n,)."""
+    load: Array
+    """Their loads (n,)."""
+    weights: Array
+    """Their weights (n,)."""
+    speeds: Array
+    """Velocities of the band (m,)."""
+    band: PredictionBand
+    law: Array
+    """Friction of the named law there (m,)."""
+    title: str
+    """Name of the law."""
+    places: tuple[float, ...]
+    """Velocities that are proposed."""
+    units: tuple[str, str]
+    """Units of velocity and friction."""
+
+
+def draw_band(what: BandDrawing) -> "Draw":
     """Return a drawing of readings, the band of friction, the named law and proposed readings."""
-    problem = verdict.judgement.problem
-    rows, friction = problem.rows, problem.response
-    v = np.asarray(rows.velocity)
-    speeds = np.abs(v[v != 0.0])
-    logarithmic = float(speeds.max() / speeds.min()) > DECADES and not (v.min() < 0.0 < v.max())
-    measurement = verdict.measurement
-    factor, unit = scale_of([float(speeds.max())], measurement.unit("velocity"))
-    force, force_unit = scale_of(np.abs(friction).tolist(), measurement.unit("friction"))
-    weights = verdict.judgement.regression.weights
-    light = weights < 0.3 * float(np.median(weights))
+    v, friction = what.velocity, what.friction
+    sizes = np.abs(v[v != 0.0])
+    logarithmic = float(sizes.max() / sizes.min()) > DECADES and not (v.min() < 0.0 < v.max())
+    factor, unit = scale_of([float(sizes.max())], what.units[0])
+    force, force_unit = scale_of(np.abs(friction).tolist(), what.units[1])
+    light = what.weights < 0.3 * float(np.median(what.weights))
 
     def draw(figure: "Figure", narrow: bool) -> None:
         axes = figure.add_subplot()
-        x = factor * verdict.speeds
-        for part in _directions(verdict.speeds):
-            band = verdict.friction
+        x = factor * what.speeds
+        for part in _directions(what.speeds):
+            first = part[0] == 0
             axes.fill_between(
-                x[part], force * band.low[part], force * band.high[part], color=C1,
-                alpha=0.18, linewidth=0, label="95 % band, whichever law holds" if part[0] == 0
-                else None,
-            )  # fmt: skip
-            law = force * verdict.named_curve(verdict.speeds[part])
-            axes.plot(x[part], law, color=C1, label=verdict.closest.title
-                      if part[0] == 0 else None)  # fmt: skip
-        for k, load in enumerate(_loads(rows.load)):
-            at = np.isclose(rows.load, load, rtol=0.05) if load else np.ones(len(v), dtype=bool)
-            marker = MARKERS[k % len(MARKERS)]
-            label = f"readings at {load:.3g} N" if load else "readings"
-            kept = at & ~light
-            axes.plot(factor * v[kept], force * friction[kept], marker, color=DATA,
-                      markersize=4.5, linestyle="none", label=label)  # fmt: skip
-            axes.plot(
-                factor * v[at & light],
-                force * friction[at & light],
-                marker,
-                color=DATA,
-                fillstyle="none",
-                markersize=4.5,
-                linestyle="none",
+                x[part],
+                force * what.band.low[part],
+                force * what.band.high[part],
+                color=C1,
+                alpha=0.18,
+                linewidth=0,
+                label="95 % band, whichever law holds" if first else None,
             )
-        for place in dict.fromkeys(verdict.places):
+            label = what.title if first else None
+            axes.plot(x[part], force * what.law[part], color=C1, label=label)
+        for k, load in enumerate(_loads(what.load)):
+            at = np.isclose(what.load, load, rtol=0.05) if load else np.ones(len(v), dtype=bool)
+            look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}
+            marker = MARKERS[k % len(MARKERS)]
+            label = f"readings at {number(load)} N" if load else "readings"
+            kept = at & ~light
+            axes.plot(factor * v[kept], force * friction[kept], marker, label=label, **look)
+            kept = at & light
+            axes.plot(factor * v[kept], force * friction[kept], marker, fillstyle="none", **look)
+        for place in dict.fromkeys(what.places):
             axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
         if logarithmic:
             axes.set_xscale("log" if v.max() > 0.0 else "symlog")
@@ -80,7 +100,7 @@ def draw_band_verdict(verdict: "BandVerdict") -> "Draw":
     return draw
 
 
-def _directions(speeds: Array) -> list[Array]:
+def _directions(speeds: Array) -> "list[NDArray[np.intp]]":
     """Return the places of the speeds of each direction."""
     sides = (speeds < 0.0, speeds > 0.0)
     return [np.flatnonzero(side) for side in sides if side.any()]
@@ -95,7 +115,7 @@ def _loads(load: Array) -> list[float]:
     return [float(math.exp(one)) for one in known[::step]]
 
 
-def plot_band_verdict(verdict: "BandVerdict", ax: "Target" = None) -> "Drawing":
+def plot_band(what: BandDrawing, ax: "Target" = None) -> "Drawing":
     """Plot what was measured, the band of friction, and the law that is named."""
-    axes: Axes = on_axes(draw_band_verdict(verdict), ax, SIZE)
+    axes: Axes = on_axes(draw_band(what), ax, SIZE)
     return axes

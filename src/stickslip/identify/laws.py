@@ -60,8 +60,8 @@ FLOWS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "drag": ("quadratic_coefficient", ()),
 }
 """Parts beside the level: the parameter of their coefficient, and those of their shape."""
-SURPLUSES = ("stribeck", "stribeck_sides")
-"""Terms of a static surplus; the latter has another one for each direction."""
+SURPLUSES = ("stribeck", "stribeck_sides", "step")
+"""Terms of a static surplus; the second has another one for each direction."""
 DIRECTIONS = ("level_direction", "viscous_direction", "stribeck_sides")
 """Terms that differ by direction."""
 
@@ -98,88 +98,130 @@ def compose(
     >>> compose(terms, {}).law()
     CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=0.5)
     """
-    count = len(next(iter(terms.values()))[1]) if terms else 1
+    made = _Composer(terms, means)
+    made.level(memory, memory_values or {})
+    made.flows()
+    made.inputs()
+    return made.composition()
 
-    def first(name: str, column: int = 0) -> Array:
-        return terms[name][1][:, column] if name in terms else np.zeros(count)
 
-    def linear(part: str) -> tuple[str, Array]:
+class _Composer:
+    """A composition in the making: parts, levels, slopes and other values."""
+
+    def __init__(
+        self, terms: Mapping[str, tuple[Shape, Array]], means: Mapping[str, float]
+    ) -> None:
+        self.terms, self.means = terms, means
+        self.count = len(next(iter(terms.values()))[1]) if terms else 1
+        self.parts: list[str] = []
+        self.levels: dict[str, Array] = {}
+        self.slopes: dict[str, Array] = {}
+        self.values: dict[str, Array] = {}
+        self.fixed: set[str] = set()
+
+    def first(self, name: str, column: int = 0) -> Array:
+        """Return a coefficient of a term (d,); 0 without it."""
+        return self.terms[name][1][:, column] if name in self.terms else np.zeros(self.count)
+
+    def shape(self, term: str, *names: str) -> None:
+        """Give the entries of a term's shape their names."""
+        for name, value in zip(names, self.terms[term][0], strict=False):
+            self.values[name] = np.full(self.count, value)
+
+    def linear(self, part: str) -> tuple[str, Array]:
         """Return a part with its changes with inputs, and what they take off where these are 0."""
-        text, off = part, np.zeros(count)
-        for name, mean in means.items():
-            if f"{part}*{name}" in terms:
-                text, off = f"{text} * linear[{name}]", off + mean * first(f"{part}*{name}")
+        text, off = part, np.zeros(self.count)
+        for name, mean in self.means.items():
+            if f"{part}*{name}" in self.terms:
+                text, off = f"{text} * linear[{name}]", off + mean * self.first(f"{part}*{name}")
         return text, off
 
-    values: dict[str, Array] = {}
-    fixed: set[str] = set()
-    smooth = "tanh" in terms
-    level_text, level_off = linear("level")
-    kinetic = first("tanh" if smooth else "level") - level_off
-    levels = {"kinetic_coefficient": kinetic}
-    texts = [level_text] if smooth or "level" in terms else []
-    if not texts:
-        fixed.add("kinetic_coefficient")
-    surplus = next((name for name in SURPLUSES if name in terms), "step" if "step" in terms else "")
-    if surplus:
-        shape = terms[surplus][0]
-        texts = [level_text, "step" if surplus == "step" else "stribeck"]
-        levels["static_coefficient"] = kinetic + first(surplus)
-        if surplus != "step":
-            values["stribeck_velocity"] = np.full(count, shape[0])
-            values["fading_exponent"] = np.full(count, shape[1])
-            fixed.add("fading_exponent")
-    if "logarithmic" in terms:
-        texts.append("logarithmic")
-        values["logarithmic_coefficient"] = first("logarithmic")
-        values["reference_velocity"] = np.full(count, terms["logarithmic"][0][0])
-    text = " + ".join(texts)
-    if smooth:
-        text = f"tanh({text})"
-        values["smoothing_velocity"] = np.full(count, terms["tanh"][0][0])
-    if memory and text:
-        text = f"{memory}({text})"
-        values |= memory_values or {}
-    slopes: dict[str, Array] = {}
-    flow = next((name for name in ("power", "saturating", "viscous") if name in terms), "")
-    flows = [text] if text else []
-    for name, (parameter, shapes) in FLOWS.items():
-        if name in terms:
-            part, off = linear(name)
-            flows.append(part)
-            into = slopes if parameter == "viscous_coefficient" else values
-            into[parameter] = first(name) - off
-            values |= {k: np.full(count, x) for k, x in zip(shapes, terms[name][0], strict=False)}
-    for name in means:
-        for part, own in (("level", kinetic), ("viscous", slopes.get("viscous_coefficient"))):
-            if f"{part}*{name}" in terms and own is not None:
-                values[f"{part}_{name}_slope"] = first(f"{part}*{name}") / np.where(own, own, 1.0)
-    text = " + ".join(flows) or "level"
-    difference = {
-        "kinetic_coefficient": first("level_direction"),
-        "static_coefficient": first("level_direction")
-        + (first("stribeck_sides", 1) if "stribeck_sides" in terms else 0.0),
-        "viscous_coefficient": first("viscous_direction"),
-    }
-    both = any(name in terms for name in DIRECTIONS)
-    for name, x in {**levels, **slopes}.items():
-        if both:
-            values[f"forward_{name}"] = x + difference[name]
-            values[f"backward_{name}"] = x - difference[name]
-        elif name != "kinetic_coefficient" or "level" in text:
-            values[name] = x
-    if both:
+    def level(self, memory: str, memory_values: Mapping[str, Array]) -> None:
+        """Compose the level: its surplus, its sign, and the bristles around it."""
+        smooth = "tanh" in self.terms
+        text, off = self.linear("level")
+        kinetic = self.first("tanh" if smooth else "level") - off
+        self.levels["kinetic_coefficient"] = kinetic
+        parts = [text] if smooth or "level" in self.terms else []
+        if not parts:
+            self.fixed.add("kinetic_coefficient")
+        surplus = next((name for name in SURPLUSES if name in self.terms), "")
+        if surplus:
+            parts = [text, "step" if surplus == "step" else "stribeck"]
+            self.levels["static_coefficient"] = kinetic + self.first(surplus)
+            self.shape(surplus, "stribeck_velocity", "fading_exponent")
+            self.fixed.add("fading_exponent")
+        if "logarithmic" in self.terms:
+            parts.append("logarithmic")
+            self.values["logarithmic_coefficient"] = self.first("logarithmic")
+            self.shape("logarithmic", "reference_velocity")
+        text = " + ".join(parts)
+        if smooth:
+            text = f"tanh({text})"
+            self.shape("tanh", "smoothing_velocity")
+        if memory and text:
+            text = f"{memory}({text})"
+            self.values |= memory_values
+        self.parts = [text] if text else []
+
+    def flows(self) -> None:
+        """Compose what stands beside the level."""
+        for name, (parameter, shapes) in FLOWS.items():
+            if name in self.terms:
+                text, off = self.linear(name)
+                self.parts.append(text)
+                into = self.slopes if parameter == "viscous_coefficient" else self.values
+                into[parameter] = self.first(name) - off
+                self.shape(name, *shapes)
+
+    def inputs(self) -> None:
+        """Give changes with inputs as shares of what changes."""
+        owners = {
+            "level": self.levels["kinetic_coefficient"],
+            "viscous": self.slopes.get("viscous_coefficient", np.ones(self.count)),
+        }
+        for name in self.means:
+            for part, own in owners.items():
+                if f"{part}*{name}" in self.terms:
+                    change = self.first(f"{part}*{name}") / np.where(own, own, 1.0)
+                    self.values[f"{part}_{name}_slope"] = change
+
+    def directions(self, text: str) -> str:
+        """Give levels and slopes of both directions; return the text."""
+        difference = {
+            "kinetic_coefficient": self.first("level_direction"),
+            "static_coefficient": self.first("level_direction"),
+            "viscous_coefficient": self.first("viscous_direction"),
+        }
+        if "stribeck_sides" in self.terms:
+            own = difference["static_coefficient"] + self.first("stribeck_sides", 1)
+            difference["static_coefficient"] = own
+        for name, x in {**self.levels, **self.slopes}.items():
+            self.values[f"forward_{name}"] = x + difference[name]
+            self.values[f"backward_{name}"] = x - difference[name]
         text = f"both_ways[levels]({text})"
         doubled = law_class(text).__dataclass_fields__
-        for name in [one for one in values if one not in doubled]:
-            x = values.pop(name)
-            values |= {f"forward_{name}": x, f"backward_{name}": x}
-    least = {name: x for name, x in values.items() if name.endswith("_coefficient")}
-    if surplus and np.any(levels["static_coefficient"] < kinetic):
-        text = ""  # a surplus below 0 is no part of a law
-    if any(np.any(x < 0.0) for x in least.values()):
-        text = ""
-    return Composition(text=text, values=values, fixed=frozenset(fixed), flow=flow)
+        for name in [one for one in self.values if one not in doubled]:
+            x = self.values.pop(name)
+            if f"forward_{name}" in doubled:
+                self.values |= {f"forward_{name}": x, f"backward_{name}": x}
+        return text
+
+    def composition(self) -> Composition:
+        """Return the law; without a text if it has none of these values."""
+        text = " + ".join(self.parts) or "level"
+        if any(name in self.terms for name in DIRECTIONS):
+            text = self.directions(text)
+        else:
+            levels = self.levels if "level" in text else {}
+            self.values |= {**levels, **self.slopes}
+        kinetic = self.levels["kinetic_coefficient"]
+        lacks = bool(np.any(self.levels.get("static_coefficient", kinetic) < kinetic))
+        positive = [x for name, x in self.values.items() if name.endswith("_coefficient")]
+        if lacks or any(np.any(x < 0.0) for x in positive):
+            text = ""
+        flow = next((name for name in ("power", "saturating", "viscous") if name in self.terms), "")
+        return Composition(text=text, values=self.values, fixed=frozenset(self.fixed), flow=flow)
 
 
 def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:

@@ -4,7 +4,7 @@ from functools import partial
 from typing import Final
 
 from stickslip.formatting import interval, number, percent, with_unit
-from stickslip.identify.figures import draw_band_verdict
+from stickslip.identify.figures import draw_band
 from stickslip.identify.verdict import BandVerdict
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import (
@@ -71,7 +71,7 @@ def facts(verdict: BandVerdict) -> list[Fact]:
 def figure_section(verdict: BandVerdict) -> Section:
     """Return the figure of the readings, the band and the law."""
     svg = inline_svg(
-        draw_band_verdict(verdict),
+        draw_band(verdict.drawing()),
         alt="Friction against velocity: readings, the 95 % band and the named law",
         prefix="band-figure",
         **MAP_SIZES,

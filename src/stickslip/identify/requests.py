@@ -33,7 +33,7 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     ('level', 'stribeck', 'viscous')
     >>> family_of_law("dahl", terms)
     Traceback (most recent call last):
-    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, which does ...
+    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, ...
     """
     kind = law_type(law) if isinstance(law, str) else law
     found: set[str] = set()

@@ -13,7 +13,7 @@ from stickslip.formatting import Scale
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, Fit, estimates_for, reads_as_forces
 from stickslip.identify.advice import Proposal
-from stickslip.identify.ensemble import Band, band_of
+from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
@@ -43,6 +43,7 @@ from stickslip.selection import (
 
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
+    from stickslip.identify.figures import BandDrawing
 
 WORTH = 0.9
 """Expected width of the band, over today's, from which a proposal is worth a sentence."""
@@ -130,7 +131,7 @@ class BandVerdict(Verdict[LawCandidate]):
     """What the verdict is read from."""
     speeds: Array
     """Velocities (n,) over which the verdict states the band [m/s] or [rad/s]."""
-    friction: Band
+    friction: PredictionBand
     """Band of the friction there [N] or [N m]."""
     checks: Checks
     """What is doubtful about the measurement."""
@@ -213,7 +214,7 @@ class BandVerdict(Verdict[LawCandidate]):
         *,
         level: float = 0.95,
         all_along: bool = False,
-    ) -> Band:
+    ) -> PredictionBand:
         """Return what friction is at velocities, whichever law holds.
 
         Parameters
@@ -231,7 +232,7 @@ class BandVerdict(Verdict[LawCandidate]):
 
         Returns
         -------
-        Band
+        PredictionBand
             Limits and median (n,) [N] or [N m].
 
         Examples
@@ -255,7 +256,7 @@ class BandVerdict(Verdict[LawCandidate]):
         inputs: Mapping[str, Array | float] | None = None,
         *,
         level: float = 0.95,
-    ) -> Band:
+    ) -> PredictionBand:
         """Return the band of new readings at velocities: friction and the noise of a reading.
 
         Parameters are those of `band`.
@@ -263,7 +264,7 @@ class BandVerdict(Verdict[LawCandidate]):
         rows = self.judgement.problem.at(velocity, load, inputs)
         low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level
         limits = np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0)
-        return Band(low=limits[0], median=limits[1], high=limits[2])
+        return PredictionBand(low=limits[0], median=limits[1], high=limits[2])
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.
@@ -340,9 +341,27 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.identify.figures import plot_band_verdict
+        from stickslip.identify.figures import plot_band  # loads matplotlib
 
-        return plot_band_verdict(self, ax)
+        return plot_band(self.drawing(), ax)
+
+    def drawing(self) -> "BandDrawing":
+        """Return what the figure of the verdict shows."""
+        from stickslip.identify.figures import BandDrawing  # loads matplotlib
+
+        problem = self.judgement.problem
+        return BandDrawing(
+            velocity=np.asarray(problem.rows.velocity),
+            friction=problem.response,
+            load=np.asarray(problem.rows.load),
+            weights=self.judgement.regression.weights,
+            speeds=self.speeds,
+            band=self.friction,
+            law=self.named_curve(self.speeds),
+            title=self.closest.title,
+            places=self.places,
+            units=(self.measurement.unit("velocity"), self.measurement.unit("friction")),
+        )
 
 
 def verdict_on(
@@ -353,7 +372,7 @@ def verdict_on(
     *,
     checks: Checks,
     speeds: Array,
-    band: Band,
+    band: PredictionBand,
     proposal: Proposal,
     places: Sequence[float],
     place_text: Sequence[str],
@@ -393,7 +412,7 @@ def verdict_on(
     said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
     doubts = [cause_sentence(one, "", words) for one in judgement.causes]
     if far := judgement.outliers:
-        doubts.append(outlier_sentence([*far], [*far.values()], words))
+        doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
     doubts += [*remarks, UNMEASURED]

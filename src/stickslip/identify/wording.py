@@ -8,7 +8,8 @@ by; what to measure next.
 
 import itertools
 from collections.abc import Sequence
-from typing import Protocol
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from stickslip.formatting import (
 from stickslip.friction import law as law_class
 from stickslip.identification import Estimate
 from stickslip.identify.advice import Proposal
-from stickslip.identify.ensemble import Band
+from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.judge import Cause, Judgement
 from stickslip.identify.problem import Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -37,7 +38,9 @@ NAMED = 3
 """Laws that a sentence names at most."""
 
 
-class Words(Protocol):
+@final
+@dataclass(frozen=True, kw_only=True)
+class Words:
     """How a kind of measurement calls things."""
 
     measured: str
@@ -102,7 +105,7 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     return f"{said}; these {words.measured} do not tell it from {joined(more)}."
 
 
-def band_sentence(speeds: Array, band: Band, words: Words) -> str:
+def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
     """Return how well friction is known over the speeds, whichever law holds."""
     half = 0.5 * (band.high - band.low)
     size = np.abs(band.median)
@@ -154,7 +157,7 @@ def cause_sentence(cause: Cause, size: str, words: Words) -> str:
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
 
 
-def outlier_sentence(rows: Sequence[int], far: Sequence[float], words: Words) -> str:
+def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
     """Return which readings are far from the others."""
     named = joined([str(row + 1) for row in itertools.islice(rows, NAMED)])
     more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""

@@ -17,7 +17,7 @@ from stickslip.selection import score_text
 class FrictionTableKind(RecordKind):
     """Friction against velocity without time: no bristles, rows in any order."""
 
-    routes = ("table",)
+    routes = ("table",)  # type: ignore[assignment]  # those of fits are those of records
     measured = "tables of friction"
     climbs = False
     uses = frozenset({"route", "validate"})

@@ -3,6 +3,7 @@
 from stickslip.lazy import attach
 
 HOMES = {
+    "BandVerdict": "identify",
     "Certificate": "trajectory",
     "Checks": "experiments",
     "Ensemble": "trajectory",
@@ -15,6 +16,7 @@ HOMES = {
     "JointVerdict": "kinds",
     "Optimum": "optimisation",
     "Plan": "kinds",
+    "PredictionBand": "identify",
     "RateStateFit": "kinds",
     "RateStateVerdict": "kinds",
     "RecordFit": "identification",

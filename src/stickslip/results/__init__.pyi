@@ -5,6 +5,8 @@ from stickslip.identification import Estimate as Estimate
 from stickslip.identification import Fit as Fit
 from stickslip.identification import RecordFit as RecordFit
 from stickslip.identification import TrialComparison as TrialComparison
+from stickslip.identify import BandVerdict as BandVerdict
+from stickslip.identify import PredictionBand as PredictionBand
 from stickslip.kinds import FeatureFit as FeatureFit
 from stickslip.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.kinds import JointVerdict as JointVerdict
@@ -24,6 +26,7 @@ from stickslip.trajectory import Status as Status
 from stickslip.trajectory import Trajectory as Trajectory
 
 __all__ = [
+    "BandVerdict",
     "Certificate",
     "Checks",
     "Ensemble",
@@ -36,6 +39,7 @@ __all__ = [
     "JointVerdict",
     "Optimum",
     "Plan",
+    "PredictionBand",
     "RateStateFit",
     "RateStateVerdict",
     "RecordFit",

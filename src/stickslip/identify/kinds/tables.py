@@ -1,19 +1,21 @@
 r"""Tables of friction over speed, with loads, temperatures, runs, and the order of the rows.
 
-Terms of laws stand for friction :math:`s(v)\,N^a f(|v|)`: :math:`s` is the direction, :math:`N` the
-load over its geometric mean. Blocks are speeds, and loads where there are several: what is left out
-is what will be asked. The measured curve is piecewise linear over :math:`\log |v|` with knots at the
-speeds, between them and beyond them, its bending penalised: a smoothing spline, whose prior opens
-the band between the readings and beyond them.
+Terms of laws stand for friction :math:`s(v)\,N^a f(|v|)`: :math:`s` is the direction, :math:`N`
+the load over its geometric mean. Blocks are speeds, and loads where there are several: what is left
+out is what will be asked. The measured curve is piecewise linear over :math:`\log |v|` with knots
+at the speeds, between them and beyond them, its bending penalised: a smoothing spline, whose prior
+opens the band between the readings and beyond them.
 """
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, speeds_in_order
@@ -26,7 +28,7 @@ from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
 from stickslip.identify.requests import families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import ORDERED
+from stickslip.identify.wording import ORDERED, Words
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import checked
 
@@ -175,6 +177,7 @@ class TableProblem(Problem):
             (("curve", (bend, a, side)),) for bend in BENDING for a in loads for side in sides
         ]
 
+    @override
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return friction and speed, with which noise of sensors and of drives grows."""
         frame = self.frame
@@ -183,10 +186,12 @@ class TableProblem(Problem):
             np.maximum(self.rows.speed, frame.slowest / 3.0),
         ]
 
+    @override
     def speeds(self, rows: Rows) -> Array:
         """Return the speeds of rows (n,)."""
         return np.maximum(rows.speed, 1e-3 * self.frame.slowest)
 
+    @override
     def variants(self, rows: Rows) -> Sequence[Rows]:
         """Return rows as they were in each run that was measured, where none is asked for."""
         runs = int(self.rows.run.max()) + 1
@@ -194,6 +199,7 @@ class TableProblem(Problem):
             return [rows]
         return [replace(rows, run=np.full(len(rows.run), k)) for k in range(runs)]
 
+    @override
     def at(
         self,
         velocity: Array,
@@ -232,6 +238,7 @@ class TableProblem(Problem):
         """Return rows of another table as this one sees them: of any of its runs, at any time."""
         return self.at(rows.velocity, rows.load, rows.inputs)
 
+    @override
     def curve_rows(self) -> tuple[Array, Rows, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
         frame = self.frame
@@ -239,6 +246,7 @@ class TableProblem(Problem):
         speeds = np.geomspace(frame.slowest, frame.fastest, POINTS)
         return speeds, self.at(side * speeds), side * frame.load
 
+    @override
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is.
 
@@ -367,7 +375,7 @@ def _bending(knots: Array) -> tuple[Array, Array]:
     """Return eigenvalues (k,) and vectors (k, k) of the bending of a curve through knots."""
     gaps = np.maximum(np.diff(knots), 1e-6)
     second = np.zeros((len(knots) - 2, len(knots)))
-    for i, (h, g) in enumerate(zip(gaps[:-1], gaps[1:], strict=True)):
+    for i, (h, g) in enumerate(itertools.pairwise(gaps)):
         second[i, i : i + 3] = np.array([1.0 / h, -1.0 / h - 1.0 / g, 1.0 / g])
         second[i] /= math.sqrt(0.5 * (h + g))
     edge = len(gaps) - 2
@@ -382,10 +390,12 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     def weight(r: Rows, exponent: float) -> Array:
         return r.direction * frame.load * (r.load / frame.load) ** exponent
 
-    def law(shape_of_speed, entries, usual):  # columns of a part: direction, load, speed
+    def law(
+        shape_of_speed: Callable[[Array, Shape], Array], entries: int, usual: float
+    ) -> Callable[[Rows, Shape], Array]:
         def columns(r: Rows, shape: Shape) -> Array:
             exponent = shape[entries] if len(shape) > entries else usual
-            return weight(r, exponent) * shape_of_speed(r.speed, shape)
+            return np.asarray(weight(r, exponent) * shape_of_speed(r.speed, shape))
 
         return columns
 
@@ -400,7 +410,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
     saturations = np.geomspace(frame.slowest, frame.fastest, 6)
     flows = frozenset({"power", "drag", "saturating", "logarithmic"})
-    part = dict(role="law", nonnegative=True)
+    part: Mapping[str, Any] = {"role": "law", "nonnegative": True}
     load_ratio = 1.15 if loaded else 1.0
     terms = [
         Term(
@@ -433,8 +443,8 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             name="saturating", columns=law(lambda u, s: s[0] * np.arctan(u / s[0]), 1, 0.0),
             shapes=[(float(v), *a) for v in saturations for a in loads],
             steps=(float(saturations[1] / saturations[0]), load_ratio), same_shape=1,
-            excludes=(flows | {"viscous"}) - {"saturating"}, title="viscous friction that saturates", rank=13,
-            **part,
+            excludes=(flows | {"viscous"}) - {"saturating"}, rank=13,
+            title="viscous friction that saturates", **part,
         ),
         Term(
             name="logarithmic",
@@ -485,7 +495,8 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         count = int(rows.run.max()) + 1
         terms.append(
             Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=15,
-                 columns=lambda r, _: weight(r, 1.0)[:, None] * (r.run[:, None] == np.arange(count)),
+                 columns=lambda r, _: weight(r, 1.0)[:, None]
+                 * (r.run[:, None] == np.arange(count)),
                  precision=lambda shape: frame.load**2 / shape[0] ** 2,
                  title="differences between runs")
         )  # fmt: skip
@@ -533,17 +544,6 @@ def structure_text(structure: Structure) -> str:
     return " + ".join(parts) or "nothing"
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class TableWords:
-    """How sentences call what a table has."""
-
-    force_unit: str
-    speed_unit: str
-    measured: str = "readings"
-    held_out: str = "speeds"
-
-
 def select_table(
     mechanism: Mechanism,
     measurement: Measurement,
@@ -582,8 +582,11 @@ def select_table(
     if laws is not None:
         problem.only = families_of(laws, problem.terms)
     judgement = Judgement.of(problem)
-    words = TableWords(
-        force_unit=measurement.unit("friction"), speed_unit=measurement.unit("velocity")
+    words = Words(
+        measured="readings",
+        held_out="speeds",
+        force_unit=measurement.unit("friction"),
+        speed_unit=measurement.unit("velocity"),
     )
     asked = problem.asked()
     curves = judgement.ensemble.curves(asked)
