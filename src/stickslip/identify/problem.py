@@ -50,7 +50,7 @@ class Term:
     """Shapes that are tried first."""
     steps: Sequence[float] = ()
     """Ratios between neighbouring shapes, by entry; 1 for entries that are not refined."""
-    limits: Sequence[tuple[float, float]] = ()
+    ranges: Sequence[tuple[float, float]] = ()
     """Ranges of the entries of the shape in which they are refined; all if not given."""
     precision: Callable[[Shape], Array | float] = lambda _: 0.0
     """Inverse variance of the coefficients of a random effect, in units of the noise; 0: fixed."""

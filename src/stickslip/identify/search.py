@@ -188,7 +188,7 @@ class Search:
         moved: list[Sequence[Column]] = []
         for name, shape in structure:
             steps = self.problem.terms[name].steps[: len(shape)]
-            limits = self.problem.terms[name].limits or [(0.0, math.inf)] * len(steps)
+            limits = self.problem.terms[name].ranges or [(0.0, math.inf)] * len(steps)
             entries = [
                 (value,)
                 if step == 1.0

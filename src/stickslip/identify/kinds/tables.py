@@ -435,7 +435,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), limits=(EXPONENTS, (0.0, math.inf)), same_shape=1,
+            steps=(1.25, load_ratio), ranges=(EXPONENTS, (0.0, math.inf)), same_shape=1,
             excludes=(flows | {"viscous"}) - {"power"},
             title="power of the speed", rank=5, **part,
         ),
