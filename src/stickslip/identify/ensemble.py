@@ -20,6 +20,9 @@ from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structur
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
+ROUNDING = (1e-9, 1e-6, 1e-3)
+"""Added to the diagonal of correlation matrices, which may be singular."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,14 +136,16 @@ class _Twin:
     problem: Problem
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
+    @cached_property
+    def _regression(self) -> BlockRegression:
+        return BlockRegression(self.problem)
+
     def fit(self, structure: Structure) -> Fitted:
         if structure not in self._fits:
-            regression = BlockRegression(self.problem)
+            regression, weights = self._regression, np.ones(len(self.problem.response))
             regression.add(structure)
-            weights = np.ones(len(self.problem.response))
-            regression.weigh(weights)
             for _ in range(THRESHOLDS.weighings):
-                left = np.abs(self.problem.response - regression.fit(structure, weights).fitted)
+                left = np.abs(regression.left(structure, weights))
                 z = left / (1.4826 * float(np.median(left)) + 1e-300)
                 weights = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9))
                 weights = weights**self.problem.softness
@@ -161,9 +166,19 @@ def student(covariance: Array, freedom: float, count: int, rng: np.random.Genera
         return np.zeros((count, len(size)))
     unit = np.where(size > 0.0, size, 1.0)
     scaled = covariance / np.outer(unit, unit)
-    root = np.linalg.cholesky(0.5 * (scaled + scaled.T) + 1e-9 * np.eye(len(size)))
+    root = _root(0.5 * (scaled + scaled.T))
     normal = rng.normal(size=(count, len(size))) @ root.T
     return np.asarray(normal * size / np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom))
+
+
+def _root(correlation: Array) -> Array:
+    """Return the Cholesky root of a correlation matrix, with as much diagonal as rounding asks."""
+    for more in ROUNDING:
+        try:
+            return np.linalg.cholesky(correlation + more * np.eye(len(correlation)))
+        except np.linalg.LinAlgError:
+            continue
+    return np.eye(len(correlation))
 
 
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> Band:

@@ -13,6 +13,7 @@ Blocks are rows that are predicted together from the others: what is left out is
 asked, such as another speed, another load, another stretch of time.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -52,12 +53,17 @@ class Term:
     """Inverse variance of the coefficients of a random effect, in units of the noise; 0: fixed."""
     nonnegative: bool = False
     """Whether coefficients below 0 are no physics."""
+    limits: tuple[float, float] = (-math.inf, math.inf)
+    """Least and largest coefficient that is physics."""
     excludes: frozenset[str] = frozenset()
     """Terms that never stand beside it: other forms of the same part."""
     needs: frozenset[str] = frozenset()
     """Terms of which at least one must stand beside it; empty: none."""
     same_shape: int | None = None
     """Entry of the shape that all terms of a structure that have one share, such as an exponent."""
+    shared: int = 0
+    """First entries of the shape that are those of the memory, which all terms of a structure
+    that have one share; 0 in the first of them: no memory."""
     title: str = ""
     """What it is called in a sentence."""
     rank: int = 0
@@ -74,7 +80,14 @@ class Term:
         >>> step.parameters((0.1, 2.0))
         2
         """
-        return self.cost + sum(step != 1.0 for step in self.steps[: len(shape)])
+        return self.cost + sum(
+            step != 1.0 and value != 0.0
+            for step, value in zip(self.steps[: len(shape)], shape, strict=False)
+        )
+
+
+MEMORY = "memory"
+"""Marks families whose law has a memory of the way."""
 
 
 def family_of(structure: Structure) -> Family:
@@ -97,6 +110,8 @@ class Problem(ABC):
     """The vocabulary by name."""
     references: Sequence[Structure]
     """Structures of the measured curve, which is no law."""
+    always: frozenset[str] = frozenset()
+    """Terms without which no structure of two or more terms stands."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
     independent: bool
@@ -105,6 +120,9 @@ class Problem(ABC):
     """Number of the stretch of each row (n,), between which errors are independent."""
     softness: float
     """Exponent by which rows beyond `Thresholds.outlier` lose weight."""
+    price: float = 0.0
+    """Share of the held-out error that a parameter must save to be believed: on a dense record
+    everything is significant, and what saves less is not found in the next."""
     spread: float = 1.0
     """Factor on the covariance: how far another record differs from this."""
 
@@ -124,6 +142,9 @@ class Problem(ABC):
     def allowed(self, structure: Structure) -> bool:
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()
+        memories = {self._memory(column) for column in structure} - {()}
+        if len(memories) > 1 or (len(names) > 1 and not self.always <= names):
+            return False
         for name, shape in structure:
             term = self.terms[name]
             if term.excludes & names or (term.needs and not term.needs & names):
@@ -131,6 +152,15 @@ class Problem(ABC):
             if term.same_shape is not None and len(shape) > term.same_shape:
                 shared.add(shape[term.same_shape])
         return len(shared) < 2
+
+    def _memory(self, column: Column) -> Shape:
+        name, shape = column
+        return tuple(shape[: self.terms[name].shared])
+
+    def family(self, structure: Structure) -> Family:
+        """Return the names of the terms of a structure, marked where it has a memory."""
+        memory = any(one[0] != 0.0 for one in map(self._memory, structure) if one)
+        return (*family_of(structure), MEMORY) if memory else family_of(structure)
 
     def parameters(self, structure: Structure) -> int:
         """Return the number of parameters of a structure."""

@@ -18,12 +18,14 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Column, Family, Problem, Structure, family_of
+from stickslip.identify.problem import Array, Column, Family, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
 
 LARGEST = 1e9
 """Losses are bounded by this, so that infinite ones can be compared."""
+MOST_MOVED = 81
+"""Shapes of a structure that are tried together."""
 DIGITS = 9
 """Digits of mean scores that order structures: further ones are rounding."""
 
@@ -59,11 +61,15 @@ class Search:
     def run(self) -> "Search":
         """Search with weights that follow from the best structure before; return itself."""
         regression = self.regression
-        regression.weigh(np.ones(len(self.problem.response)))
-        regression.losses(self.problem.references)
-        best = min(self.problem.references, key=self.mean_score)
-        for _ in range(THRESHOLDS.weighings):
-            weights, self.residual = noise_weights(regression, best)
+        first = BlockRegression(self.problem)
+        first.add(itertools.chain.from_iterable(self.problem.references))
+        first.weigh(regression.weights)
+        first.losses(self.problem.references)
+        best = min(
+            self.problem.references, key=lambda one: np.mean(block_scores(first.losses_of[one]))
+        )
+        for k in range(THRESHOLDS.weighings):
+            weights, self.residual = noise_weights(regression if k else first, best)
             regression.weigh(weights)
             best = self._climb()
             self._add_usual(best)
@@ -89,6 +95,11 @@ class Search:
         score = round(self.mean_score(structure), DIGITS)
         return score, self.problem.parameters(structure), structure
 
+    def _priced(self, structure: Structure) -> float:
+        """Return half the score plus what parameters cost."""
+        price = self.problem.price * self.problem.parameters(structure)
+        return round(0.5 * self.mean_score(structure) + price, DIGITS)
+
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
         problem, front = self.problem, [()]  # type: tuple[Problem, list[Structure]]
@@ -104,7 +115,7 @@ class Search:
             self.regression.losses(tried)
             best_of: dict[Family, Structure] = {}
             for structure in sorted(dict.fromkeys(tried), key=self._order):
-                best_of.setdefault(family_of(structure), structure)
+                best_of.setdefault(self.problem.family(structure), structure)
             ranked = sorted(dict.fromkeys([*best_of.values(), *front]), key=self._order)
             ahead = ranked[: THRESHOLDS.beam]
             if set(ahead) <= set(front):
@@ -125,7 +136,8 @@ class Search:
                 continue
             grids = [[(name, shape) for shape in terms[name].shapes] for name in family]
             for structure in itertools.product(*grids):
-                whole = [tuple(sorted(structure)), tuple(sorted([*structure, *beside]))]
+                more = [column for column in beside if column[0] not in family]
+                whole = [tuple(sorted(structure)), tuple(sorted([*structure, *more]))]
                 tried += [one for one in whole if self.problem.allowed(one)]
         self.regression.losses(tried)
 
@@ -141,19 +153,17 @@ class Search:
         """Halve the grid around the best shapes of the best families."""
         for k in range(THRESHOLDS.refinements):
             best_of: dict[Family, Structure] = {}
-            for structure in self.structures:
+            for structure in sorted(self.structures, key=self._priced):
                 if self.problem.is_law(structure):
-                    best_of.setdefault(family_of(structure), structure)
+                    best_of.setdefault(self.problem.family(structure), structure)
             around = [
                 one
                 for structure in [*best_of.values()][: THRESHOLDS.families]
                 for one in self._between(structure, 0.5 ** (k + 1))
             ]
-            weights, known = self.regression.weights, dict(self.regression.losses_of)
+            around = [one for one in around if self.problem.allowed(one)]
             self.regression.add(column for one in around for column in one)
-            self.regression.weigh(weights)
-            self.regression.losses_of = known
-            self.regression.losses(one for one in around if self.problem.allowed(one))
+            self.regression.losses(around)
 
     def _between(self, structure: Structure, share: float) -> Iterator[Structure]:
         """Yield a structure with shapes a part of a step away, alone and together."""
@@ -161,11 +171,15 @@ class Search:
         for name, shape in structure:
             steps = self.problem.terms[name].steps[: len(shape)]
             entries = [
-                (value,) if step == 1.0 else (value / step**share, value, value * step**share)
+                (value,) if step == 1.0 or value == 0.0
+                else (value / step**share, value, value * step**share)
                 for value, step in zip(shape, steps, strict=False)
-            ]
+            ]  # fmt: skip
             rest = shape[len(entries) :]
             moved.append([(name, (*entry, *rest)) for entry in itertools.product(*entries)])
-        if sum(len(one) > 1 for one in moved) == 0 or math.prod(map(len, moved)) > 81:
-            return
-        yield from (tuple(one) for one in itertools.product(*moved))
+        together = list(itertools.islice(itertools.product(*moved), MOST_MOVED + 1))
+        if len(together) <= MOST_MOVED:
+            yield from together
+        else:  # one after the other
+            for k, own in enumerate(moved):
+                yield from ((*structure[:k], one, *structure[k + 1 :]) for one in own)

@@ -41,8 +41,8 @@ class Thresholds:
     """Stands for the share of a family that has none."""
     tie: float = 2.0
     """Difference of evidence up to which families are not told apart (odds of 7; study: names)."""
-    material: float = 0.2
-    """Share of the best held-out error within which laws of a record are not told apart."""
+    material: float = 0.06
+    """Share of the held-out error of a record that a parameter must save (study: records)."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 
