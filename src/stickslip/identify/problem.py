@@ -112,6 +112,8 @@ class Problem(ABC):
     """Structures of the measured curve, which is no law."""
     always: frozenset[str] = frozenset()
     """Terms without which no structure of two or more terms stands."""
+    curved: frozenset[str] | None = None
+    """Terms that the measured curve stands for; None: all parts of laws."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
     independent: bool
@@ -169,6 +171,12 @@ class Problem(ABC):
     def rank(self, structure: Structure) -> int:
         """Return how unusual the terms of a structure are, together."""
         return sum(self.terms[name].rank for name, _ in structure)
+
+    def beside_curve(self, structure: Structure) -> Structure:
+        """Return the columns of a structure that the measured curve does not stand for."""
+        if self.curved is not None:
+            return tuple(one for one in structure if one[0] not in self.curved)
+        return tuple(one for one in structure if self.terms[one[0]].role in ("rig", "run"))
 
     def is_law(self, structure: Structure) -> bool:
         """Return whether a structure is a law, and not the measured curve."""

@@ -121,8 +121,9 @@ class Search:
             if set(ahead) <= set(front):
                 break
             front = ahead
-        beside = [column for column in front[0] if problem.terms[column[0]].role in ("rig", "run")]
+        beside = problem.beside_curve(front[0])
         curves = [tuple(sorted({*one, *beside})) for one in problem.references]
+        curves = [one for one in curves if problem.allowed(one)]
         self.regression.losses([*curves, *problem.references])
         return min(self.structures, key=self._order)
 

@@ -80,7 +80,7 @@ EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl, slower."""
 LENGTHS = 10
 """Lengths of bristles that are looked at, from the noise to a quarter of the range."""
-HALVINGS = 3
+HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
@@ -718,6 +718,10 @@ class RecordsProblem(Problem):
     independent = False
     softness = SOFT
     price = THRESHOLDS.material
+    curved = frozenset(
+        {"level", "viscous", "stribeck", "drag", "power", "saturating", "viscous_direction",
+         "stribeck_direction"}
+    )  # fmt: skip
 
     def __init__(
         self, records: Sequence[Record], *, like: "RecordsProblem | None" = None, band: float = 1.0
@@ -900,8 +904,11 @@ def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
     return stretch, blocks, near
 
 
-def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float]]:
-    """Return the memories whose plain law leaves least, and wave numbers of what is left."""
+def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[float]]:
+    """Return the memories whose plain law leaves least, and wave numbers of what is left.
+
+    Those of the force, then those of the level: of what is left times the direction.
+    """
     rows, frame = problem.rows, problem.frame
     lengths = np.geomspace(2.0 * frame.noise, frame.span / 4.0, LENGTHS)
     plain = [np.ones(rows.count), rows.seen(rows.velocity)]
@@ -931,14 +938,19 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float]]:
             del rows._states[memory]
     try_((0.0, 0.0))
     e = min(left.values(), key=lambda one: one[0])[1]
-    q = rows.seen(rows.place)
+    q, side = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
     most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
     numbers = np.arange(6.0 * math.pi / frame.span, most, 0.5 / frame.span)
     few = slice(None, None, max(rows.count // 1500, 1))
-    power = np.abs(np.exp(-1j * np.outer(numbers, q[few])) @ e[few])
+    turning = np.exp(-1j * np.outer(numbers, q[few]))
+    return [(0.0, 0.0), *sorted(best)], *(_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+
+
+def _peaks(numbers: Array, spectrum: NDArray[np.complex128]) -> list[float]:
+    """Return the wave numbers of the largest peaks of a spectrum."""
+    power = np.abs(spectrum)
     peaks = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
-    waves = sorted(peaks.tolist(), key=lambda j: -power[j])[:WAVES]
-    return [(0.0, 0.0), *sorted(best)], [float(numbers[j]) for j in waves]
+    return [float(numbers[j]) for j in sorted(peaks.tolist(), key=lambda j: -power[j])[:WAVES]]
 
 
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
@@ -960,7 +972,10 @@ def _fading(clock: Array, constant: float) -> Array:
 
 
 def _terms(
-    problem: RecordsProblem, memories: Sequence[Shape], waves: Sequence[float]
+    problem: RecordsProblem,
+    memories: Sequence[Shape],
+    waves: Sequence[float],
+    level_waves: Sequence[float],
 ) -> dict[str, Term]:
     """Return the vocabulary of records."""
     rows, frame = problem.rows, problem.frame
@@ -972,7 +987,7 @@ def _terms(
     faster = float(speeds[1] / speeds[0])
     falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
     loads: list[Shape] = [(a,) for a in (0.67, 0.8, 1.0)] if loaded else [()]
-    base = frozenset({"level", "adhesion"} if loaded else {"level"})
+    base = frozenset({"level", "curve", *(["adhesion"] if loaded else [])})
     flows = frozenset({"power", "drag", "saturating"})
 
     def law(of: Callable[[Any, Shape], Array]) -> Callable[[Any, Shape], Array]:
@@ -997,7 +1012,7 @@ def _terms(
         return [(*memory, *one) for memory in memories for one in own]
 
     on_memory: dict[str, Any] = dict(shared=2)
-    step = (ratio, 1.0)
+    step = (ratio**0.25, 1.0)  # the screening went as far as that
     terms = [
         Term(name="level", role="law", columns=on_state(
                 lambda r, s: np.ones(len(r.velocity)) if not s else r.load ** (s[0] - 1.0)),
@@ -1027,7 +1042,7 @@ def _terms(
              title="static surplus that differs by direction", rank=8),
         Term(name="second", role="law", needs=base,
              columns=law(lambda r, s: r.state(*s) * r.load),
-             shapes=[(float(x), 0.0) for x in lengths], steps=(ratio, 1.0),
+             shapes=[(float(x), n) for x in lengths for n in (0.0, 1.0)], steps=(ratio, 1.0),
              nonnegative=True, title="second memory", rank=9),
         Term(name="place", role="law", needs=base, cost=2, columns=on_state(
                 lambda r, _: np.column_stack([r.place / frame.span, (r.place / frame.span) ** 2])),
@@ -1048,14 +1063,14 @@ def _terms(
         Term(name="curve", role="curve", columns=curve, shapes=(), cost=2,
              precision=lambda _: 1e-6 * rows.count, title="curve as measured", **on_memory),
     ]  # fmt: skip
-    if waves:
+    if waves and level_waves:
         terms += [
             Term(name="ripple", role="rig", cost=2, shapes=[(k,) for k in waves], steps=(1.02,),
                  columns=law(lambda r, s: _pair(s[0] * r.place)), title="ripple over the place",
                  rank=11),
             Term(name="level_ripple", role="law", cost=2, needs=base,
                  columns=on_state(lambda r, s: _pair(s[0] * r.place)),
-                 shapes=of_memory(*((k,) for k in waves)), steps=(*step, 1.02),
+                 shapes=of_memory(*((k,) for k in level_waves)), steps=(*step, 1.02),
                  title="level that ripples over the place", rank=12, **on_memory),
         ]  # fmt: skip
     if loaded:
