@@ -69,7 +69,7 @@ def compare(search: Search) -> Comparison:
     losses = np.array([search.regression.losses_of[one] for one in structures])
     scores = block_scores(losses)
     laws = np.array([problem.is_law(one) for one in structures])
-    shares = _shares(scores, _priors(problem, structures, families))
+    shares = _shares(scores, _priors(search, structures, families))
     shares = _with_curve(shares, laws, scores)
     mean = scores.mean(axis=1)
     best_of: dict[Family, int] = {}
@@ -83,7 +83,8 @@ def compare(search: Search) -> Comparison:
     if problem.independent:
         named = max(evidence, key=lambda i: (round(evidence[i], 9), -i))
     else:
-        value = {i: math.log(error[i] + 1e-300) + problem.price * problem.parameters(structures[i])
+        value = {i: math.log(error[i] + 1e-300)
+                 + search.regression.price * problem.parameters(structures[i])
                  for i in np.flatnonzero(laws)}  # fmt: skip
         named = min(value, key=lambda i: (round(value[i], 9), problem.rank(structures[i]), i))
         near |= {named}
@@ -152,10 +153,10 @@ def _with_curve(shares: Array, laws: Array, scores: Array) -> Array:
 
 
 def _priors(
-    problem: Problem, structures: Sequence[Structure], families: Sequence[Family]
+    search: Search, structures: Sequence[Structure], families: Sequence[Family]
 ) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    members: dict[Family, list[int]] = {}
+    problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
     for i, own in enumerate(families):
         members.setdefault(own, []).append(i)
     priors = np.ones(len(structures))
@@ -167,11 +168,11 @@ def _priors(
                 values = np.array([structures[i][k][1][entry] for i in rows])
                 if not values.all():  # without a memory
                     continue
-                values = np.log(values)
+                values = np.log(np.abs(values))
                 priors[rows] *= _spacing(values, math.log(step))
         priors[rows] /= priors[rows].sum()
     # half the number of blocks times the difference of scores that such a share of the error makes
-    nats = problem.price * len(problem.blocks)
+    nats = search.regression.price * len(problem.blocks)
     count = np.array([problem.parameters(one) for one in structures])
     return priors * np.exp(-nats * (count - count.min()))
 

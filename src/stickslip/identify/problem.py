@@ -122,9 +122,6 @@ class Problem(ABC):
     """Number of the stretch of each row (n,), between which errors are independent."""
     softness: float
     """Exponent by which rows beyond `Thresholds.outlier` lose weight."""
-    price: float = 0.0
-    """Share of the held-out error that a parameter must save to be believed: on a dense record
-    everything is significant, and what saves less is not found in the next."""
     spread: float = 1.0
     """Factor on the covariance: how far another record differs from this."""
 
@@ -135,6 +132,14 @@ class Problem(ABC):
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
+
+    def price(self, size: float) -> float:
+        """Return the share of the held-out error that a parameter must save to be believed.
+
+        `size` is that of the response over its noise. On a dense record everything is significant,
+        and what saves less is not found in the next.
+        """
+        return 0.0
 
     @property
     def twins(self) -> Sequence["Problem"]:

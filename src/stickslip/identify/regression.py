@@ -95,6 +95,12 @@ class BlockRegression:
         self._inside = _extended(self._inside, a, y, self.problem.blocks)
         self._near = self._inside if same else _extended(near, a, y, self.problem.excluded)
 
+    @property
+    def price(self) -> float:
+        """Return what a parameter costs, as a share of the held-out error."""
+        weighted = self.weights * self.problem.response
+        return self.problem.price(float(np.sqrt(np.mean(weighted**2))))
+
     def index(self, structure: Structure) -> NDArray[np.intp]:
         """Return the columns of a structure."""
         if not structure:

@@ -97,7 +97,7 @@ class Search:
 
     def _priced(self, structure: Structure) -> float:
         """Return half the score plus what parameters cost."""
-        price = self.problem.price * self.problem.parameters(structure)
+        price = self.regression.price * self.problem.parameters(structure)
         return round(0.5 * self.mean_score(structure) + price, DIGITS)
 
     def _climb(self) -> Structure:

@@ -60,7 +60,7 @@ TWINS = (0.6, 1.5)
 """Bands of the same record, over the usual one, whose differences count as uncertainty."""
 SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
-WIDEST, NARROWEST = 130.0, 4.0
+WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
 SAMPLED = 0.15
 """Largest band over the sampling rate."""
@@ -82,8 +82,18 @@ LENGTHS = 10
 """Lengths of bristles that are looked at, from the noise to a quarter of the range."""
 HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
+BENDING = (1e-4, 1e-2, 1.0)
+"""Penalties of the bending of the measured curve, in units of the noise."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
+LATEST = 0.1
+"""Delays and lags of the force over the period of the motion, at most."""
+LIKELY = 3.0
+"""Records that the usual spread of records is worth, where it is estimated."""
+CLEAN = 20.0
+"""Force over its noise from which parameters have the full price."""
+NATS = 2.0
+"""Least price of a parameter: log likelihood of independent rows."""
 WAVES = 2
 """Wave numbers of the place that are looked at."""
 NEIGHBOURS = 40
@@ -386,7 +396,9 @@ class Frame:
     low: float
     """Slowest speed that is told from rest [m/s]."""
     middle: float
-    """Where places count from: 0, or the middle of positions that are far from it [m]."""
+    """Middle of the positions, where places count from [m]."""
+    relaxed: float
+    """Where springs are relaxed: 0, or the middle where 0 was not passed [m]."""
     span: float
     """Their range [m]."""
     start: float
@@ -398,6 +410,10 @@ class Frame:
     """Means of inputs."""
     knots: Array
     """Logarithms of the speeds at which the measured curve bends (k,)."""
+    basis: Array
+    """Eigenvectors of its bending (k, k)."""
+    bending: Array
+    """Their eigenvalues (k,)."""
     size: float
     """Root mean square of the response [N]."""
 
@@ -509,6 +525,10 @@ class Along:
         """Rates of the recorded force at the rows [N/s]."""
         return self.seen(self.raw, slope=1)
 
+    def early(self, delay: float) -> Array:
+        """Return the recorded force at the rows, less what comes a delay later [N]."""
+        return self.seen(self.raw) - self.seen(self.raw, late=-delay)
+
     @cached_property
     def mechanism(self) -> Array:
         """Known forces of the mechanism at the rows [N]."""
@@ -583,6 +603,11 @@ class Along:
     def place(self) -> Array:
         """Positions from `Frame.middle` (n,) [m]."""
         return self.position - self.frame.middle
+
+    @cached_property
+    def stretch(self) -> Array:
+        """Positions from where springs are relaxed (n,) [m]."""
+        return self.position - self.frame.relaxed
 
     @cached_property
     def clock(self) -> Array:
@@ -686,12 +711,21 @@ class Steady:
         """Positions from the middle (n,) [m]."""
         return self._none + self.at
 
+    @property
+    def stretch(self) -> Array:
+        """Return 0: springs are relaxed."""
+        return self._none
+
     def input(self, name: str) -> Array:
         """Return the mean of an input."""
         return self._none
 
     def excess(self, limit: float) -> Array:
         """Return 0: steady forces are not clipped."""
+        return self._none
+
+    def early(self, delay: float) -> Array:
+        """Return 0: steady forces do not change."""
         return self._none
 
     def loose(self, half: float) -> Array:
@@ -717,7 +751,6 @@ class RecordsProblem(Problem):
 
     independent = False
     softness = SOFT
-    price = THRESHOLDS.material
     curved = frozenset(
         {"level", "viscous", "stribeck", "drag", "power", "saturating", "viscous_direction",
          "stribeck_direction"}
@@ -726,7 +759,7 @@ class RecordsProblem(Problem):
     def __init__(
         self, records: Sequence[Record], *, like: "RecordsProblem | None" = None, band: float = 1.0
     ) -> None:
-        self.records = list(records)
+        self.records = _by_best_sensor(records) if like is None else _alike(records, like.records[0])
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = _band(self.records) if like is None else like.frame.band
@@ -740,7 +773,7 @@ class RecordsProblem(Problem):
         if like is None:
             found = _screened(self)
             self.terms = _terms(self, *found)
-            self.references = _references(self, found[0])
+            self.references = _references(self, found[0][:2])
         else:
             self.terms, self.references = like.terms, like.references
         beside = [*self.always]
@@ -753,7 +786,18 @@ class RecordsProblem(Problem):
                 ("drag", "level", "viscous"), ("drag", "viscous"), ("level", "power"),
             )
         ]  # fmt: skip
-        self.spread = SPREAD if like is None else like.spread
+        self.spread = _spread(self) if like is None else like.spread
+
+    def price(self, size: float) -> float:
+        """Return the share of the error that a parameter must save: 6 %, less where noise is large.
+
+        Where noise is small beside the force everything is significant, and what counts is whether
+        it is material; where it is large a parameter must only be significant.
+        """
+        filt = self.rows.filters[0]
+        independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
+        material = THRESHOLDS.material * min(size / CLEAN, 1.0)
+        return min(max(NATS / independent, material), THRESHOLDS.material)
 
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return the speed, with which noise grows."""
@@ -822,6 +866,35 @@ def _frequency(records: Sequence[Record]) -> float:
     return float(np.median(found))
 
 
+def _allowed_band(records: Sequence[Record], noise: float) -> float:
+    """Return the band [Hz] in which noise of the sensor is an acceleration of a size [m/s^2]."""
+    h = max(float(np.median(np.diff(one.time))) for one in records)
+    if records[0].velocity is None:
+        ratio = noise / max(noise_of(one.position) for one in records)
+        return float((5.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 4)) ** 0.2)
+    ratio = noise / max(noise_of(one.velocity) for one in records if one.velocity is not None)
+    return float((3.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 2)) ** (1.0 / 3.0))
+
+
+def _by_best_sensor(records: Sequence[Record]) -> list[Record]:
+    """Return records without velocities where positions tell accelerations better."""
+    both = all(one.velocity is not None and one.located for one in records)
+    if not both:
+        return list(records)
+    bare = [replace(one, velocity=None) for one in records]
+    f = _frequency(bare)
+    typical = (2.0 * math.pi * f) * float(np.std(records[0].velocity))
+    by_position = _allowed_band(bare, SHARE * typical)
+    return bare if by_position > _allowed_band(records, SHARE * typical) else list(records)
+
+
+def _alike(records: Sequence[Record], first: Record) -> list[Record]:
+    """Return records with the sensors that were used of others."""
+    if first.velocity is None:
+        return [replace(one, velocity=None) for one in records]
+    return list(records)
+
+
 def _band(records: Sequence[Record]) -> float:
     """Return the band [Hz] in which noise of the motion costs little of the force."""
     h = max(float(np.median(np.diff(one.time))) for one in records)
@@ -845,14 +918,7 @@ def _band(records: Sequence[Record]) -> float:
     if not np.any(trial.raw):  # a free motion: friction is what is left
         left = Along(records, None, low)
         allowed = 0.1 * float(np.std(left.force - inertia * left.acceleration))
-    if first.velocity is None:
-        noise = inertia * max(noise_of(one.position) for one in records)
-        ratio = allowed / max(noise, 1e-300)
-        band = (5.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 4)) ** 0.2
-    else:
-        noise = inertia * max(noise_of(one.velocity) for one in records if one.velocity is not None)
-        ratio = allowed / max(noise, 1e-300)
-        band = (3.0 * ratio**2 / (2.0 * h * (2.0 * math.pi) ** 2)) ** (1.0 / 3.0)
+    band = _allowed_band(records, allowed / max(inertia, 1e-300))
     return float(np.clip(band, low, top))
 
 
@@ -861,7 +927,10 @@ def _frame(rows: Along, band: float) -> Frame:
     speed = np.abs(rows.seen(rows.velocity))
     top = float(np.quantile(speed, 0.99))
     low = max(top / 200.0, float(np.quantile(speed, 0.02)))
-    knots = np.log(np.maximum(np.quantile(speed, np.linspace(0.02, 1.0, KNOTS)), low))
+    knots = np.unique(np.log(np.maximum(np.quantile(speed, np.linspace(0.02, 1.0, KNOTS)), low)))
+    bend = np.diff(np.eye(len(knots)), 2, axis=0)
+    values, basis = np.linalg.eigh(bend.T @ bend)
+    values = np.where(values < 1e-8 * values.max(), 0.0, values)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
     varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(np.median(loads[0]))
@@ -872,7 +941,8 @@ def _frame(rows: Along, band: float) -> Frame:
         noise=rows.noise,
         top=top,
         low=low,
-        middle=0.0 if low_x <= 0.0 <= high_x else 0.5 * (low_x + high_x),
+        middle=0.5 * (low_x + high_x),
+        relaxed=0.0 if low_x <= 0.0 <= high_x else 0.5 * (low_x + high_x),
         span=high_x - low_x,
         start=float(rows.records[0].time[0]),
         duration=max(float(one.time[-1] - one.time[0]) for one in rows.records),
@@ -880,7 +950,9 @@ def _frame(rows: Along, band: float) -> Frame:
         inputs={
             name: float(np.mean(x)) for name, x in sorted(inputs.items()) if np.ptp(x) > 0.0
         },
-        knots=np.unique(knots),
+        knots=knots,
+        basis=basis,
+        bending=values,
         size=float(np.sqrt(np.mean(rows.force**2))) or 1.0,
     )
 
@@ -943,7 +1015,8 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     numbers = np.arange(6.0 * math.pi / frame.span, most, 0.5 / frame.span)
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
-    return [(0.0, 0.0), *sorted(best)], *(_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    best.sort(key=lambda one: left[one][0])
+    return [(0.0, 0.0), *best], *(_peaks(numbers, turning @ one[few]) for one in (e, side * e))
 
 
 def _peaks(numbers: Array, spectrum: NDArray[np.complex128]) -> list[float]:
@@ -956,10 +1029,52 @@ def _peaks(numbers: Array, spectrum: NDArray[np.complex128]) -> list[float]:
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
     base = [("inertia", ())] if problem.finds_inertia else []
     return [
-        tuple(sorted([*base, ("curve", (*memory, side)), ("offset", ())]))
+        tuple(sorted([*base, ("curve", (*memory, side, bend)), ("offset", ())]))
         for memory in memories
         for side in (0.0, 1.0)
+        for bend in BENDING
     ]
+
+
+def _by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
+    """Return the columns (n, p) of the measured curve, of size 1, and what they leave (n,)."""
+    rows = problem.rows
+    left, found = math.inf, (np.zeros((0, 0)), np.zeros(0))
+    for structure in problem.references:
+        x = np.hstack([np.reshape(problem.terms[name].columns(rows, shape), (rows.count, -1))
+                       for name, shape in structure])  # fmt: skip
+        x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+        gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
+        e = problem.response - x @ np.linalg.solve(gram, x.T @ problem.response)
+        if np.median(np.abs(e)) < left:
+            left, found = float(np.median(np.abs(e))), (x, e)
+    return found
+
+
+def _spread(problem: RecordsProblem) -> float:
+    """Return how far another record differs, over the covariance of the mean of stretches.
+
+    Of R records alike, another differs by R times the variance of their mean, which is that of
+    sums over records of the scores of the fit over that of sums over stretches. One record tells
+    nothing of it; few are weighed with the usual `SPREAD`.
+    """
+    count = len(problem.records)
+    if count < 2:
+        return SPREAD
+    x, left = _by_curve(problem)
+    inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
+    e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
+
+    def variance(groups: NDArray[np.intp]) -> float:
+        scores = np.zeros((int(groups.max()) + 1, x.shape[1]))
+        np.add.at(scores, groups, x * e[:, None])
+        own = len(np.unique(groups))
+        return float(np.sum((x @ inverse @ scores.T) ** 2)) * own / max(own - 1, 1)
+
+    ratio = variance(problem.rows.record) / (variance(problem.stretches) + 1e-300)
+    found = (1.0 + count) * max(ratio, 1.0 / count)
+    share = (count - 1.0) / (count - 1.0 + LIKELY)
+    return float(SPREAD ** (1.0 - share) * found**share)
 
 
 def _pair(angle: Array) -> Array:
@@ -1004,7 +1119,7 @@ def _terms(
 
     def curve(r: Any, shape: Shape) -> Array:
         x = r.knotted()
-        hats = np.array([np.interp(x, frame.knots, one) for one in np.eye(len(frame.knots))]).T
+        hats = np.array([np.interp(x, frame.knots, one) for one in frame.basis.T]).T
         z = (r.state(*shape[:2]) * r.load)[:, None]
         return np.asarray(r.seen(np.hstack([z * hats, np.abs(z) * hats]) if shape[2] else z * hats))
 
@@ -1056,12 +1171,17 @@ def _terms(
              columns=law(lambda r, s: r.velocity * _fading(r.clock, s[0])),
              shapes=[(x,) for x in RUNNING_IN], steps=(1.5,),
              title="viscous friction that changes with time", rank=14),
-        Term(name="spring", role="rig", columns=law(lambda r, _: r.place), title="spring",
+        Term(name="offset_drift", role="rig", needs=frozenset({"offset"}),
+             columns=law(lambda r, s: _fading(r.clock, s[0])),
+             shapes=[(x,) for x in RUNNING_IN], steps=(1.5,),
+             title="offset that changes with time", rank=15),
+        Term(name="spring", role="rig", columns=law(lambda r, _: r.stretch), title="spring",
              rank=15),
         Term(name="bow", role="rig", columns=law(lambda r, _: r.place**2), rank=16,
              title="force that bends with the place"),
         Term(name="curve", role="curve", columns=curve, shapes=(), cost=2,
-             precision=lambda _: 1e-6 * rows.count, title="curve as measured", **on_memory),
+             precision=lambda shape: shape[3] * np.tile(frame.bending, 1 + int(shape[2])),
+             title="curve as measured", **on_memory),
     ]  # fmt: skip
     if waves and level_waves:
         terms += [
@@ -1099,11 +1219,16 @@ def _terms(
                  nonnegative=True, title="inertia", rank=0)
         )  # fmt: skip
     if driven or problem.records[0].friction:
-        late = 0.1 / _frequency(problem.records)
-        terms.append(
-            Term(name="delay", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, late),
-                 title="delay of the force", rank=17)
-        )  # fmt: skip
+        late = LATEST / _frequency(problem.records)
+        delays = np.geomspace(rows.filters[0].step, late, 7)
+        terms += [
+            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, late),
+                 title="lag of the force", rank=17),
+            Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=(0.8, 1.2),
+                 shapes=[(side * float(x),) for x in delays for side in (1.0, -1.0)],
+                 steps=(float(delays[1] / delays[0]),), cost=0, excludes=frozenset({"lag"}),
+                 title="delay of the force", rank=17),
+        ]  # fmt: skip
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
         rings = np.geomspace(0.15 * frame.band, 0.9 * frame.band, 9)
