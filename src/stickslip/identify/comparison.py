@@ -152,9 +152,7 @@ def _with_curve(shares: Array, laws: Array, scores: Array) -> Array:
     return shares
 
 
-def _priors(
-    search: Search, structures: Sequence[Structure], families: Sequence[Family]
-) -> Array:
+def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
     problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
     for i, own in enumerate(families):

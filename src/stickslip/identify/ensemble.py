@@ -20,9 +20,6 @@ from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structur
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
-ROUNDING = (1e-9, 1e-6, 1e-3)
-"""Added to the diagonal of correlation matrices, which may be singular."""
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,7 +78,7 @@ class Ensemble:
         parts = _allotted(np.ones(len(fits)), count)
         return np.vstack(
             [
-                fit.coefficients + student(fit.covariance, fit.freedom, n, rng)
+                fit.coefficients + student(fit, n, rng)
                 for fit, n in zip(fits, parts, strict=True)
             ]
         )
@@ -159,26 +156,20 @@ def _allotted(shares: Array, count: int) -> list[int]:
     return np.diff(ends, prepend=0.0).astype(int).tolist()
 
 
-def student(covariance: Array, freedom: float, count: int, rng: np.random.Generator) -> Array:
-    """Return draws (count, p) of Student's t with a covariance (p, p) that may be singular."""
+def student(fit: Fitted, count: int, rng: np.random.Generator) -> Array:
+    """Return draws (count, p) of Student's t about 0 with the covariance of a fit."""
+    root = _root(fit.covariance) if fit.root is None else fit.root
+    normal = rng.normal(size=(count, len(root))) @ root
+    return np.asarray(normal / np.sqrt(rng.chisquare(fit.freedom, (count, 1)) / fit.freedom))
+
+
+def _root(covariance: Array) -> Array:
+    """Return a root (p, p) of a covariance, the transposed one of Cholesky."""
     size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    if not size.any():
-        return np.zeros((count, len(size)))
     unit = np.where(size > 0.0, size, 1.0)
     scaled = covariance / np.outer(unit, unit)
-    root = _root(0.5 * (scaled + scaled.T))
-    normal = rng.normal(size=(count, len(size))) @ root.T
-    return np.asarray(normal * size / np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom))
-
-
-def _root(correlation: Array) -> Array:
-    """Return the Cholesky root of a correlation matrix, with as much diagonal as rounding asks."""
-    for more in ROUNDING:
-        try:
-            return np.linalg.cholesky(correlation + more * np.eye(len(correlation)))
-        except np.linalg.LinAlgError:
-            continue
-    return np.eye(len(correlation))
+    root = np.linalg.cholesky(0.5 * (scaled + scaled.T) + 1e-9 * np.eye(len(size)))
+    return np.asarray(root.T * size)
 
 
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> Band:

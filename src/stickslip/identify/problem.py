@@ -201,6 +201,8 @@ class Fitted:
     """Their covariance (p, p)."""
     freedom: float
     """Degrees of freedom of Student's t."""
+    root: Array | None = None
+    """A root (k, p) of the covariance, where it is known: root.T @ root is the covariance."""
 
 
 @final

@@ -209,6 +209,7 @@ class BlockRegression:
         shaped = problem.parameters(structure) - sum(
             problem.terms[name].cost for name, _ in structure
         )
+        root = None
         if problem.independent:
             freedom = max(len(y) - float(np.trace(inverse @ gram)) - shaped, 2.0)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
@@ -218,13 +219,14 @@ class BlockRegression:
             scores = np.zeros((count, len(columns)))
             np.add.at(scores, problem.stretches, a * e[:, None])
             freedom = count - 1.0
-            covariance = inverse @ (scores.T @ scores) @ inverse
-            covariance *= problem.spread * count / freedom
+            root = scores @ inverse * math.sqrt(problem.spread * count / freedom)
+            covariance, root = root.T @ root, root / size
         return Fitted(
             fitted=x @ c,
             coefficients=c / size,
             covariance=covariance / np.outer(size, size),
             freedom=freedom,
+            root=root,
         )
 
 

@@ -55,6 +55,7 @@ class Search:
                 itertools.chain.from_iterable(problem.references),
             )
         )
+        self._orders: dict[Structure, tuple[float, int, Structure]] = {}
         self.residual = np.zeros(len(problem.response))
         """Held-out residuals over their scale (n,), before rows lose weight."""
 
@@ -71,8 +72,9 @@ class Search:
         for k in range(THRESHOLDS.weighings):
             weights, self.residual = noise_weights(regression if k else first, best)
             regression.weigh(weights)
+            self._orders.clear()
             best = self._climb()
-            self._add_usual(best)
+        self._add_usual(best)
         self._refine()
         return self
 
@@ -92,8 +94,11 @@ class Search:
         return float(np.mean(self.scores(structure)))
 
     def _order(self, structure: Structure) -> tuple[float, int, Structure]:
-        score = round(self.mean_score(structure), DIGITS)
-        return score, self.problem.parameters(structure), structure
+        key = self._orders.get(structure)
+        if key is None:
+            score = round(self.mean_score(structure), DIGITS)
+            key = self._orders[structure] = (score, self.problem.parameters(structure), structure)
+        return key
 
     def _priced(self, structure: Structure) -> float:
         """Return half the score plus what parameters cost."""
@@ -130,7 +135,7 @@ class Search:
     def _add_usual(self, best: Structure) -> None:
         """Compare the usual laws, alone and beside what the best law has of the rig."""
         terms = self.problem.terms
-        beside = [column for column in best if terms[column[0]].role != "law"]
+        beside = [column for column in best if terms[column[0]].role not in ("law", "curve")]
         tried: list[Structure] = []
         for family in self.problem.usual:
             if not set(family) <= terms.keys():

@@ -43,6 +43,8 @@ class Thresholds:
     """Difference of evidence up to which families are not told apart (odds of 7; study: names)."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
+    same_span: float = 0.01
+    """Part of a column outside a span from which a design tells them apart."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 

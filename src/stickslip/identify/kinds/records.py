@@ -50,7 +50,6 @@ from stickslip.identify.ensemble import Band, Ensemble, band_of
 from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
 
 STRETCHES = 20
 """Stretches that records are cut into, which are left out one at a time."""
@@ -90,6 +89,8 @@ LATEST = 0.1
 """Delays and lags of the force over the period of the motion, at most."""
 LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
+RINGS = 0.4
+"""Largest resonance over the band: above, noise of the acceleration stands for it."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
 NATS = 2.0
@@ -384,8 +385,7 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
-    """What columns are scaled by: that of the records that were fitted, whatever rows they are of.
-    """
+    """What columns are scaled by: that of the records that were fitted, whatever rows they are of."""
 
     band: float
     """Band [Hz]."""
@@ -430,7 +430,9 @@ class Along:
         for one in self.records:
             h = float(one.time[1] - one.time[0])
             self.filters.append(
-                Filter(count=len(one.time), step=h, band=band, every=max(int(1 / (per * band * h)), 1))
+                Filter(
+                    count=len(one.time), step=h, band=band, every=max(int(1 / (per * band * h)), 1)
+                )
             )
         self.band, self._frame = band, frame
         lengths = [len(one.time) for one in self.records]
@@ -449,7 +451,9 @@ class Along:
     def seen(self, x: Array, **options: Any) -> Array:
         """Return a full column (n, ...) as the filter shows it, at the rows."""
         pieces = np.split(x, self._cuts)
-        return self.rows_of([f(one, **options) for f, one in zip(self.filters, pieces, strict=True)])
+        return self.rows_of(
+            [f(one, **options) for f, one in zip(self.filters, pieces, strict=True)]
+        )
 
     def _full(self, make: Callable[[Record, Filter], Array]) -> Array:
         both = zip(self.records, self.filters, strict=True)
@@ -502,9 +506,7 @@ class Along:
         """Accelerations at the rows [m/s^2]."""
         return self.rows_of(
             [
-                filt(one.position, slope=2)
-                if one.velocity is None
-                else filt(one.velocity, slope=1)
+                filt(one.position, slope=2) if one.velocity is None else filt(one.velocity, slope=1)
                 for one, filt in zip(self.records, self.filters, strict=True)
             ]
         )
@@ -524,6 +526,11 @@ class Along:
     def force_rate(self) -> Array:
         """Rates of the recorded force at the rows [N/s]."""
         return self.seen(self.raw, slope=1)
+
+    def wave(self, number: float) -> Array:
+        """Return sine and cosine (n, 2) of the place."""
+        angle = number * self.place
+        return np.column_stack([np.sin(angle), np.cos(angle)])
 
     def early(self, delay: float) -> Array:
         """Return the recorded force at the rows, less what comes a delay later [N]."""
@@ -565,7 +572,9 @@ class Along:
         """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
 
         def made(one: Record, filt: Filter) -> Array:
-            chatter = 0.5 * noise_of(one.position) * math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
+            chatter = (
+                0.5 * noise_of(one.position) * math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
+            )
             return followed(filt(one.position, full=True), chatter)
 
         return self._full(made)
@@ -579,7 +588,9 @@ class Along:
             else:
                 found = [
                     bristle(one, length, exponent, self._strained(record))
-                    for one, record in zip(np.split(self.path, self._cuts), self.records, strict=True)
+                    for one, record in zip(
+                        np.split(self.path, self._cuts), self.records, strict=True
+                    )
                 ]
                 self._states[key] = np.concatenate(found)
         return self._states[key]
@@ -618,9 +629,11 @@ class Along:
     def load(self) -> Array:
         """Loads (n,) over the usual one."""
         return self._full(
-            lambda one, filt: 1.0 + 0.0 * one.time
-            if one.load is None or self.frame.load == 1.0
-            else np.maximum(one.load, 0.0) / self.frame.load
+            lambda one, filt: (
+                1.0 + 0.0 * one.time
+                if one.load is None or self.frame.load == 1.0
+                else np.maximum(one.load, 0.0) / self.frame.load
+            )
         )
 
     def input(self, name: str) -> Array:
@@ -724,6 +737,10 @@ class Steady:
         """Return 0: steady forces are not clipped."""
         return self._none
 
+    def wave(self, number: float) -> Array:
+        """Return 0: the mean over places."""
+        return np.zeros((len(self.velocity), 2))
+
     def early(self, delay: float) -> Array:
         """Return 0: steady forces do not change."""
         return self._none
@@ -759,7 +776,9 @@ class RecordsProblem(Problem):
     def __init__(
         self, records: Sequence[Record], *, like: "RecordsProblem | None" = None, band: float = 1.0
     ) -> None:
-        self.records = _by_best_sensor(records) if like is None else _alike(records, like.records[0])
+        self.records = (
+            _by_best_sensor(records) if like is None else _alike(records, like.records[0])
+        )
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = _band(self.records) if like is None else like.frame.band
@@ -819,10 +838,14 @@ class RecordsProblem(Problem):
     def steady(self, velocity: Array, *, moment: float = 0.0, load: float | None = None) -> Steady:
         """Return rows of steady motion at velocities (n,) [m/s]."""
         over = 1.0 if load is None else load / self.frame.load
-        return Steady(frame=self.frame, velocity=np.asarray(velocity, float), moment=moment, over=over)
+        return Steady(
+            frame=self.frame, velocity=np.asarray(velocity, float), moment=moment, over=over
+        )
 
 
-def readings(ensemble: Ensemble, residual: Array, other: RecordsProblem, level: float = 0.95) -> Band:
+def readings(
+    ensemble: Ensemble, residual: Array, other: RecordsProblem, level: float = 0.95
+) -> Band:
     """Return the band of the response of other records: what laws predict, and the noise.
 
     Parameters
@@ -933,7 +956,9 @@ def _frame(rows: Along, band: float) -> Frame:
     values = np.where(values < 1e-8 * values.max(), 0.0, values)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
-    varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(np.median(loads[0]))
+    varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(
+        np.median(loads[0])
+    )
     names = set.intersection(*({*one.inputs} for one in rows.records))
     inputs = {name: np.concatenate([one.inputs[name] for one in rows.records]) for name in names}
     return Frame(
@@ -947,9 +972,7 @@ def _frame(rows: Along, band: float) -> Frame:
         start=float(rows.records[0].time[0]),
         duration=max(float(one.time[-1] - one.time[0]) for one in rows.records),
         load=float(np.exp(np.mean(np.log(np.concatenate(loads))))) if varies else 1.0,
-        inputs={
-            name: float(np.mean(x)) for name, x in sorted(inputs.items()) if np.ptp(x) > 0.0
-        },
+        inputs={name: float(np.mean(x)) for name, x in sorted(inputs.items()) if np.ptp(x) > 0.0},
         knots=knots,
         basis=basis,
         bending=values,
@@ -1077,10 +1100,6 @@ def _spread(problem: RecordsProblem) -> float:
     return float(SPREAD ** (1.0 - share) * found**share)
 
 
-def _pair(angle: Array) -> Array:
-    return np.column_stack([np.sin(angle), np.cos(angle)])
-
-
 def _fading(clock: Array, constant: float) -> Array:
     """Return a drift over time (n,): straight, or one that fades with a time constant."""
     return clock if constant == 0.0 else np.exp(-(clock + 0.5) / constant)
@@ -1126,7 +1145,7 @@ def _terms(
     def of_memory(*own: Shape) -> list[Shape]:
         return [(*memory, *one) for memory in memories for one in own]
 
-    on_memory: dict[str, Any] = dict(shared=2)
+    on_memory: dict[str, Any] = {"shared": 2}
     step = (ratio**0.25, 1.0)  # the screening went as far as that
     terms = [
         Term(name="level", role="law", columns=on_state(
@@ -1179,17 +1198,17 @@ def _terms(
              rank=15),
         Term(name="bow", role="rig", columns=law(lambda r, _: r.place**2), rank=16,
              title="force that bends with the place"),
-        Term(name="curve", role="curve", columns=curve, shapes=(), cost=2,
+        Term(name="curve", role="curve", columns=curve, shapes=(), cost=5,
              precision=lambda shape: shape[3] * np.tile(frame.bending, 1 + int(shape[2])),
              title="curve as measured", **on_memory),
     ]  # fmt: skip
     if waves and level_waves:
         terms += [
             Term(name="ripple", role="rig", cost=2, shapes=[(k,) for k in waves], steps=(1.02,),
-                 columns=law(lambda r, s: _pair(s[0] * r.place)), title="ripple over the place",
+                 columns=law(lambda r, s: r.wave(s[0])), title="ripple over the place",
                  rank=11),
             Term(name="level_ripple", role="law", cost=2, needs=base,
-                 columns=on_state(lambda r, s: _pair(s[0] * r.place)),
+                 columns=on_state(lambda r, s: r.wave(s[0])),
                  shapes=of_memory(*((k,) for k in level_waves)), steps=(*step, 1.02),
                  title="level that ripples over the place", rank=12, **on_memory),
         ]  # fmt: skip
@@ -1231,7 +1250,7 @@ def _terms(
         ]  # fmt: skip
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
-        rings = np.geomspace(0.15 * frame.band, 0.9 * frame.band, 9)
+        rings = np.geomspace(0.1, RINGS, 8) * frame.band
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
         terms += [
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
