@@ -69,8 +69,8 @@ def compare(search: Search) -> Comparison:
     losses = np.array([search.regression.losses_of[one] for one in structures])
     scores = block_scores(losses)
     laws = np.array([problem.is_law(one) for one in structures])
-    shares = _shares(scores, _priors(search, structures, families))
-    shares = _with_curve(shares, laws, scores)
+    shares = stacked_shares(scores, _priors(search, structures, families))
+    shares = with_curve(shares, laws)
     mean = scores.mean(axis=1)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
@@ -131,7 +131,7 @@ def _evidence(
     return found
 
 
-def _shares(scores: Array, priors: Array) -> Array:
+def stacked_shares(scores: Array, priors: Array) -> Array:
     """Return stacking weights by Bayesian bootstrap of the blocks (s,)."""
     count = scores.shape[1]
     draws = np.random.default_rng(1).dirichlet(np.ones(count), THRESHOLDS.draws)
@@ -140,7 +140,7 @@ def _shares(scores: Array, priors: Array) -> Array:
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
 
 
-def _with_curve(shares: Array, laws: Array, scores: Array) -> Array:
+def with_curve(shares: Array, laws: Array) -> Array:
     """Return shares of which the measured curve has at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
     own = float(shares[~laws].sum())

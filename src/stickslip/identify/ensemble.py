@@ -49,6 +49,8 @@ class Ensemble:
     regression: BlockRegression
     comparison: Comparison
     seed: int = 0
+    twinned: bool = True
+    """Whether the same measurement prepared otherwise counts, too."""
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
     @property
@@ -85,7 +87,7 @@ class Ensemble:
 
     @cached_property
     def _twins(self) -> "list[_Twin]":
-        return [_Twin(one) for one in self.problem.twins]
+        return [_Twin(one) for one in self.problem.twins] if self.twinned else []
 
     def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
         """Return what drawn laws predict at rows (count, n).
@@ -120,8 +122,9 @@ class Ensemble:
         weights = np.array([*having.values()])
         for one, n in zip(having, _allotted(weights / weights.sum(), count), strict=True):
             if n:
-                at = self.regression.index(one[: [name for name, _ in one].index(term)])
-                found.append(self.sampled(one, n, rng)[:, len(at)])
+                before = one[: [name for name, _ in one].index(term)]
+                at = sum(self.regression.columns.of(column).shape[1] for column in before)
+                found.append(self.sampled(one, n, rng)[:, at])
         return np.concatenate(found)
 
 

@@ -77,6 +77,8 @@ FEWEST = 60
 """Samples of a record at least."""
 EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl, slower."""
+SHORTEST = 5.0
+"""Shortest bristle over the noise of positions: what is shorter is made by it."""
 LENGTHS = 10
 """Lengths of bristles that are looked at, from the noise to a quarter of the range."""
 HALVINGS = 5
@@ -1005,7 +1007,7 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     Those of the force, then those of the level: of what is left times the direction.
     """
     rows, frame = problem.rows, problem.frame
-    lengths = np.geomspace(2.0 * frame.noise, frame.span / 4.0, LENGTHS)
+    lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     plain = [np.ones(rows.count), rows.seen(rows.velocity)]
     plain += [rows.acceleration] if problem.finds_inertia else []
     left: dict[Shape, tuple[float, Array]] = {}
@@ -1035,7 +1037,7 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     e = min(left.values(), key=lambda one: one[0])[1]
     q, side = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
     most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
-    numbers = np.arange(6.0 * math.pi / frame.span, most, 0.5 / frame.span)
+    numbers = np.arange(3.0 * math.pi / frame.span, most, 0.5 / frame.span)
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
     best.sort(key=lambda one: left[one][0])
@@ -1115,12 +1117,12 @@ def _terms(
     rows, frame = problem.rows, problem.frame
     driven = bool(np.any(rows.raw)) and not problem.records[0].friction
     loaded = frame.load != 1.0
-    lengths = np.geomspace(2.0 * frame.noise, frame.span / 4.0, LENGTHS)
+    lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     ratio = float(lengths[1] / lengths[0])
     speeds = np.geomspace(frame.low, frame.top, SPEEDS)
     faster = float(speeds[1] / speeds[0])
     falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
-    loads: list[Shape] = [(a,) for a in (0.67, 0.8, 1.0)] if loaded else [()]
+    loads: list[Shape] = [(), (0.67,), (0.8,)] if loaded else [()]
     base = frozenset({"level", "curve", *(["adhesion"] if loaded else [])})
     flows = frozenset({"power", "drag", "saturating"})
 
@@ -1256,10 +1258,10 @@ def _terms(
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  limits=(0.7, 1.3), title="force that is clipped", rank=18),
-            Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
+            Term(name="backlash", role="fault", cost=2, columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
                  nonnegative=True, title="backlash", rank=19, needs=problem.always),
-            Term(name="flexible", role="fault", needs=problem.always,
+            Term(name="flexible", role="fault", cost=2, needs=problem.always,
                  columns=lambda r, s: r.seen(r.ringing(r.full_acceleration(), s[0])),
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
