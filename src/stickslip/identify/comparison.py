@@ -161,7 +161,7 @@ def _priors(search: Search, structures: Sequence[Structure], families: Sequence[
     for rows in members.values():
         for k, (name, shape) in enumerate(structures[rows[0]]):
             for entry, step in enumerate(problem.terms[name].steps[: len(shape)]):
-                if step == 1.0:
+                if step == 1.0 or any(len(structures[i][k][1]) <= entry for i in rows):
                     continue
                 values = np.array([structures[i][k][1][entry] for i in rows])
                 if not values.all():  # without a memory

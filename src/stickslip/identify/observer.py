@@ -14,17 +14,17 @@ from the balance, whose wide covariance is the prior; lengths of bristles, Strib
 exponents are continuous. Their covariance is a sandwich over stretches; held-out losses are
 linearised, and shares follow from them as in `stickslip.identify.comparison`.
 
-**Rule.** The bandwidth is that of the smallest innovations. Where the noise of the force explains it,
+**Rule.** The bandwidth is that of the smallest innovations. Where noise of the force explains it,
 
-.. math:: w \le w_0 = \sqrt{\sigma_F / (J \sigma_q)},
+.. math:: w \le 0.9\, w_0, \quad w_0 = \sqrt{\sigma_F / (J \sigma_q)},
 
-the law holds as simulated, and the refined laws stand, their covariance times `INFLATION`. Else what
-drives the innovations is no noise but the law that is wrong: refining harms, and the balance stays.
+the law holds as simulated, and the refined laws stand, their covariance times `INFLATION`. Else
+what drives the innovations is no noise but a law that is wrong: refining harms, the balance stays.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -38,11 +38,11 @@ from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
 from stickslip.solver.compile.observer_code import observe
 
-BANDWIDTHS = (0.4, 0.6, 0.9, 1.3, 1.8)
-"""Bandwidths of the observer that are tried, over that of the noise of the force ..."""
-HOLDS = 1.0
-"""... and the largest at which a law holds as simulated (study: records)."""
-INFLATION = 2.0
+BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
+"""Bandwidths of the observer that are tried, over the largest at which a law holds ..."""
+HOLDS = 0.9
+"""... which is over that of the noise of the force (study: records)."""
+INFLATION = 6.0
 """Factor on the covariance: shapes that no refined law has (study: records)."""
 PARTS = 4
 """Steps between samples, at least."""
@@ -301,8 +301,8 @@ class RefinedLaw:
     """Inverse covariance of the prior (p, p)."""
     stretches: Array
     """Number of the stretch of each innovation (n,)."""
-    scale: float = 1.0
-    _: object = field(default=None, repr=False)
+    scale: float
+    """Robust standard deviation of the innovations."""
 
     @cached_property
     def weights(self) -> Array:
@@ -343,7 +343,9 @@ class RefinedLaw:
             found.append(float(np.mean(self.weights[rows] * e * e)))
         return np.array(found)
 
-    def drawn(self, share: float, rng: np.random.Generator) -> Iterator[tuple[Structure, float, Fitted]]:
+    def drawn(
+        self, share: float, rng: np.random.Generator
+    ) -> Iterator[tuple[Structure, float, Fitted]]:
         """Yield structures with drawn shapes, their shares, and coefficients given these."""
         n, root = self.law.count, self.root
         covariance = root.T @ root
@@ -392,7 +394,9 @@ class Observer:
         step = self.runs[0].step
         band = problem.rows.band
         skip = 3 * max(int(1.0 / band / step), 5)
-        self._kept = [np.arange(len(run.place)) >= min(skip, len(run.place) // 4) for run in self.runs]
+        self._kept = [
+            np.arange(len(run.place)) >= min(skip, len(run.place) // 4) for run in self.runs
+        ]
         count = sum(int(kept.sum()) for kept in self._kept)
         blocks = int(problem.stretches.max()) + 1
         self._stretches = np.arange(count) * blocks // count
@@ -410,15 +414,33 @@ class Observer:
         candidates = self._candidates()
         if not candidates:
             return self.ensemble
-        self._choose_bandwidth(candidates)
-        if self.bandwidth > HOLDS * self.noise_bandwidth * (1.0 + 1e-9):
-            return self.ensemble
-        gains = _gains(self.runs[0].step, self.bandwidth)
-        laws = [one for one in (self._fit(x, gains, ITERATIONS) for x in candidates) if one]
-        laws = self._different(laws)
+        step = self.runs[0].step
+        self.noise_bandwidth = self._explained(candidates[0])
+        first = HOLDS * self.noise_bandwidth
+        laws = self._fits(candidates, _gains(step, first), {})
         if not laws:
             return self.ensemble
-        return self._compared(laws)
+        found = {}
+        for share in BANDWIDTHS:
+            e = self._innovations(laws[0].law, laws[0].theta, _gains(step, share * first))
+            found[share * first] = _bounded(e, _scale(e))
+        self.bandwidth = min(found, key=lambda w: found[w])
+        if self.bandwidth > first * (1.0 + 1e-9):
+            return self.ensemble
+        if self.bandwidth < first * (1.0 - 1e-9):
+            known = {one.law.structure: one.theta for one in laws}
+            laws = self._fits([*known], _gains(step, self.bandwidth), known)
+        return self._compared(laws) if laws else self.ensemble
+
+    def _fits(
+        self,
+        candidates: Sequence[Structure],
+        gains: tuple[float, float],
+        known: Mapping[Structure, Array],
+    ) -> list[RefinedLaw]:
+        """Return the laws that a fit ends at, the best first."""
+        found = [self._fit(one, gains, known.get(one)) for one in candidates]
+        return self._different([one for one in found if one is not None])
 
     # ---- which laws
     def _candidates(self) -> list[Structure]:
@@ -456,33 +478,24 @@ class Observer:
         return [*best.values()]
 
     # ---- fits
-    def _choose_bandwidth(self, candidates: Sequence[Structure]) -> None:
-        fit = self.ensemble.fit(candidates[0])
+    def _explained(self, structure: Structure) -> float:
+        """Return the bandwidth that the noise of the force explains [rad/s]."""
         inertia = self.problem.records[0].inertia
         if inertia is None:
-            names = [name for name, _ in candidates[0]]
-            law = self._law(candidates[0])
+            law, fit = self._law(structure), self.ensemble.fit(structure)
+            names = [name for name, _ in structure]
             inertia = float(fit.coefficients[sum(law.widths[: names.index("inertia")])])
-        force = _force_noise(self.problem)
+        force = max(noise_of(one.force) for one in self.problem.rows.records)
         place = max(noise_of(run.place) for run in self.runs)
-        self.noise_bandwidth = math.sqrt(force / (abs(inertia) * place + 1e-300))
-        step = self.runs[0].step
-        trial = self._fit(candidates[0], _gains(step, 0.6 * self.noise_bandwidth), 3)
-        if trial is None:
-            self.bandwidth = math.inf
-            return
-        found = {}
-        for share in BANDWIDTHS:
-            w = share * self.noise_bandwidth
-            e = self._innovations(trial.law, trial.theta, _gains(step, w))
-            found[w] = _bounded(e, _scale(e))
-        self.bandwidth = min(found, key=lambda w: found[w])
+        return math.sqrt(force / (abs(inertia) * place + 1e-300))
 
     def _innovations(self, law: ObservedLaw, theta: Array, gains: tuple[float, float]) -> Array:
         every = zip(law.innovations(theta, gains), self._kept, strict=True)
         return np.concatenate([e[kept] for e, kept in every])
 
-    def _fit(self, structure: Structure, gains: tuple[float, float], rounds: int) -> RefinedLaw | None:
+    def _fit(
+        self, structure: Structure, gains: tuple[float, float], known: Array | None
+    ) -> RefinedLaw | None:
         """Return a law after Gauss-Newton from the balance; None where it goes astray."""
         balance = self.ensemble.regression.fit(structure)
         law = self._law(structure)
@@ -498,9 +511,9 @@ class Observer:
         precision = np.diag(np.concatenate([np.zeros(n), np.full(len(law.shapes), LOOSE**-2)]))
         values, vectors = np.linalg.eigh(balance.covariance / np.outer(size, size))
         precision[:n, :n] = (vectors / np.maximum(values, 1e-6)) @ vectors.T / np.outer(size, size)
-        theta = start.copy()
+        theta = start.copy() if known is None else known.copy()
         e = self._innovations(law, theta, gains)
-        for _ in range(rounds):
+        for _ in range(ITERATIONS):
             scale = _scale(e)
             x = self._slopes(law, theta, steps, gains, e)
             a = x * (np.minimum(1.0, OUTLIER * scale / np.maximum(np.abs(e), 1e-300)))[:, None]
@@ -529,7 +542,12 @@ class Observer:
         )  # fmt: skip
 
     def _slopes(
-        self, law: ObservedLaw, theta: Array, steps: Array, gains: tuple[float, float], e: Array | None
+        self,
+        law: ObservedLaw,
+        theta: Array,
+        steps: Array,
+        gains: tuple[float, float],
+        e: Array | None,
     ) -> Array:
         """Return slopes with the other sign (n, p): by central differences where e is not given."""
         columns = []
@@ -566,7 +584,9 @@ class Observer:
                 first.setdefault(i, structure)
         families = [problem.family(one) for one in structures]
         best = first[int(np.flatnonzero(is_law)[0])] if is_law.any() else structures[0]
-        same = [one for one in structures if problem.family(one) == problem.family(comparison.named)]
+        same = [
+            one for one in structures if problem.family(one) == problem.family(comparison.named)
+        ]
         curve = [one for one in structures if not problem.is_law(one)]
         found: Comparison = replace(
             comparison,
@@ -619,11 +639,6 @@ def _gains(step: float, bandwidth: float) -> tuple[float, float]:
     r = (4.0 + index - math.sqrt(8.0 * index + index**2)) / 4.0
     alpha = 1.0 - r * r
     return alpha, 2.0 * (2.0 - alpha) - 4.0 * math.sqrt(1.0 - alpha)
-
-
-def _force_noise(problem: RecordsProblem) -> float:
-    """Return the standard deviation of white noise of the forces."""
-    return max(noise_of(one.force) for one in problem.rows.records)
 
 
 def _scale(e: Array) -> float:

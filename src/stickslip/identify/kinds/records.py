@@ -92,7 +92,10 @@ LATEST = 0.1
 LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 RINGS = 0.4
-"""Largest resonance over the band: above, noise of the acceleration stands for it."""
+"""Largest resonance over the band."""
+CALM = 0.5
+"""Part of the band in which accelerations of a load are looked at: else such terms fit the noise
+that the acceleration of the motor has."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
 NATS = 2.0
@@ -564,8 +567,18 @@ class Along:
                     2.0 * filt.step * (2.0 * math.pi) ** 2 * filt.band**3 / 3.0
                 )
             side = np.where(np.abs(v) > 3.0 * noise, np.sign(v), 0.0)
+            sure = np.flatnonzero(side)
+            if not len(sure):
+                return side
             last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), 0))
-            return np.asarray(side[last])
+            found = side[last]
+            found[: sure[0]] = side[sure[0]]
+            turned = side[sure[1:]] != side[sure[:-1]]
+            for i, j in zip(sure[:-1][turned], sure[1:][turned], strict=True):
+                # between sure directions it turns where that agrees most with the velocity
+                k = int(np.argmax(np.cumsum(v[i:j]) * side[i]))
+                found[i + k + 1 : j] = side[j]
+            return np.asarray(found)
 
         return self._full(made)
 
@@ -653,7 +666,7 @@ class Along:
         def made(one: Record, filt: Filter) -> Array:
             v = filt(one.position, slope=1, wider=2.0, full=True)
             x = filt(one.position, wider=2.0, full=True)
-            return filt(coasting(x, v, half, filt.step) - x, slope=2)
+            return filt(coasting(x, v, half, filt.step) - x, slope=2, wider=CALM)
 
         both = zip(self.records, self.filters, strict=True)
         return self.rows_of([made(one, filt) for one, filt in both])
@@ -669,8 +682,8 @@ class Along:
         return np.concatenate(parts)
 
     def full_acceleration(self) -> Array:
-        """Return accelerations (n,) in twice the band [m/s^2]."""
-        return self._full(lambda one, filt: filt(one.position, slope=2, wider=2.0, full=True))
+        """Return accelerations (n,) in half the band [m/s^2]: where they are no noise."""
+        return self._full(lambda one, filt: filt(one.position, slope=2, wider=CALM, full=True))
 
     def knotted(self) -> Array:
         """Return logarithms of speeds (n,)."""
@@ -805,6 +818,8 @@ class RecordsProblem(Problem):
                 ("level", "offset", "viscous"), ("level", "stribeck", "viscous"),
                 ("level", "offset", "stribeck", "viscous"), ("drag", "level"),
                 ("drag", "level", "viscous"), ("drag", "viscous"), ("level", "power"),
+                ("adhesion", "level"), ("adhesion", "level", "viscous"),
+                ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
             )
         ]  # fmt: skip
         self.spread = _spread(self) if like is None else like.spread
@@ -1176,7 +1191,7 @@ def _terms(
              columns=law(lambda r, s: np.exp(-(np.abs(r.velocity) / s[0]) ** s[1])),
              shapes=falls, steps=(faster, 1.0),
              title="static surplus that differs by direction", rank=8),
-        Term(name="second", role="law", needs=base,
+        Term(name="second", role="law", needs=frozenset({"level", "curve"}),
              columns=law(lambda r, s: r.state(*s) * r.load),
              shapes=[(float(x), n) for x in lengths for n in (0.0, 1.0)], steps=(ratio, 1.0),
              nonnegative=True, title="second memory", rank=9),
