@@ -153,6 +153,10 @@ class Problem(ABC):
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
 
     @abstractmethod
+    def points(self, structure: Structure, coefficients: Array) -> "Points":
+        """Return what a figure shows of the measurement beside a structure with coefficients."""
+
+    @abstractmethod
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is."""
 
@@ -221,6 +225,21 @@ class Problem(ABC):
     def is_law(self, structure: Structure) -> bool:
         """Return whether a structure is a law, and not the measured curve."""
         return all(self.terms[name].role != "curve" for name, _ in structure)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Points:
+    """Friction as it was measured, for a figure."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]."""
+    friction: Array
+    """Friction (n,) [N]: the response, less what a structure says of the rig."""
+    load: Array
+    """Loads (n,) [N]."""
+    rows: NDArray[np.intp]
+    """Rows of the problem (n,) that are shown."""
 
 
 @final

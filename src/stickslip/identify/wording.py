@@ -67,9 +67,18 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     exponent = composed.rig.get("load_exponent")
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
-    terms = judgement.problem.terms
-    beside = [terms[name].title for name in family_of(structure) if terms[name].role in BESIDE]
-    return f"{title}, {joined(beside)}" if beside else title
+    return title
+
+
+def beside_of(judgement: Judgement, structure: Structure) -> str:
+    """Return what a structure holds beside its law, as the end of a phrase."""
+    problem = judgement.problem
+    beside = [
+        problem.terms[name].title
+        for name in family_of(structure)
+        if problem.terms[name].role in BESIDE and name not in problem.always
+    ]
+    return f" with {joined(beside)}" if beside else ""
 
 
 def no_law(judgement: Judgement) -> bool:
@@ -84,25 +93,30 @@ def no_law(judgement: Judgement) -> bool:
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
-    title = title_of(judgement, comparison.named)
+    title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
     others = list(
         dict.fromkeys(
-            in_sentence(title_of(judgement, one))
+            in_sentence(title_of(judgement, one)) + beside_of(judgement, one)
             for one in comparison.set
-            if title_of(judgement, one) != title
+            if one != comparison.named
         )
     )
     if no_law(judgement):
         return (
-            f"No law explains these {words.measured}: their own curve predicts held-out"
+            f"No law explains the {words.measured}: a curve over the speed predicts held-out"
             f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
             " the closest."
         )
-    said = f"Use {friction_of(title)}"
+    said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."
     more = [*others[:NAMED], f"{len(others) - NAMED} more"] if len(others) > NAMED else others
-    return f"{said}; these {words.measured} do not tell it from {joined(more)}."
+    these = (
+        f"these {words.measured} do"
+        if words.measured.endswith("s")
+        else (f"this {words.measured} does")
+    )
+    return f"{said}; {these} not tell it from {joined(more)}."
 
 
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
@@ -172,6 +186,12 @@ def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
 ORDERED = (
     "The speeds were measured in their order: a drift, such as warming or wear, would pass for an"
     " effect of the speed. Measure them in random order, or some again at the end."
+)
+
+
+OTHERS = (
+    "One record says nothing of how much others of the same machine differ: the band allows for as"
+    " much as single stretches of it do. A second record (--validate) measures it."
 )
 
 

@@ -13,18 +13,11 @@ from stickslip.report import Origin, SectionMaker
 from stickslip.selection import score_text
 
 
-@final
-class FrictionTableKind(RecordKind):
-    """Friction against velocity without time: no bristles, rows in any order."""
+class BandKind(RecordKind):
+    """What `stickslip.identify` judges; fits are those of records."""
 
-    routes = ("table",)  # type: ignore[assignment]  # those of fits are those of records
-    measured = "tables of friction"
     climbs = False
     uses = frozenset({"route", "validate"})
-
-    @override
-    def serves(self, measurement: Measurement) -> bool:
-        return all(one.kind == "friction-map" for one in measurement.records())
 
     @override
     def candidates(self, laws: Any, measurement: Measurement) -> list[str]:
@@ -33,16 +26,6 @@ class FrictionTableKind(RecordKind):
     @override
     def resolved(self, request: Request) -> Request:
         return request
-
-    @override
-    def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
-        return select_table(
-            request.mechanism,
-            request.measurement,
-            laws=request.laws,
-            validate=request.validate,
-            route=self.routes[0],
-        )
 
     @override
     def comparison(self, verdict: BandVerdict) -> Comparison:  # type: ignore[override]
@@ -72,3 +55,25 @@ class FrictionTableKind(RecordKind):
         self, verdict: BandVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
         return verdict_sections(verdict, origin, remark)
+
+
+@final
+class FrictionTableKind(BandKind):
+    """Friction against velocity without time: no bristles, rows in any order."""
+
+    routes = ("table",)  # type: ignore[assignment]  # those of fits are those of records
+    measured = "tables of friction"
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return all(one.kind == "friction-map" for one in measurement.records())
+
+    @override
+    def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
+        return select_table(
+            request.mechanism,
+            request.measurement,
+            laws=request.laws,
+            validate=request.validate,
+            route=self.routes[0],
+        )

@@ -47,9 +47,9 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.series.inverse_dynamics import known_forces, mass_of
-from stickslip.identify.ensemble import PredictionBand, Ensemble, band_of
+from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
-from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
+from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 
@@ -784,15 +784,19 @@ class Steady:
 
 ASKED = 40
 """Speeds of each direction at which the band is stated."""
+DRAWN = 600
+"""Points of a figure, about."""
 ONE_WAY = 0.02
 """Share of the rows below which a direction counts as not moved in."""
 LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "delay", "clip", "backlash", "flexible", "inertia_error",
+    "lag", "inertia_error",
 )  # fmt: skip
-"""Terms of the rig and faults, whose first coefficient is reported by their name."""
+"""Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
+SHAPED = ("delay", "clip", "backlash", "flexible")
+"""Those whose shape is their size."""
 
 
 @final
@@ -824,6 +828,7 @@ class RecordsProblem(Problem):
         self.rows = Along(self.records, None if like is None else like.frame, band * base)
         self.frame = _frame(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
+        self._widths: dict[Column, int] = {}
         self.normal = normal if like is None else like.normal
         self.inertia_path = inertia_path if like is None else like.inertia_path
         known = 0.0 if first.inertia is None else first.inertia
@@ -901,6 +906,21 @@ class RecordsProblem(Problem):
         speeds = np.geomspace(self.frame.low, self.frame.top, POINTS)
         return speeds, self.at(speeds), self.normal
 
+    @override
+    def points(self, structure: Structure, coefficients: Array) -> Points:
+        """Return the response less what a structure says of the rig, thinned out."""
+        at, friction = 0, self.response.copy()
+        for name, shape in structure:
+            size = self.width(name, shape)
+            if self.terms[name].role in ("rig", "fault"):
+                x = np.reshape(self.terms[name].columns(self.rows, shape), (self.rows.count, -1))
+                friction -= x @ coefficients[at : at + size]
+            at += size
+        rows = np.arange(0, self.rows.count, max(self.rows.count // DRAWN, 1))
+        velocity = self.rows.seen(self.rows.velocity)
+        load = np.ones(len(rows))
+        return Points(velocity=velocity[rows], friction=friction[rows], load=load, rows=rows)
+
     def asked(self) -> Steady:
         """Return the rows over which the band is stated: the directions that were moved in."""
         v = self.rows.seen(self.rows.velocity)
@@ -923,10 +943,16 @@ class RecordsProblem(Problem):
             if name == "inertia":
                 rig[self.inertia_path] = own[:, 0]
             elif name in PATHS:
-                rig[name] = own[:, 0]
-            elif name == "stribeck_direction":
-                unlike = True
-            elif name in ("curve", "second", "place", "level_ripple", "adhesion"):
+                rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
+            elif name in SHAPED:
+                rig[name] = np.full(len(own), shape[0])
+            elif name == "stribeck_direction" or name in (
+                "curve",
+                "second",
+                "place",
+                "level_ripple",
+                "adhesion",
+            ):
                 unlike = True
             elif term.role == "law":
                 entries = shape[term.shared :]
@@ -940,15 +966,24 @@ class RecordsProblem(Problem):
             values = {"bristle_stiffness": level / memory[0]}
             values |= {"yield_exponent": np.full(len(coefficients), max(memory[1], LEAST_EXPONENT))}
         found = compose(
-            terms, self.frame.inputs, memory="dahl" if memory[0] else "", memory_values=values
+            terms,
+            self.frame.inputs,
+            memory="dahl" if memory[0] else "",
+            memory_values=values,
+            memory_fixed=("yield_exponent",),
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
 
+    @cached_property
+    def _rest(self) -> Steady:
+        return self.at(self.frame.low)
+
     def width(self, name: str, shape: Shape) -> int:
         """Return the number of coefficients of a term."""
-        if name == "curve":
-            return len(self.frame.bending) * (1 + int(shape[2]))
-        return self.terms[name].cost or 1
+        if (name, shape) not in self._widths:
+            one = np.reshape(self.terms[name].columns(self._rest, shape), (1, -1))
+            self._widths[name, shape] = one.shape[1]
+        return self._widths[name, shape]
 
 
 def readings(
@@ -1277,7 +1312,7 @@ def _terms(
         Term(name="power", role="law",
              columns=law(lambda r, s: np.sign(r.velocity) * np.abs(r.velocity) ** s[0]),
              shapes=[(p,) for p in (0.33, 0.5, 0.67, 0.8, 1.5)], steps=(1.25,), nonnegative=True,
-             excludes=flows - {"power"}, title="power of the speed", rank=7),
+             excludes=(flows | {"viscous"}) - {"power"}, title="power of the speed", rank=7),
         Term(name="stribeck_direction", role="law", needs=frozenset({"stribeck"}),
              columns=law(lambda r, s: np.exp(-(np.abs(r.velocity) / s[0]) ** s[1])),
              shapes=falls, steps=(faster, 1.0),
