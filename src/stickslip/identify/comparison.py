@@ -58,6 +58,8 @@ class Comparison:
     """Share of the measured curve before it got its least: near 1 where no law explains."""
     curve_gain: float
     """Mean score of the best law less that of the curve, over its paired standard error."""
+    curve_ratio: float
+    """Held-out error of the best law over that of the curve."""
 
     def share_of(self, family: Family) -> float:
         """Return the share of all structures of a family."""
@@ -108,6 +110,7 @@ def compare(search: Search) -> Comparison:
         curve=structures[curve],
         curve_share=curve_share,
         curve_gain=_paired(scores[top] - scores[curve]),
+        curve_ratio=float(np.sqrt(losses[top].mean() / max(losses[curve].mean(), 1e-300))),
     )
 
 

@@ -56,6 +56,8 @@ class Thresholds:
     no_law_gain: float = 2.0
     """... and paired standard errors by which it predicts better (of 160 tables: none that has a
     law, 5 % of those with a dip that no law has)."""
+    no_law_ratio: float = 1.2
+    """... and share by which its held-out error is smaller: on a record all is significant."""
     second: float = 0.85
     """Share of readings of a second measurement in the 95 % band below which it differs."""
     least_variance: float = 0.3

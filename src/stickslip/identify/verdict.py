@@ -416,8 +416,8 @@ def verdict_on(
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
     said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
-    sizes = {one.path: str(one) for one in every}
-    doubts = [cause_sentence(one, sizes.get(one.term, ""), words) for one in judgement.causes]
+    sizes = {one.path: one for one in every}
+    doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:

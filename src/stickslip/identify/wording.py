@@ -87,6 +87,7 @@ def no_law(judgement: Judgement) -> bool:
     return (
         comparison.curve_share > THRESHOLDS.no_law
         and comparison.curve_gain > THRESHOLDS.no_law_gain
+        and comparison.curve_ratio > THRESHOLDS.no_law_ratio
     )
 
 
@@ -160,9 +161,11 @@ def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
     return f"{said}."
 
 
-def cause_sentence(cause: Cause, size: str, words: Words) -> str:
+def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     """Return a property of the rig or a fault, with the share that it explains."""
     what = capital(cause.title) + (f": {size}" if size else "")
+    if size is not None and size.low <= 0.0 <= size.high:
+        return f"{what}, consistent with zero."
     if cause.left > 0.5:
         return f"{what}; it explains little of what is measured, most stays unexplained."
     if cause.share <= 0.01:
