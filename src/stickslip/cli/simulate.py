@@ -521,7 +521,7 @@ def _solver(settings: RunOptions) -> Solver | None:
         dt=settings.fixed_step,
         method=settings.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
         stick_rule=settings.stick_rule,
-        break_away=settings.break_away or "static",  # type: ignore[arg-type]
+        break_away=settings.break_away,  # type: ignore[arg-type]
         zero_velocity_band=settings.zero_velocity_band,
     )
 
