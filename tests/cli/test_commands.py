@@ -367,6 +367,16 @@ BAD = [
     (["select", "demo", "--set", "mechanism.mass=inf"], "mass"),
     (["select", "demo", "--set", "mechanism.masss=1"], "Did you mean 'mass'"),
     (["select", "demo", "--set", "mechanism.stiffness=0"], "no spring to compress"),
+    (
+        ["simulate", "demo", "--law", "stribeck", "--set", "friction.exponent=1"],
+        "parameter of stribeck in --set: 'exponent'. Did you mean 'fading_exponent' (n)?",
+    ),
+    (
+        ["simulate", "demo", "--set", "mu=.3"],
+        "'mu'. Did you mean 'static_coefficient' (mu_s) or 'kinetic_coefficient' (mu_k)?",
+    ),
+    (["fit", "demo", "--set", "mu_z=.3"], "Did you mean 'static_coefficient' (mu_s) or 'kinetic"),
+    (["plan", "demo", "--set", "zzz=1"], "compression (x_0), "),
     (["select", "demo", "--set", "nonsense"], "PATH=VALUE"),
     (["simulate", "demo", "--law", "stribek"], "Did you mean 'stribeck'"),
     (["simulate", "demo", "--law", "printed-5"], "give a step in seconds, such as --fixed-step"),
