@@ -313,6 +313,7 @@ class _Files:
             load_offset=reading.offset.get("load", 0.0),
             rotary=(self.mechanism is not None and set(self.mechanism.units) == {"rad"})
             or reading.rotary,
+            motors=reading.motor_constant,
         )
         values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
         if line is not None and turning:
