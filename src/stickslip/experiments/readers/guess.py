@@ -206,6 +206,8 @@ class Guess(metaclass=Described):
     """Quantity -> unit of its column, where the header has none in brackets."""
     gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> size of a count or of a volt, assumed where it was not given."""
+    assumed: tuple[str, ...] = ()
+    """Quantities whose gain was neither given nor documented, but assumed."""
     motor_constant: str | Mapping[str, str] = ""
     """Force or torque per current, where a current drives the axis; assumed unless it was given, in
     which case `reasons` say so; by joint."""
@@ -374,6 +376,7 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
+    assumed_gains = {*gains, *(["friction"] if by_current and motor_constant is None else [])}
     if by_current:
         known["friction"] = found["friction"].unit or "A"
         found["friction"] = replace(found["friction"], unit=known["friction"])
@@ -413,6 +416,7 @@ def guess_data(
         },
         units={**known, **(units or {})},
         gain=gains | dict(gain or {}),
+        assumed=tuple(q for q in gains if q in assumed_gains - {*registers, *(gain or {})}),
         conditions=conditions,
         motor_constant=constant,
         repair=repair,
