@@ -801,3 +801,13 @@ def test_samples_of_a_motion_are_no_steady_readings(time, velocity):
     smooth = np.sin(T) if velocity.size == T.size else velocity
     seen = Measurement(time=time, velocity=velocity, friction=2.0 * np.sign(smooth) + smooth)
     assert check(seen).of("steady readings") == ()
+
+
+@pytest.mark.parametrize("rate", [260.0, 999.0, 1300.0, 2000.0])
+def test_counts_on_an_interpolated_grid_have_their_own_step(rate):
+    own, count = np.arange(0.0, 20.0, 1e-3), 1e-4
+    x = np.round(0.02 * np.sin(0.7 * own) / count) * count
+    t = np.arange(0.0, 19.9, 1.0 / rate)
+    record = Measurement(time=t, position=np.interp(t, own, x), force=np.sin(t))
+    (said,) = (str(one) for one in check(record).of("quantisation"))
+    assert said == "Position is quantised in steps of 0.1 mm, 400 over its range."
