@@ -260,6 +260,15 @@ def test_rules_for_rest_of_fixed_steps_are_options(run, tmp_path, options, trave
     assert json.loads(out)["final"]["x"] == pytest.approx(travel, abs=5e-7)
 
 
+def test_a_printed_equation_is_named_once_and_said_to_move_at_the_end(run):
+    steps = ("--fixed-step", "0.001", "--t-end", "1")
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", *steps)
+    assert "eq. (3) as printed: improved friction model of [7]\n" in out
+    assert "Reached the end time. The body still moves then, at " in out
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", "--stick-rule", *steps)
+    assert "still moves" not in out
+
+
 def test_no_output_shows_a_negative_zero(run, tmp_path):
     backwards = ("simulate", "demo", "--set", "mechanism.compression=-0.1")
     _, out, _ = run(*backwards, "--json")

@@ -21,6 +21,7 @@ from stickslip import (
 )
 from stickslip.drives import Pulse, ThreePhase
 from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.formatting import quantity
 from stickslip.friction import PRINTED_FORMS
 from stickslip.friction.published import PrintedCoulomb
 from stickslip.mechanisms import Prescribed
@@ -388,3 +389,11 @@ def test_a_friction_out_of_rest_that_is_not_given_is_static():
     ]
     np.testing.assert_array_equal(runs[0]["v"], runs[1]["v"])
     assert runs[0]["v"][-1] < runs[2]["v"][-1]
+
+
+def test_a_run_in_steps_says_its_last_values():
+    run = simulate(RELEASED, LAW, t_end=0.1, solver=FixedStep(dt=0.01))
+    assert run.states == ("x", "v")
+    assert f"last values: x = {quantity(float(run['x'][-1]), 'm', 4)}, v = " in str(run)
+    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
+    assert simulate(RELEASED, law, t_end=0.1, solver=FixedStep(dt=0.01)).states == ("x", "v", "z")

@@ -315,6 +315,10 @@ def _moved(
     ]
 
 
+OF_CONTACTS = ("friction", "normal_force", "mode")
+"""Columns that are no states, with the name of a contact after a colon where there are several."""
+
+
 @dataclass(frozen=True)
 class _Lines:
     """Gives columns between samples, joined by straight lines; the mode stays."""
@@ -355,6 +359,7 @@ def _trajectory(
         evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
         step_times=rows[:, 0],
+        states=tuple(name for name in names if name.partition(":")[0] not in OF_CONTACTS),
     )
 
 
