@@ -253,7 +253,7 @@ def rig_with(
             raise
         rig = load_rig(path, allow_import=allow_import)
         known = {} if key.startswith(FRICTION) else all_paths(rig.mechanism, "mechanism")
-        names = [law] if law in listed() else [] if law else [*rig.named]
+        names = [*rig.named] if law is None else [law] if law in listed() else []
         for name in names:
             known |= {f"{FRICTION}{one}": x for one, x in fields_of(law_type(name)).items()}
         # as the last names that --set takes, of which an earlier path has the symbol

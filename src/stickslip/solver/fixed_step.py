@@ -266,8 +266,8 @@ def _refuse_break_away(solver: FixedStep, law: FrictionLaw | Laws | PrintedForm)
         why = "a soft constraint has its own"
     elif isinstance(law, PrintedForm):
         why = f"{law.name}, an equation as printed, has its own"
-    elif all(one is None or one.states for one in laws):
-        names = joined([*dict.fromkeys(one.name for one in laws if one is not None)])
+    elif all(one.states for one in laws):
+        names = joined([*dict.fromkeys(one.name for one in laws)])
         why = f"the bristles of {names} carry friction there"
     else:
         return

@@ -107,7 +107,7 @@ def resting_trials(
 def _friction(mechanism: Mechanism, given: Measurement) -> Array:
     """Return friction (n,) [N] of a body at rest: measured, or what balances all other forces."""
     if "friction" in given.quantities():
-        return np.array(np.broadcast_to(given.values("friction"), np.shape(given.time)))
+        return np.array(np.broadcast_to(given.values("friction"), np.asarray(given.time).shape))
     record = with_voltage(mechanism, given, "zero")
     set_up = as_recorded(mechanism, record)
     x = positions_of(record)
