@@ -92,8 +92,11 @@ def compare(search: Search) -> Comparison:
     evidence = _evidence(search, structures, families, [*best_of.values()], shares)
     if problem.independent:
         named = max(evidence, key=lambda i: (round(evidence[i], 9), -i))
-    most = evidence[named]
-    near = {i for i, e in evidence.items() if e >= most - THRESHOLDS.tie}
+    # few rows tell little: the evidence of k parameters from n rows is that much surer
+    rows = len(problem.response)
+    spare = max(rows - problem.parameters(structures[named]) - 1, 0.5)
+    least = evidence[named] - THRESHOLDS.tie * (rows / spare)
+    near = {i for i, e in evidence.items() if e >= least}
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
         structures=structures,

@@ -114,7 +114,9 @@ class Search:
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
         problem = self.problem
-        most = max(2, 2 * len(problem.blocks) // 3)
+        # fewer would be exact by chance: one of a hundred shapes always is
+        blocks = len(problem.blocks)
+        most = max(2, min(2 * blocks // 3, blocks - 3))
         front = self._begin()
         for _ in range(THRESHOLDS.depth):
             tried = [

@@ -163,11 +163,19 @@ class BandVerdict(Verdict[LawCandidate]):
         """Multiple of the unit in which held-out errors are shown."""
         return score_scale([one.held_out for one in self.candidates], self.score_unit)
 
-    def named_curve(self, velocity: Array) -> Array:
-        """Return the friction of the named law at velocities (n,), with its constant offset."""
+    def named_curve(
+        self,
+        velocity: Array,
+        load: Array | float | None = None,
+        inputs: Mapping[str, Array | float] | None = None,
+    ) -> Array:
+        """Return the friction of the named law at velocities (n,), with its constant offset.
+
+        Parameters are those of `band`.
+        """
         judgement = self.judgement
         fit = judgement.ensemble.fit(judgement.estimated)
-        rows = judgement.problem.at(velocity)
+        rows = judgement.problem.at(velocity, load, inputs)
         return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
 
     @property

@@ -108,6 +108,8 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
             f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
             " the closest."
         )
+    if not comparison.named:
+        return f"No friction stands above the noise of the {words.measured}."
     said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."

@@ -968,6 +968,7 @@ class RecordsProblem(Problem):
         found = compose(
             terms,
             self.frame.inputs,
+            len(coefficients),
             memory="dahl" if memory[0] else "",
             memory_values=values,
             memory_fixed=("yield_exponent",),
