@@ -1,0 +1,1 @@
+"""Identification and selection of laws: one judge for all kinds of measurements."""

@@ -26,7 +26,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Family, Problem, Structure
+from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -85,7 +85,7 @@ def compare(search: Search) -> Comparison:
     else:
         value = {i: math.log(error[i] + 1e-300)
                  + search.regression.price * problem.parameters(structures[i])
-                 for i in np.flatnonzero(laws)}  # fmt: skip
+                 for i in np.flatnonzero(laws).tolist()}  # fmt: skip
         named = min(value, key=lambda i: (round(value[i], 9), problem.rank(structures[i]), i))
         near |= {named}
     curve = int(np.flatnonzero(~laws)[0])
@@ -140,7 +140,7 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
 
 
-def with_curve(shares: Array, laws: Array) -> Array:
+def with_curve(shares: Array, laws: Mask) -> Array:
     """Return shares of which the measured curve has at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
     own = float(shares[~laws].sum())
@@ -154,7 +154,8 @@ def with_curve(shares: Array, laws: Array) -> Array:
 
 def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
+    problem = search.problem
+    members: dict[Family, list[int]] = {}
     for i, own in enumerate(families):
         members.setdefault(own, []).append(i)
     priors = np.ones(len(structures))
@@ -172,7 +173,7 @@ def _priors(search: Search, structures: Sequence[Structure], families: Sequence[
     # half the number of blocks times the difference of scores that such a share of the error makes
     nats = search.regression.price * len(problem.blocks)
     count = np.array([problem.parameters(one) for one in structures])
-    return priors * np.exp(-nats * (count - count.min()))
+    return np.asarray(priors * np.exp(-nats * (count - count.min())))
 
 
 def _spacing(values: Array, step: float) -> Array:

@@ -79,10 +79,7 @@ class Ensemble:
         fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
         parts = _allotted(np.ones(len(fits)), count)
         return np.vstack(
-            [
-                fit.coefficients + student(fit, n, rng)
-                for fit, n in zip(fits, parts, strict=True)
-            ]
+            [fit.coefficients + student(fit, n, rng) for fit, n in zip(fits, parts, strict=True)]
         )
 
     @cached_property

@@ -29,6 +29,7 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
@@ -42,7 +43,7 @@ BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
 """Bandwidths of the observer that are tried, over the largest at which a law holds ..."""
 HOLDS = 0.9
 """... which is over that of the noise of the force (study: records)."""
-INFLATION = 6.0
+INFLATION = 4.0
 """Factor on the covariance: shapes that no refined law has (study: records)."""
 PARTS = 4
 """Steps between samples, at least."""
@@ -57,6 +58,8 @@ SHAPES = 8
 """Draws of shapes of a refined law, each with its own coefficients."""
 LOOSE = 0.7
 """Prior standard deviation of the logarithm of a shape: within a step of the grid."""
+FARTHEST = 1.5
+"""Logarithm by which a shape may move before its law is left out."""
 OUTLIER = 3.0
 """Standard deviations from which innovations weigh less."""
 LEAST_GAIN = 0.1
@@ -88,7 +91,7 @@ class _Probe:
     def seen(self, x: Array) -> Array:
         return x
 
-    def state(self, length: float, exponent: float) -> Array:
+    def state(self, *_: float) -> Array:
         return np.ones(len(self.velocity))
 
     def wave(self, number: float) -> Array:
@@ -211,7 +214,7 @@ class ObservedLaw:
             at += width
         return [self._run(run, structure, parts, gains) for run in self.runs]
 
-    def _run(
+    def _run(  # noqa: C901  # one branch for each kind of term
         self, run: _Run, structure: Structure, parts: Sequence[Array], gains: tuple[float, float]
     ) -> Array:
         count = len(run.place)
@@ -220,7 +223,7 @@ class ObservedLaw:
         b = p = w = none
         d1, d2, d3 = np.zeros((3, count))
         force = np.array(run.record.force)
-        length, exponent = self._memory(structure)
+        memory = self._memory(structure)
         inertia = run.record.inertia or 0.0
         second = (0.0, 0.0, 0.0)
         for (name, shape), c in zip(structure, parts, strict=True):
@@ -230,7 +233,7 @@ class ObservedLaw:
             elif name == "second":
                 second = (float(c[0]), shape[0], shape[1])
             elif name in ("delay", "lag"):
-                late = shape[0] if name == "delay" else -float(c[0])
+                late = float(c[0]) * (shape[0] if name == "delay" else -1.0)
                 force = np.interp(run.record.time + late, run.record.time, force)
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
@@ -257,32 +260,44 @@ class ObservedLaw:
                     a = a + x
                 elif name == "stribeck_direction":
                     b = b + x
-                elif name == "power" and length == 0.0:
+                elif name == "power" and memory[0] == 0.0:
                     a = a + np.sign(run.speeds) * x
                 else:
                     v = v + x
         out = np.full(count, observer.LOST)
-        if not inertia > 0.0:
-            return out
-        numbers = np.zeros(observer.COUNT)
-        numbers[observer.STEP], numbers[observer.INERTIA] = run.step, inertia
-        numbers[observer.GAIN], numbers[observer.RATE_GAIN] = gains[0], gains[1] / run.step
-        numbers[observer.LENGTH], numbers[observer.EXPONENT] = length, exponent
-        numbers[observer.SECOND : observer.SECOND + 3] = second
-        numbers[observer.SPEED_UNIT] = run.speeds[-1] / ((SPEEDS - 1) // 2) ** 2
-        numbers[observer.PLACE_START] = run.places[0]
-        numbers[observer.PLACE_STEP] = run.places[1] - run.places[0]
-        numbers[observer.START_SPEED] = run.start_speed
-        numbers[observer.START_STATE] = float(np.sign(run.start_speed))
-        stiff = [float(np.abs(a).max()) / length] if length > 0.0 else [0.0]
-        stiff += [abs(second[0]) / second[1]] if second[1] > 0.0 else []
-        most = run.step * math.sqrt(max(stiff) / inertia) / 0.5
-        observe()(
-            count, int(np.clip(math.ceil(most), PARTS, MOST_PARTS)), int(run.record.held), numbers,
-            np.ascontiguousarray(force + run.known), run.place, a, np.ascontiguousarray(b), v,
-            np.ascontiguousarray(p), np.ascontiguousarray(w), run.load, d1, d2, d3, out,
-        )  # fmt: skip
+        if inertia > 0.0:
+            numbers = self._numbers(run, inertia, gains, memory, second)
+            stiff = max(float(np.abs(a).max()) / memory[0] if memory[0] > 0.0 else 0.0,
+                        abs(second[0]) / second[1] if second[1] > 0.0 else 0.0)  # fmt: skip
+            most = math.ceil(2.0 * run.step * math.sqrt(stiff / inertia))
+            tables = (np.ascontiguousarray(one) for one in (a, b, v, p, w))
+            observe()(
+                count, int(np.clip(most, PARTS, MOST_PARTS)), int(run.record.held), numbers,
+                np.ascontiguousarray(force + run.known), run.place, *tables, run.load, d1, d2, d3,
+                out,
+            )  # fmt: skip
         return out
+
+    @staticmethod
+    def _numbers(
+        run: _Run,
+        inertia: float,
+        gains: tuple[float, float],
+        memory: Shape,
+        second: tuple[float, float, float],
+    ) -> Array:
+        """Return the numbers that the compiled run reads."""
+        p = np.zeros(observer.COUNT)
+        p[observer.STEP], p[observer.INERTIA] = run.step, inertia
+        p[observer.GAIN], p[observer.RATE_GAIN] = gains[0], gains[1] / run.step
+        p[observer.LENGTH : observer.EXPONENT + 1] = memory
+        p[observer.SECOND : observer.SECOND_EXPONENT + 1] = second
+        p[observer.SPEED_UNIT] = run.speeds[-1] / ((SPEEDS - 1) // 2) ** 2
+        p[observer.PLACE_START] = run.places[0]
+        p[observer.PLACE_STEP] = run.places[1] - run.places[0]
+        p[observer.START_SPEED] = run.start_speed
+        p[observer.START_STATE] = float(np.sign(run.start_speed))
+        return p
 
 
 @final
@@ -299,7 +314,7 @@ class RefinedLaw:
     """Their slopes by theta, with the other sign (n, p)."""
     precision: Array
     """Inverse covariance of the prior (p, p)."""
-    stretches: Array
+    stretches: NDArray[np.intp]
     """Number of the stretch of each innovation (n,)."""
     scale: float
     """Robust standard deviation of the innovations."""
@@ -399,7 +414,7 @@ class Observer:
         ]
         count = sum(int(kept.sum()) for kept in self._kept)
         blocks = int(problem.stretches.max()) + 1
-        self._stretches = np.arange(count) * blocks // count
+        self._stretches = (np.arange(count) * blocks // count).astype(np.intp)
 
     @property
     def possible(self) -> bool:
@@ -531,6 +546,8 @@ class Observer:
             else:
                 break
             theta, e = theta + move, tried
+            if np.max(np.abs((theta - start)[n:]), initial=0.0) > FARTHEST:
+                return None  # its shape says another law
             if np.max(np.abs(move) / np.sqrt(np.maximum(np.diag(inverse), 1e-300))) < LEAST_GAIN:
                 break
         lost = not np.all(np.isfinite(theta)) or np.abs(e).max() >= observer.LOST
@@ -574,7 +591,9 @@ class Observer:
         rng = np.random.default_rng(self.ensemble.seed + 5)
         structures: list[Structure] = []
         fits: dict[Structure, Fitted] = {}
-        own, rows, first = [], [], {}
+        own: list[float] = []
+        rows: list[int] = []
+        first: dict[int, Structure] = {}
         for i, (one, share) in enumerate(zip(laws, shares, strict=True)):
             for structure, part, fit in one.drawn(float(share), rng):
                 structures.append(structure)

@@ -108,7 +108,7 @@ class BlockRegression:
         return np.concatenate([self._at[column] for column in structure])
 
     def losses(self, structures: Iterable[Structure]) -> None:
-        """Find the held-out loss by block of structures; infinite where coefficients are unphysical."""
+        """Find held-out losses of structures by block; infinite where coefficients are no physics."""
         by_size: dict[int, list[Structure]] = {}
         for structure in dict.fromkeys(structures):
             if structure not in self.losses_of:

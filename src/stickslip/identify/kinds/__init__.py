@@ -1,0 +1,1 @@
+"""Kinds of measurements as problems of the judge."""

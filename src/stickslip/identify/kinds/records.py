@@ -10,9 +10,9 @@ r"""Records of one coordinate in time: the force balance along the measured moti
    inertia is known, and a column is :math:`B[X_j]`. Velocities that enter :math:`X_j` in other ways
    than linearly have a band twice as wide. Where friction was measured, :math:`y` is its own
    :math:`B[F]`; where nothing drives the motion (decays, coast-downs), :math:`F = 0`.
-2. **Band.** White noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
-   of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that at
-   which they cost 1 % of the force, within multiples of the mean frequency of the motion: no time
+2. **Band.** Noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
+   of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that
+   at which they cost 1 % of the force, within multiples of the mean frequency of the motion: no time
    scale is one in seconds. Rows are kept six for each :math:`1/f_c`, none at rest.
 3. **Memory.** A bristle of length :math:`r` follows the way: with :math:`u = 1 - s z` for the
    direction :math:`s`, :math:`du/d|x| = -u^n / r`. The exponent :math:`n` is 0 for an elastic
@@ -34,6 +34,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, final
 
 import numpy as np
@@ -41,6 +42,7 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import lfilter
+from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
@@ -93,7 +95,7 @@ LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 RINGS = 0.4
 """Largest resonance over the band."""
-CALM = 0.5
+CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
 CLEAN = 20.0
@@ -371,7 +373,7 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
     turns = moved[1:][way[moved[1:]] != way[moved[:-1]]]
     edges = [int(moved[0]), *turns.tolist(), len(path) - 1]
     z = start
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         side = float(way[a])
         x = np.abs(path[a + 1 : b + 1] - path[a]) / length
         u = 1.0 - side * z
@@ -390,7 +392,7 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
-    """What columns are scaled by: that of the records that were fitted, whatever rows they are of."""
+    """What columns are scaled by: that of the records that were fitted, for any rows."""
 
     band: float
     """Band [Hz]."""
@@ -644,7 +646,7 @@ class Along:
     def load(self) -> Array:
         """Loads (n,) over the usual one."""
         return self._full(
-            lambda one, filt: (
+            lambda one, _: (
                 1.0 + 0.0 * one.time
                 if one.load is None or self.frame.load == 1.0
                 else np.maximum(one.load, 0.0) / self.frame.load
@@ -725,7 +727,7 @@ class Steady:
         """Return a column itself; nothing filters it, and its slope is 0."""
         return 0.0 * x if options.get("slope") else x
 
-    def state(self, length: float, exponent: float) -> Array:
+    def state(self, *_: float) -> Array:
         """Return the direction."""
         return np.asarray(np.sign(self.velocity))
 
@@ -744,27 +746,27 @@ class Steady:
         """Return 0: springs are relaxed."""
         return self._none
 
-    def input(self, name: str) -> Array:
+    def input(self, _: str) -> Array:
         """Return the mean of an input."""
         return self._none
 
-    def excess(self, limit: float) -> Array:
+    def excess(self, _: float) -> Array:
         """Return 0: steady forces are not clipped."""
         return self._none
 
-    def wave(self, number: float) -> Array:
+    def wave(self, _: float) -> Array:
         """Return 0: the mean over places."""
         return np.zeros((len(self.velocity), 2))
 
-    def early(self, delay: float) -> Array:
+    def early(self, _: float) -> Array:
         """Return 0: steady forces do not change."""
         return self._none
 
-    def loose(self, half: float) -> Array:
+    def loose(self, _: float) -> Array:
         """Return 0: a gap stays closed."""
         return self._none
 
-    def ringing(self, x: Array, frequency: float) -> Array:
+    def ringing(self, *_: Any) -> Array:
         """Return 0: nothing rings."""
         return self._none
 
@@ -791,14 +793,14 @@ class RecordsProblem(Problem):
     def __init__(
         self, records: Sequence[Record], *, like: "RecordsProblem | None" = None, band: float = 1.0
     ) -> None:
-        self.records = (
+        self.records: list[Record] = (
             _by_best_sensor(records) if like is None else _alike(records, like.records[0])
         )
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = _band(self.records) if like is None else like.frame.band
         self.rows = Along(self.records, None if like is None else like.frame, band * base)
-        self.frame = _frame(self.rows, base) if like is None else like.frame
+        self.frame: Frame = _frame(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
         known = 0.0 if first.inertia is None else first.inertia
         self.response = self.rows.force - known * self.rows.acceleration
@@ -824,6 +826,7 @@ class RecordsProblem(Problem):
         ]  # fmt: skip
         self.spread = _spread(self) if like is None else like.spread
 
+    @override
     def price(self, size: float) -> float:
         """Return the share of the error that a parameter must save: 6 %, less where noise is large.
 
@@ -833,8 +836,9 @@ class RecordsProblem(Problem):
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
-        return min(max(NATS / independent, material), THRESHOLDS.material)
+        return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
+    @override
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return the speed, with which noise grows."""
         return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
@@ -844,6 +848,7 @@ class RecordsProblem(Problem):
         return [RecordsProblem(self.records, like=self, band=one) for one in TWINS]
 
     @property
+    @override
     def twins(self) -> Sequence[Problem]:
         """The same records in other bands."""
         return self._twins if abs(self.rows.band / self.frame.band - 1.0) < 1e-9 else ()
@@ -923,7 +928,7 @@ def _by_best_sensor(records: Sequence[Record]) -> list[Record]:
         return list(records)
     bare = [replace(one, velocity=None) for one in records]
     f = _frequency(bare)
-    typical = (2.0 * math.pi * f) * float(np.std(records[0].velocity))
+    typical = (2.0 * math.pi * f) * float(np.std(np.asarray(records[0].velocity)))
     by_position = _allowed_band(bare, SHARE * typical)
     return bare if by_position > _allowed_band(records, SHARE * typical) else list(records)
 
@@ -1056,10 +1061,11 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
     best.sort(key=lambda one: left[one][0])
-    return [(0.0, 0.0), *best], *(_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    return [(0.0, 0.0), *best], first, second
 
 
-def _peaks(numbers: Array, spectrum: NDArray[np.complex128]) -> list[float]:
+def _peaks(numbers: Array, spectrum: Any) -> list[float]:
     """Return the wave numbers of the largest peaks of a spectrum."""
     power = np.abs(spectrum)
     peaks = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
@@ -1122,7 +1128,7 @@ def _fading(clock: Array, constant: float) -> Array:
     return clock if constant == 0.0 else np.exp(-(clock + 0.5) / constant)
 
 
-def _terms(
+def _terms(  # noqa: C901  # a vocabulary is a list
     problem: RecordsProblem,
     memories: Sequence[Shape],
     waves: Sequence[float],
@@ -1273,10 +1279,10 @@ def _terms(
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  limits=(0.7, 1.3), title="force that is clipped", rank=18),
-            Term(name="backlash", role="fault", cost=2, columns=lambda r, s: r.loose(s[0]),
+            Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
                  nonnegative=True, title="backlash", rank=19, needs=problem.always),
-            Term(name="flexible", role="fault", cost=2, needs=problem.always,
+            Term(name="flexible", role="fault", needs=problem.always,
                  columns=lambda r, s: r.seen(r.ringing(r.full_acceleration(), s[0])),
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
