@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import Record, RecordsProblem, noise_of
+from stickslip.identify.kinds.records import Record, RecordsProblem, mean_frequency, noise_of
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
@@ -52,6 +52,8 @@ ITERATIONS = 8
 """Rounds of Gauss-Newton at most."""
 SHARED = 4
 """Laws with the largest shares that are refined beside the named one and its kin."""
+SINGLE = 1e-3
+"""Part of the range of known forces by which they are those of the place alone."""
 SPEEDS, PLACES = 801, 201
 """Entries of tables over speed and place."""
 SHAPES = 8
@@ -131,6 +133,16 @@ class _Run:
         """Known forces of the mechanism (n,)."""
         none = np.zeros(len(self.record.time))
         return none if self.record.mechanism is None else np.asarray(self.record.mechanism)
+
+    @cached_property
+    def field(self) -> Array | None:
+        """Known forces over the place; None where they change by more than that."""
+        if self.record.mechanism is None:
+            return None
+        order = np.argsort(self.place, kind="stable")
+        found = np.interp(self.places, self.place[order], self.known[order])
+        apart = np.abs(np.interp(self.place, self.places, found) - self.known)
+        return found if apart.max() < SINGLE * np.ptp(self.known) else None
 
     def _probe(self, velocity: Array, place: Array, **at_samples: Array) -> _Probe:
         frame, count = self.problem.frame, max(len(velocity), len(place))
@@ -238,6 +250,8 @@ class ObservedLaw:
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
                 force = force - float(c[0]) * over
+            elif name == "mechanism" and run.field is not None:
+                w = w + float(c[0]) * run.field
             elif name in OF_TIME or "*" in name:
                 x = np.reshape(columns(run.over_time, shape), (count, -1)) @ c
                 if name.startswith("viscous"):
@@ -258,13 +272,17 @@ class ObservedLaw:
                 x = np.reshape(columns(run.over_speed, shape), (SPEEDS, -1)) @ c
                 if name in ("level", "stribeck"):
                     a = a + x
-                elif name == "stribeck_direction":
+                elif name in ("stribeck_direction", "level_direction"):
                     b = b + x
                 elif name == "power" and memory[0] == 0.0:
                     a = a + np.sign(run.speeds) * x
                 else:
                     v = v + x
         out = np.full(count, observer.LOST)
+        if run.field is None:
+            force = force + run.known
+        else:
+            w = w - run.field
         if inertia > 0.0:
             numbers = self._numbers(run, inertia, gains, memory, second)
             stiff = max(float(np.abs(a).max()) / memory[0] if memory[0] > 0.0 else 0.0,
@@ -273,7 +291,7 @@ class ObservedLaw:
             tables = (np.ascontiguousarray(one) for one in (a, b, v, p, w))
             observe()(
                 count, int(np.clip(most, PARTS, MOST_PARTS)), int(run.record.held), numbers,
-                np.ascontiguousarray(force + run.known), run.place, *tables, run.load, d1, d2, d3,
+                np.ascontiguousarray(force), run.place, *tables, run.load, d1, d2, d3,
                 out,
             )  # fmt: skip
         return out
@@ -418,9 +436,9 @@ class Observer:
 
     @property
     def possible(self) -> bool:
-        """Whether there is a force and an inertia to simulate with."""
+        """Whether there are places that an inertia takes."""
         first = self.problem.records[0]
-        return not first.friction and bool(np.any(self.problem.rows.raw))
+        return not first.friction and first.located
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
@@ -502,7 +520,11 @@ class Observer:
             inertia = float(fit.coefficients[sum(law.widths[: names.index("inertia")])])
         force = max(noise_of(one.force) for one in self.problem.rows.records)
         place = max(noise_of(run.place) for run in self.runs)
-        return math.sqrt(force / (abs(inertia) * place + 1e-300))
+        explained = math.sqrt(force / (abs(inertia) * place + 1e-300))
+        if np.any(self.problem.rows.raw):
+            return explained
+        # nothing drives a free motion: no noise moves it, and it is followed as fast as it swings
+        return 2.0 * math.pi * mean_frequency(self.problem.records)
 
     def _innovations(self, law: ObservedLaw, theta: Array, gains: tuple[float, float]) -> Array:
         every = zip(law.innovations(theta, gains), self._kept, strict=True)

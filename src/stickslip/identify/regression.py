@@ -108,7 +108,7 @@ class BlockRegression:
         return np.concatenate([self._at[column] for column in structure])
 
     def losses(self, structures: Iterable[Structure]) -> None:
-        """Find held-out losses of structures by block; infinite where coefficients are no physics."""
+        """Find the held-out losses by block of structures; infinite where they are no physics."""
         by_size: dict[int, list[Structure]] = {}
         for structure in dict.fromkeys(structures):
             if structure not in self.losses_of:
@@ -143,7 +143,9 @@ class BlockRegression:
             self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
 
     def physical(self, structure: Structure, coefficients: Array) -> bool:
-        """Return whether all coefficients are within their limits."""
+        """Return whether all coefficients are within their limits; a measured curve has none."""
+        if not self.problem.is_law(structure):
+            return True
         at = 0
         for name, shape in structure:
             size, term = len(self._at[name, shape]), self.problem.terms[name]

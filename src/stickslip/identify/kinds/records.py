@@ -12,7 +12,7 @@ r"""Records of one coordinate in time: the force balance along the measured moti
    :math:`B[F]`; where nothing drives the motion (decays, coast-downs), :math:`F = 0`.
 2. **Band.** Noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
    of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that
-   at which they cost 1 % of the force, within multiples of the mean frequency of the motion: no time
+   at which they cost 1 % of the force, within bounds of the mean frequency of the motion: no time
    scale is one in seconds. Rows are kept six for each :math:`1/f_c`, none at rest.
 3. **Memory.** A bristle of length :math:`r` follows the way: with :math:`u = 1 - s z` for the
    direction :math:`s`, :math:`du/d|x| = -u^n / r`. The exponent :math:`n` is 0 for an elastic
@@ -87,6 +87,8 @@ HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
 BENDING = (1e-4, 1e-2, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
+PAIRED = 0.5
+"""Part of what one memory leaves that two must explain to be looked at."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
 LATEST = 0.1
@@ -892,7 +894,7 @@ def readings(
     return band_of(curves + residual[order][np.clip(at, 0, len(order) - 1)], level)
 
 
-def _frequency(records: Sequence[Record]) -> float:
+def mean_frequency(records: Sequence[Record]) -> float:
     """Return the mean frequency of the motion [Hz]: of positions, or of velocities if higher."""
     found = []
     for one in records:
@@ -927,7 +929,7 @@ def _by_best_sensor(records: Sequence[Record]) -> list[Record]:
     if not both:
         return list(records)
     bare = [replace(one, velocity=None) for one in records]
-    f = _frequency(bare)
+    f = mean_frequency(bare)
     typical = (2.0 * math.pi * f) * float(np.std(np.asarray(records[0].velocity)))
     by_position = _allowed_band(bare, SHARE * typical)
     return bare if by_position > _allowed_band(records, SHARE * typical) else list(records)
@@ -943,7 +945,7 @@ def _alike(records: Sequence[Record], first: Record) -> list[Record]:
 def _band(records: Sequence[Record]) -> float:
     """Return the band [Hz] in which noise of the motion costs little of the force."""
     h = max(float(np.median(np.diff(one.time))) for one in records)
-    mean = _frequency(records)
+    mean = mean_frequency(records)
     longest = max(float(one.time[-1] - one.time[0]) for one in records)
     top = min(SAMPLED / h, WIDEST * mean)
     low = min(max(NARROWEST * mean, STRETCHES / longest), SAMPLED / h)
@@ -1050,6 +1052,9 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
             for side in (-1.0, 1.0):
                 try_((top[0] * ratio ** (side * 0.5 ** (k + 1)), n))
         best.append(min((one for one in left if one[1] == n), key=lambda one: left[one][0]))
+    first = _of_two(problem, [(float(x), 1.0) for x in lengths], plain)
+    if first is not None and all(abs(math.log(first[0] / one[0])) > 0.2 for one in best):
+        best.append(first)
     for memory in [*rows._states]:  # the others are not needed any more
         if memory not in best:
             del rows._states[memory]
@@ -1063,6 +1068,29 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     best.sort(key=lambda one: left[one][0])
     first, second = (_peaks(numbers, turning @ one[few]) for one in (e, side * e))
     return [(0.0, 0.0), *best], first, second
+
+
+def _of_two(
+    problem: RecordsProblem, memories: Sequence[Shape], plain: Sequence[Array]
+) -> Shape | None:
+    """Return the shorter of two memories that together leave much less than the best one alone."""
+    rows = problem.rows
+    states = [rows.seen(rows.state(*one) * rows.load) for one in memories]
+    x = np.column_stack([*plain, *states])
+    x = x / np.sqrt(np.mean(x * x, axis=0) + 1e-300)
+    gram, moment = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1]), x.T @ problem.response
+    n, total = len(plain), float(problem.response @ problem.response)
+
+    def left(*which: int) -> float:
+        at = [*range(n), *(n + k for k in which)]
+        c = np.linalg.solve(gram[np.ix_(at, at)], moment[at])
+        return total - float(c @ moment[at]) if np.all(c[n:] > 0.0) else math.inf
+
+    count = len(memories)
+    pairs = {(i, j): left(i, j) for i in range(count) for j in range(i + 1, count)}
+    best = min(pairs, key=lambda one: pairs[one])
+    alone = min(left(k) for k in range(count))
+    return memories[best[0]] if pairs[best] < (1.0 - PAIRED) * alone else None
 
 
 def _peaks(numbers: Array, spectrum: Any) -> list[float]:
@@ -1186,6 +1214,10 @@ def _terms(  # noqa: C901  # a vocabulary is a list
         Term(name="viscous_direction", role="law", columns=law(lambda r, _: np.abs(r.velocity)),
              needs=frozenset({"viscous", "power", "drag"}),
              title="viscous friction that differs by direction", rank=5),
+        Term(name="level_direction", role="law", needs=base,
+             columns=lambda r, s: r.seen(np.abs(r.state(*s)) * r.load), steps=step,
+             shapes=[one for one in memories if one[0] > 0.0],
+             title="level that differs by direction", rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
              title="drag with the square of the speed", rank=6),
@@ -1261,10 +1293,13 @@ def _terms(  # noqa: C901  # a vocabulary is a list
                  nonnegative=True, title="inertia", rank=0)
         )  # fmt: skip
     if driven or problem.records[0].friction:
-        late = LATEST / _frequency(problem.records)
-        delays = np.geomspace(rows.filters[0].step, late, 7)
+        late = LATEST / mean_frequency(problem.records)
+        # the noise of positions leaves the moment of a reversal open by as much
+        rate = float(np.sqrt(np.mean(rows.acceleration**2)))
+        least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
+        delays = np.geomspace(least, max(late, 2.0 * least), 7)
         terms += [
-            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, late),
+            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, -least),
                  title="lag of the force", rank=17),
             Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=(0.8, 1.2),
                  shapes=[(side * float(x),) for x in delays for side in (1.0, -1.0)],
@@ -1294,4 +1329,9 @@ def _terms(  # noqa: C901  # a vocabulary is a list
                      limits=(-0.7 * inertia, inertia), rank=16,
                      title="inertia, or gain of the force, other than given")
             )  # fmt: skip
-    return {one.name: one for one in terms}
+    left_out: set[str] = set()
+    if len(np.unique(np.sign(rows.direction))) < 2:  # places pass once, as times do
+        left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
+    if not driven and not problem.records[0].friction:  # a free motion slows with time
+        left_out |= {"drift", "viscous_drift", "offset_drift"}
+    return {one.name: one for one in terms if one.name not in left_out}
