@@ -91,6 +91,8 @@ PAIRED = 0.5
 """Part of what one memory leaves that two must explain to be looked at."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
+LATER = (0.62, 1.6)
+"""Multiples of a delay that a neighbour on the grid shows; half of it would only smooth noise."""
 LATEST = 0.1
 """Delays and lags of the force over the period of the motion, at most."""
 LIKELY = 3.0
@@ -1299,9 +1301,9 @@ def _terms(  # noqa: C901  # a vocabulary is a list
         least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
         delays = np.geomspace(least, max(late, 2.0 * least), 7)
         terms += [
-            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, -least),
+            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, 0.0),
                  title="lag of the force", rank=17),
-            Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=(0.8, 1.2),
+            Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=LATER,
                  shapes=[(side * float(x),) for x in delays for side in (1.0, -1.0)],
                  steps=(float(delays[1] / delays[0]),), cost=0, excludes=frozenset({"lag"}),
                  title="delay of the force", rank=17),
