@@ -153,7 +153,7 @@ class _Twin:
 def _allotted(shares: Array, count: int) -> list[int]:
     """Return how many of `count` draws each share gets: systematic sampling, without chance."""
     ends = np.floor(np.cumsum(shares) / shares.sum() * count + 0.5 - 1e-9)
-    return np.diff(ends, prepend=0.0).astype(int).tolist()
+    return [int(n) for n in np.diff(ends, prepend=0.0)]
 
 
 def student(fit: Fitted, count: int, rng: np.random.Generator) -> Array:

@@ -1054,9 +1054,9 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
             for side in (-1.0, 1.0):
                 try_((top[0] * ratio ** (side * 0.5 ** (k + 1)), n))
         best.append(min((one for one in left if one[1] == n), key=lambda one: left[one][0]))
-    first = _of_two(problem, [(float(x), 1.0) for x in lengths], plain)
-    if first is not None and all(abs(math.log(first[0] / one[0])) > 0.2 for one in best):
-        best.append(first)
+    shorter = _of_two(problem, [(float(x), 1.0) for x in lengths], plain)
+    if shorter is not None and all(abs(math.log(shorter[0] / one[0])) > 0.2 for one in best):
+        best.append(shorter)
     for memory in [*rows._states]:  # the others are not needed any more
         if memory not in best:
             del rows._states[memory]
