@@ -175,7 +175,8 @@ def with_curve(shares: Array, laws: Mask) -> Array:
 
 def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
+    problem = search.problem
+    members: dict[Family, list[int]] = {}
     for i, own in enumerate(families):
         members.setdefault(own, []).append(i)
     priors = np.ones(len(structures))
@@ -193,7 +194,7 @@ def _priors(search: Search, structures: Sequence[Structure], families: Sequence[
     # half the number of blocks times the difference of scores that such a share of the error makes
     nats = search.regression.price * len(problem.blocks)
     count = np.array([problem.parameters(one) for one in structures])
-    return priors * np.exp(-nats * (count - count.min()))
+    return np.asarray(priors * np.exp(-nats * (count - count.min())))
 
 
 def _spacing(values: Array, step: float) -> Array:
