@@ -6,21 +6,28 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, percent
+from stickslip.identification import asked_for
 from stickslip.identify import BandVerdict, select_table, verdict_sections
 from stickslip.kinds.kind import Comparison, Request
-from stickslip.kinds.records.kind import RecordKind
+from stickslip.kinds.records.kind import WITHOUT_EFFECT, RecordKind
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import score_text
+
+TABLE = "table"
+"""Route of `select`."""
+FORCE_MAP = "force-map"
+"""Route of `fit`."""
 
 
 @final
 class FrictionTableKind(RecordKind):
     """Friction against velocity without time: no bristles, rows in any order."""
 
-    routes = ("table",)  # type: ignore[assignment]  # those of fits are those of records
+    routes = (TABLE, FORCE_MAP)  # type: ignore[assignment]  # the base class has other names
     measured = "tables of friction"
     climbs = False
     uses = frozenset({"route", "validate"})
+    settings = RecordKind.settings - WITHOUT_EFFECT[FORCE_MAP]
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -32,7 +39,26 @@ class FrictionTableKind(RecordKind):
 
     @override
     def resolved(self, request: Request) -> Request:
-        return request
+        return request if request.law is None else super().resolved(request)
+
+    @override
+    def why_unused(self, name: str, request: Request) -> str:
+        selects = request.law is None
+        if name == "route" and request.route is not None:
+            asked = asked_for(request.route)
+            if not self.serves(request.measurement):
+                return f"{asked!r} applies to {self.measured}, not to this measurement: leave it out."
+            if asked != (TABLE if selects else FORCE_MAP):
+                verb, other = ("select", "fit") if selects else ("fit", "select")
+                return (
+                    f"{asked!r} applies to `{other}` of {self.measured}; it has no effect on"
+                    f" `{verb}`: leave it out."
+                )
+        if selects and (name == "settings" or name in self.settings):
+            return (
+                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
+            )
+        return "" if selects else super().why_unused(name, request)
 
     @override
     def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
@@ -41,7 +67,7 @@ class FrictionTableKind(RecordKind):
             request.measurement,
             laws=request.laws,
             validate=request.validate,
-            route=self.routes[0],
+            route=TABLE,
         )
 
     @override
