@@ -4,9 +4,10 @@ from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, percent
-from stickslip.identification import asked_for
+from stickslip.formatting import NO_VALUE, joined, percent
+from stickslip.identification import LAW, asked_for, names_of
 from stickslip.identify import BandVerdict, select_table, verdict_sections
 from stickslip.kinds.kind import Comparison, Request
 from stickslip.kinds.records.kind import WITHOUT_EFFECT, RecordKind
@@ -62,6 +63,12 @@ class FrictionTableKind(RecordKind):
 
     @override
     def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
+        for name, given in (("vary", {*names_of(request.vary or ())} - {LAW}), ("fixed", request.fixed)):
+            if given:
+                raise InputError(
+                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
+                    f" got {joined(sorted(given))}: leave it out."
+                )
         return select_table(
             request.mechanism,
             request.measurement,
