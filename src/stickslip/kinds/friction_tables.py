@@ -18,6 +18,7 @@ TABLE = "table"
 """Route of `select`."""
 FORCE_MAP = "force-map"
 """Route of `fit`."""
+NOT_OF_TABLES = WITHOUT_EFFECT[FORCE_MAP]
 
 
 @final
@@ -28,7 +29,7 @@ class FrictionTableKind(RecordKind):
     measured = "tables of friction"
     climbs = False
     uses = frozenset({"route", "validate"})
-    settings = RecordKind.settings - WITHOUT_EFFECT[FORCE_MAP]
+    settings = RecordKind.settings - NOT_OF_TABLES
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -59,7 +60,7 @@ class FrictionTableKind(RecordKind):
             return (
                 f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
             )
-        return "" if selects else super().why_unused(name, request)
+        return "" if selects or name in NOT_OF_TABLES else super().why_unused(name, request)
 
     @override
     def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
