@@ -444,9 +444,13 @@ def test_a_record_too_short_for_blocks_is_refused_by_its_own_length(record):
 
 
 def test_numbers_that_a_law_made_are_selected_on_without_noise():
-    speed = np.linspace(-1.0, 1.0, 80)
-    table = Measurement(velocity=speed, friction=10.0 * np.sign(speed) + 30.0 * speed)
-    found = select(AXIS, [Coulomb, CoulombViscous], table)
+    t = np.linspace(0.0, 12.0, 240, endpoint=False)
+    speed = np.sin(2.0 * t + 0.3)
+    friction = 10.0 * np.sign(speed) + 30.0 * speed
+    exact = Measurement(
+        time=t, position=-0.5 * np.cos(2.0 * t + 0.3), velocity=speed, friction=friction
+    )
+    found = select(AXIS, [Coulomb, CoulombViscous], exact, settings=QUICK)
     assert found.best.name == "coulomb-viscous"
     assert found.best.score == pytest.approx(0.0, abs=1e-12)  # digits of a sum of some tens
 
