@@ -475,23 +475,6 @@ def test_scores_are_written_with_their_unit():
     assert error_text(1.234, "friction") == "1.23 N"
 
 
-def table(low=-1.0):
-    v = np.linspace(low, 1.0, 80)
-    noise = 0.05 * np.random.default_rng(4).normal(size=len(v))
-    rising = np.sign(v) * (3.0 + 2.0 * np.exp(-np.abs(v) / 0.2) + np.abs(v))
-    return Measurement(velocity=v, friction=rising + noise)
-
-
-def test_a_table_without_time_tells_nothing_of_bristles():
-    found = select(AXIS, ["coulomb-viscous", "stribeck", "lugre"], table(0.01))
-    assert found.best.name == "stribeck"
-    lugre = next(c for c in found.candidates if c.name == "lugre")
-    assert lugre.fit is None
-    assert lugre.outcome == (
-        "not fitted: bristles depend on displacement, which a table without time does not have"
-    )
-
-
 @pytest.mark.parametrize(("way", "expected"), [(1.0, True), (-1.0, True), (0.0, False)])
 def test_noise_on_positions_is_no_second_direction(way, expected):
     t = np.arange(0.0, 10.0, 0.004)
