@@ -744,19 +744,28 @@ def beginning(
     changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in roots}
     for name, values in varied.items():
         with contextlib.suppress(UnknownNameError):
-            full_path(name, given)
-            continue
-        with contextlib.suppress(UnknownNameError):
-            path = full_path(name, declared)
-            first = values
-            while hasattr(first, "__len__") and len(first) and not isinstance(first, str):
-                first = first[0]
-            if path not in given:
-                changes[path.partition(".")[0]][path] = first
+            path = _sought(name, given, declared)
+            if path.partition(".")[0] in roots:
+                changes[path.partition(".")[0]][path] = _first(values)
+    # where one is new, all begin with their first value, as they may have to be in some order
     return {
-        prefix: vary(root, prefix, changes[prefix]) if changes[prefix] else root
-        for prefix, root in roots.items()
+        prefix: root if changes[prefix].keys() <= given.keys() else vary(root, prefix, one)
+        for (prefix, root), one in zip(roots.items(), changes.values(), strict=True)
     }
+
+
+def _sought(name: str, given: Mapping[str, Quantity], declared: Mapping[str, Quantity]) -> str:
+    """Return the full path of a parameter that is given, else of one that may be."""
+    try:
+        return full_path(name, given)
+    except UnknownNameError:
+        return full_path(name, declared)
+
+
+def _first(values: Any) -> Any:
+    while hasattr(values, "__len__") and len(values) and not isinstance(values, str):
+        values = values[0]
+    return values
 
 
 def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) -> Any:

@@ -94,6 +94,15 @@ def test_indices_stand_beside_the_runs(called, here):
     assert (here / "runs/sensitivity.svg").read_text().startswith("<svg")
 
 
+def test_a_factor_may_be_a_parameter_without_a_value(called, here):
+    (here / "block.toml").write_text(RIG.replace("static_coefficient = 0.35\n", "", 1))
+    text = CAMPAIGN.replace('["coulomb", "stribeck"]', '"coulomb"')
+    (here / "campaign.toml").write_text(text.replace('"friction.static_coefficient"', "mu_s"))
+    code, shown, told = called("sweep", "campaign.toml")
+    assert code == 0, told
+    assert "100 runs, 100 certified" in shown
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

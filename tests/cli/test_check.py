@@ -1,12 +1,17 @@
 """``stickslip check``: sentences, marks, exit codes, pictures."""
 
+import ast
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.commands import commands
+
+from stickslip.cli.check import LABELS
+from stickslip.experiments import checking
 
 TIME = np.arange(2000) / 1000
 
@@ -254,3 +259,14 @@ def test_a_mechanism_of_one_s_own_needs_leave(run, tmp_path):
     (tmp_path / "rig.toml").write_text('[mechanism]\ntype = "own:Slide"\n')
     code, _, err = run("rig.toml")
     assert (code, "--allow-import" in err) == (2, True)
+
+
+def test_each_kind_of_finding_has_words_in_the_last_line():
+    kinds = set()
+    for file in Path(checking.__file__).parent.glob("*.py"):
+        for call in ast.walk(ast.parse(file.read_text())):
+            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "Finding":
+                (kind,) = (one.value for one in call.keywords if one.arg == "kind")
+                kinds.add(ast.literal_eval(kind))  # a kind is written where it is found
+    assert len(kinds) > 30
+    assert kinds == set(LABELS)

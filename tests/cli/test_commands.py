@@ -260,6 +260,15 @@ def test_rules_for_rest_of_fixed_steps_are_options(run, tmp_path, options, trave
     assert json.loads(out)["final"]["x"] == pytest.approx(travel, abs=5e-7)
 
 
+def test_a_printed_equation_is_named_once_and_said_to_move_at_the_end(run):
+    steps = ("--fixed-step", "0.001", "--t-end", "1")
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", *steps)
+    assert "eq. (3) as printed: improved friction model of [7]\n" in out
+    assert "Reached the end time. The body still moves then, at " in out
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", "--stick-rule", *steps)
+    assert "still moves" not in out
+
+
 def test_no_output_shows_a_negative_zero(run, tmp_path):
     backwards = ("simulate", "demo", "--set", "mechanism.compression=-0.1")
     _, out, _ = run(*backwards, "--json")
@@ -367,6 +376,16 @@ BAD = [
     (["select", "demo", "--set", "mechanism.mass=inf"], "mass"),
     (["select", "demo", "--set", "mechanism.masss=1"], "Did you mean 'mass'"),
     (["select", "demo", "--set", "mechanism.stiffness=0"], "no spring to compress"),
+    (
+        ["simulate", "demo", "--law", "stribeck", "--set", "friction.exponent=1"],
+        "parameter of stribeck in --set: 'exponent'. Did you mean 'fading_exponent' (n)?",
+    ),
+    (
+        ["simulate", "demo", "--set", "mu=.3"],
+        "'mu'. Did you mean 'static_coefficient' (mu_s) or 'kinetic_coefficient' (mu_k)?",
+    ),
+    (["fit", "demo", "--set", "mu_z=.3"], "Did you mean 'static_coefficient' (mu_s) or 'kinetic"),
+    (["plan", "demo", "--set", "zzz=1"], "compression (x_0), "),
     (["select", "demo", "--set", "nonsense"], "PATH=VALUE"),
     (["simulate", "demo", "--law", "stribek"], "Did you mean 'stribeck'"),
     (["simulate", "demo", "--law", "printed-5"], "give a step in seconds, such as --fixed-step"),

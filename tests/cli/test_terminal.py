@@ -179,8 +179,8 @@ def test_a_last_name_that_several_have_lists_them(run):
 def test_a_last_name_with_a_slip_of_the_pen_is_offered(run):
     code, _, err = run("simulate", "demo", "--set", "masss=2")
     assert code == 2
-    assert "Did you mean 'mass'?" in err
-    assert "Known: contact, data, estimates" in run("simulate", "demo", "--set", "colour=2")[2]
+    assert "Did you mean 'mass' (m)?" in err
+    assert "compression (x_0)" in run("simulate", "demo", "--set", "colour=2")[2]
 
 
 N = 1500

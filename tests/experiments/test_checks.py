@@ -16,7 +16,7 @@ from stickslip import (
     load_measurement,
 )
 from stickslip.errors import InputError
-from stickslip.experiments import inertia_of, refuse_faults
+from stickslip.experiments import guess_data, inertia_of, read_data, refuse_faults
 from stickslip.experiments.checking.stationarity import independent
 from stickslip.results import Checks, Finding
 
@@ -801,3 +801,41 @@ def test_samples_of_a_motion_are_no_steady_readings(time, velocity):
     smooth = np.sin(T) if velocity.size == T.size else velocity
     seen = Measurement(time=time, velocity=velocity, friction=2.0 * np.sign(smooth) + smooth)
     assert check(seen).of("steady readings") == ()
+
+
+@pytest.mark.parametrize("rate", [260.0, 999.0, 1300.0, 2000.0])
+def test_counts_on_an_interpolated_grid_have_their_own_step(rate):
+    own, count = np.arange(0.0, 20.0, 1e-3), 1e-4
+    x = np.round(0.02 * np.sin(0.7 * own) / count) * count
+    t = np.arange(0.0, 19.9, 1.0 / rate)
+    record = Measurement(time=t, position=np.interp(t, own, x), force=np.sin(t))
+    (said,) = (str(one) for one in check(record).of("quantisation"))
+    assert said == "Position is quantised in steps of 0.1 mm, 400 over its range."
+
+
+@pytest.mark.parametrize("named", [{}, {"time": ""}])
+def test_a_table_sorted_by_speed_is_in_the_order_of_its_times(tmp_path, named):
+    draw = np.random.default_rng(0)
+    v, t = np.linspace(0.01, 0.5, 20), 60.0 * np.arange(20)
+    file = tmp_path / "steady.csv"
+    clock = "time" if named else "time_s"
+    taken = []
+    for times in (t, draw.permutation(t)):
+        rows = np.column_stack([times, v, 2.0 + v])
+        np.savetxt(file, rows, delimiter=",", header=f"{clock},velocity,friction", comments="")
+        record = load_measurement(file, columns=named)
+        taken.append(bool(check(record).of("order")))
+        np.testing.assert_array_equal(record.velocity, v[np.argsort(times)])
+        np.testing.assert_array_equal(record.friction, 2.0 + record.velocity)
+        assert not check(record).of("unused column")
+    assert taken == [True, False]
+
+
+def test_a_shuffled_column_of_times_is_no_time_of_a_record(tmp_path):
+    times = np.random.default_rng(0).permutation(20)
+    rows = np.column_stack([times, np.linspace(0.01, 0.5, 20), np.linspace(2.0, 2.5, 20)])
+    file = tmp_path / "steady.csv"
+    np.savetxt(file, rows, delimiter=",", header="time,velocity,friction", comments="")
+    record = read_data([file], guess_data(file).reading)
+    assert record.kind == "friction-map"
+    assert not check(record).of("order")

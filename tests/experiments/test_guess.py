@@ -677,6 +677,24 @@ def test_a_channel_in_volts_asks_for_the_sensitivity_of_its_sensor(tmp_path):
     assert record.force == pytest.approx(200.0 * F, abs=0.1)
 
 
+def test_only_assumed_gains_are_marked_as_assumed(tmp_path):
+    file = table(tmp_path / "daq.csv", **{"time__s": "t", "Kraft__V": "F", "Weg__V": "x"})
+    known: dict[str, str] = {}
+    marks = []
+    for name, gain in (("", ""), ("position", "5 mm/V"), ("force", "200 N/V")):
+        known |= {name: gain} if name else {}
+        text = guessed_rig(guess_data(file, gain=known), file.name)
+        (line,) = [one for one in text.splitlines() if one.startswith("gain = ")]
+        marks.append(line.partition("  # ")[2].partition(":")[0])
+    assert marks == ["assumed", "force assumed", ""]
+    pressed = {"time__s": "t", "x__mm": "x", "Fx__N": "F", "Fz__N": "n"}
+    file = table(tmp_path / "pressed.csv", **pressed)
+    file.write_text(re.sub(r";(\d[^;]*)$", r";-\1", file.read_text(), flags=re.M))
+    text = guessed_rig(guess_data(file), file.name)
+    assert "gain = { load = -1" in text
+    assert "replace it by the sensitivity" not in text
+
+
 def test_what_may_drive_an_axis_is_named_where_no_force_can_be_read(tmp_path):
     names = (
         {"t": "t", "x__mm": "x", "Motormoment__Nm": "F"},

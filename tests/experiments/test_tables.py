@@ -237,3 +237,29 @@ def test_a_wrong_motor_constant_is_refused_with_a_cure(more, message):
     table = {"time": T, "position": X, "I": F, "u": F}
     with pytest.raises(InputError, match=message):
         load_measurement(table, **more)
+
+
+@pytest.mark.parametrize(
+    ("position", "constant", "message"),
+    [
+        ("position [mm]", "0.12 N m/A", "not in N: .* takes N/A. With a screw, give .* its lead"),
+        ("position [deg]", "12 N/A", "not in N m: .* takes N m/A. Give .* times the radius"),
+    ],
+)
+def test_a_motor_constant_of_the_other_kind_of_axis_is_named_with_its_cure(
+    position, constant, message
+):
+    table = {"time [s]": T, position: X, "current [A]": F}
+    with pytest.raises(InputError, match=f'motor_constant="{constant}" .*{message}') as error:
+        load_measurement(table, motor_constant=constant)
+    assert "gain" not in str(error.value)
+
+
+def test_init_names_the_option_of_a_motor_constant(tmp_path, capsys):
+    from stickslip.cli import main
+
+    pd.DataFrame({"t_s": T, "x_mm": 1e3 * X, "I_A": F}).to_csv(tmp_path / "log.csv", index=False)
+    with pytest.raises(SystemExit) as done:
+        main(["init", str(tmp_path / "log.csv"), "--motor-constant", "0.12 N m/A"])
+    assert done.value.code == 2
+    assert '--motor-constant "0.12 N m/A" times a current' in capsys.readouterr().err

@@ -20,8 +20,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Pulse, ThreePhase
-from stickslip.errors import ParameterError, SimulationError
+from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.formatting import quantity
 from stickslip.friction import PRINTED_FORMS
+from stickslip.friction.published import PrintedCoulomb
 from stickslip.mechanisms import Prescribed
 from stickslip.quantities import fields_of
 from stickslip.results import Status
@@ -362,3 +364,36 @@ def test_a_friction_out_of_rest_that_is_not_known_is_refused():
 def test_a_negative_zero_velocity_band_is_refused():
     with pytest.raises(ParameterError, match=r"zero_velocity_band \(D_v\) must be at least 0 m/s"):
         FixedStep(dt=0.01, zero_velocity_band=-1.0)
+
+
+@pytest.mark.parametrize("break_away", ["static", "zero"])
+@pytest.mark.parametrize(
+    ("law", "why"),
+    [
+        (Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3), "the bristles of dahl carry"),
+        (PrintedCoulomb(kinetic_coefficient=0.25), "an equation as printed, has its own"),
+    ],
+    ids=["bristles", "printed"],
+)
+def test_a_friction_out_of_rest_is_refused_where_it_has_no_effect(law, why, break_away):
+    simulate(PUSHED, law, t_end=0.05, solver=FixedStep(dt=0.01))
+    with pytest.raises(InputError, match=f"FixedStep.break_away .*{why}.*leave it out"):
+        simulate(PUSHED, law, t_end=0.05, solver=FixedStep(dt=0.01, break_away=break_away))
+
+
+def test_a_friction_out_of_rest_that_is_not_given_is_static():
+    block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=1.0))
+    runs = [
+        simulate(block, LAW, t_end=0.05, solver=FixedStep(dt=0.01, break_away=rule))
+        for rule in (None, "static", "kinetic")
+    ]
+    np.testing.assert_array_equal(runs[0]["v"], runs[1]["v"])
+    assert runs[0]["v"][-1] < runs[2]["v"][-1]
+
+
+def test_a_run_in_steps_says_its_last_values():
+    run = simulate(RELEASED, LAW, t_end=0.1, solver=FixedStep(dt=0.01))
+    assert run.states == ("x", "v")
+    assert f"last values: x = {quantity(float(run['x'][-1]), 'm', 4)}, v = " in str(run)
+    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
+    assert simulate(RELEASED, law, t_end=0.1, solver=FixedStep(dt=0.01)).states == ("x", "v", "z")

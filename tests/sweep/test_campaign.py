@@ -600,3 +600,15 @@ def test_the_manifest_lists_what_is_there(tmp_path):
     assert {one["file"]: one["sha256"] for one in told["parts"]} == {
         name: digest for name, digest in files(found.folder).items() if name.startswith("runs/")
     }
+
+
+@pytest.mark.parametrize("name", ["mu_s", "static_coefficient", "friction.static_coefficient"])
+def test_what_was_not_given_varies_in_a_campaign_as_in_an_ensemble(tmp_path, name):
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    case = Case(mechanism=rig, law=Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    factors = {name: Levels(values=(0.3, 2.0))}
+    runs = Campaign(cases=(case,), factors=factors).run(tmp_path, executor=Inline())
+    assert runs.units["friction.static_coefficient"] == "1"
+    table = runs.to_dataframe()
+    assert table["friction.static_coefficient"].tolist() == [0.3, 2.0]
+    assert table["x"].iloc[0] > 0.0 == table["x"].iloc[1]  # which friction at rest holds

@@ -19,7 +19,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.executors import Inline
 from stickslip.experiments import parse, read_bytes, read_number
 from stickslip.formatting import count, number, printable, quantity
-from stickslip.quantities import Quantity, full_path, parameters
+from stickslip.quantities import Quantity, all_paths, full_path, parameters
 from stickslip.solver import (
     EventCount,
     EventTimes,
@@ -279,16 +279,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             f'{where} is missing: say what varies, such as "friction.kinetic_coefficient" ='
             " {low = 0.2, high = 0.3}."
         )
-    units = path_units(case.mechanism, cast("Any", case.law))
-    ranges = {
-        path: known
-        for root, prefix in ((case.mechanism, "mechanism"), (case.law, "friction"))
-        for path, known, _ in parameters(cast("Any", root), prefix)
-    }
-    varying = {
-        path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
-        for path, unit in units.items()
-    }
+    varying = _varying(case)
     found = {}
     for name, given in _leaves(table):
         path = full_path(name, varying)
@@ -323,6 +314,18 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         except (ParameterError, TypeError) as error:
             raise ParameterError(f"{at}: {error}") from None
     return found
+
+
+def _varying(case: Case) -> dict[str, Quantity]:
+    """Return what may vary, by full path; what was not given as well, as in `ensemble`."""
+    roots = ((cast("Any", case.mechanism), "mechanism"), (cast("Any", case.law), "friction"))
+    declared = {path: one for root in roots for path, one in all_paths(*root).items()}
+    ranges = {path: known for root in roots for path, known, _ in parameters(*root)}
+    units = path_units(case.mechanism, cast("Any", case.law))
+    return declared | {
+        path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
+        for path, unit in units.items()
+    }
 
 
 def _needed(field: "dataclasses.Field[Any]") -> bool:

@@ -32,28 +32,43 @@ DOCUMENT = "checks.json"
 RESTED = "constant"
 """Kind of the finding that a trial shows no motion."""
 LABELS = {
+    "conditions": "conditions that are not used",
     "constant": "a quantity that does not change",
+    "contact input": "what was measured beside",
     "coverage": "the range of speeds",
+    "drift": "drift",
     "drive": "the force that drives the motion",
     "effective size": "too few independent samples",
     "force sign": "the sign of the force",
     "friction sign": "the sign of friction",
     "gap": "gaps",
+    "held samples": "samples logged at a lower rate",
     "jump": "jumps",
     "length": "too few samples",
+    "line": "the line of a motion in a plane",
     "load": "the normal force",
     "lost": "missing rows or cells",
     "low speed": "slow samples",
+    "mains hum": "mains hum",
+    "mechanism": "the mechanism",
     "motion": "how much moves",
     "order": "the order of the readings",
+    "quantisation": "coarse steps of a signal",
+    "repeated trial": "trials with the same samples",
     "rest": "readings at rest",
     "rests": "periods of rest",
     "reversals": "motion in one direction only",
+    "sampling": "uneven sampling",
     "saturation": "clipped values",
+    "settings": "the settings of the readings",
+    "steady readings": "steady readings taken for a motion",
+    "trials": "trials with different quantities",
+    "uncertainty": "uncertainties of the readings",
+    "units": "units",
     "unused column": "unused columns",
     "velocity": "the velocity beside the position",
 }
-"""Words of the last line for kinds of findings that their names alone do not explain."""
+"""Words of the last line for each kind of finding."""
 
 
 def run(
@@ -168,7 +183,7 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
 def _summary(findings: Sequence[Finding]) -> str:
     """Return in one line what is to be corrected."""
     errors, warnings = (
-        joined([*dict.fromkeys(LABELS.get(f.kind, f.kind) for f in findings if f.severity == name)])
+        joined([*dict.fromkeys(LABELS[f.kind] for f in findings if f.severity == name)])
         for name in ("error", "warning")
     )
     if errors:

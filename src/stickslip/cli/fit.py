@@ -25,10 +25,10 @@ from stickslip.cli.inputs import (
     show_warnings,
     watching,
 )
-from stickslip.cli.law_choice import law_to_fit
+from stickslip.cli.law_choice import law_to_fit, rig_with
 from stickslip.documents import document, with_files, write_file
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, check, load_rig, refusal, refuse_same
+from stickslip.experiments import Checks, check, refusal, refuse_same
 from stickslip.identification import Fit, far_above_dry
 from stickslip.kinds import AnyKind, FitSummary, Law, Request, kind_of, refuse_uninformed
 
@@ -48,7 +48,7 @@ def run(
     if output is not None:
         check_rig_file(output)
         refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    rig = rig_with(path, overrides(changes), law=name, allow_import=allow_import)
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
     law = partial(law_to_fit, rig, name)

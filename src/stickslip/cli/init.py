@@ -2,6 +2,7 @@
 
 import os
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def run(
         stdout().print(str(guess), markup=False)
     name = _relative(data_file(file), target)
     if urdf is None:
-        inertia = inertia_of(read_data([file], guess.reading))
+        inertia = inertia_of(read_data([file], replace(guess.reading, by="options")))
         text = guessed_rig(guess, name, inertia=inertia or 1.0)
     else:
         text = guessed_rig(guess, name, robot=_relative(urdf, target))

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar, final
@@ -23,6 +23,7 @@ from stickslip.experiments import (
     load_rig,
     read_number,
 )
+from stickslip.formatting import joined
 from stickslip.friction import (
     PRINTED_FORMS,
     FrictionLaw,
@@ -35,7 +36,7 @@ from stickslip.friction import (
 from stickslip.identification import starting_law
 from stickslip.kinds import AnyKind, Law
 from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
-from stickslip.quantities import fields_of, parameters
+from stickslip.quantities import all_paths, fields_of, parameters
 
 Carried = TypeVar("Carried", CarriedLaw, CarriedLaws)
 
@@ -126,7 +127,7 @@ def rig_and_form(
     given = overrides(changes)
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = load_rig(path, overrides=others, allow_import=allow_import)
+    rig = rig_with(path, others, law=kind.corrected.name, allow_import=allow_import)
     slip_of(rig.mechanism)
     law = _own(rig, kind.corrected.name).law
     load = static_normal_force(rig.mechanism) or 1.0
@@ -240,13 +241,37 @@ def names_by_contact(text: str) -> dict[str, str]:
     return found
 
 
+def rig_with(
+    path: Path | None, given: Mapping[str, str], *, law: str | None = None, allow_import: bool
+) -> Rig:
+    """Return the rig of a file under overrides; an unknown one is told what the law at hand has."""
+    try:
+        return load_rig(path, overrides=given, allow_import=allow_import)
+    except UnknownNameError as error:
+        key = next((one for one in given if one in (error.name, f"{FRICTION}{error.name}")), None)
+        if key is None or not error.kind.startswith("key"):
+            raise
+        rig = load_rig(path, allow_import=allow_import)
+        known = {} if key.startswith(FRICTION) else all_paths(rig.mechanism, "mechanism")
+        names = [*rig.named] if law is None else [law] if law in listed() else []
+        for name in names:
+            known |= {f"{FRICTION}{one}": x for one, x in fields_of(law_type(name)).items()}
+        # as the last names that --set takes, of which an earlier path has the symbol
+        symbols = {full.rpartition(".")[2]: x.symbol for full, x in reversed(known.items())}
+        of = f" of {joined(names)}" if key.startswith(FRICTION) and names else ""
+        own = UnknownNameError(f"parameter{of} in --set:", error.name, symbols, symbols)
+        if "Did you mean" in str(error) and "Did you mean" not in str(own):
+            raise
+        raise own from None
+
+
 def rig_and_friction(
     path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: laws of its contacts, or one."""
     given = overrides(changes)
     if asked.law is None or not FILE.fullmatch(asked.law):
-        rig = load_rig(path, overrides=given, allow_import=allow_import)
+        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
         if rig.contacts:
             laws = _by_contact(rig, asked)
             known = estimates_by_contact(rig, laws)
@@ -304,13 +329,13 @@ def _rig_and_law(
                 "--law-load applies only to a law from a file, such as --law law.toml, whose"
                 " levels are forces: leave it out."
             )
-        rig = load_rig(path, overrides=given, allow_import=allow_import)
+        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
         chosen = _own(rig, asked.law)
         _check_used(rig.overridden, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = load_rig(path, overrides=others, allow_import=allow_import)
+    rig = rig_with(path, others, allow_import=allow_import)
     check_named(Path(file["path"]))
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)

@@ -14,11 +14,12 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
+from stickslip.cli.law_choice import rig_with
 from stickslip.cli.numbers import number_of, range_of
 from stickslip.cli.select import laws_of
 from stickslip.documents import document, regular_bytes, write_files
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Rig, load_rig
+from stickslip.experiments import Rig
 from stickslip.kinds import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
 from stickslip.quantities import Quantity, parameters
 
@@ -41,7 +42,7 @@ def run(
     for file in files:
         refuse_overwriting(file, file.parent, force=force)
     _refuse_filled_in(files[1:])
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    rig = rig_with(path, overrides(changes), allow_import=allow_import)
     measured = rig.measurement
     if measured is not None and not measured.travelled:
         measured = None

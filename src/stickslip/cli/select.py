@@ -28,11 +28,12 @@ from stickslip.cli.inputs import (
     show_warnings,
     watching,
 )
+from stickslip.cli.law_choice import rig_with
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
 from stickslip.documents import document, of_files, with_files
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig
+from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
 from stickslip.kinds import (
     DOCUMENT,
@@ -78,7 +79,7 @@ def run(
     folder = folder_of(output, "stickslip-report", as_json=as_json)
     if folder is not None:
         refuse_overwriting(folder, folder, force=force, files=VERDICT_FILES)
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    rig = rig_with(path, overrides(changes), allow_import=allow_import)
     kind, request, files = ask(rig, given=path is not None)
     rig = replace(rig, digest=with_files(rig.digest, files))
     for option, value in (("--workers", count), ("--executor", executor)):

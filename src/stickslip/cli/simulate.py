@@ -51,7 +51,14 @@ from stickslip.formatting import (
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
 from stickslip.kinds import PAGE, fit
-from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names, slipping
+from stickslip.mechanisms import (
+    Mechanism,
+    cycle_or_none,
+    has_one_slip,
+    input_names,
+    slip_of,
+    slipping,
+)
 from stickslip.quantities import fields_of, named
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -67,7 +74,7 @@ from stickslip.sweep import (
     cycles_in,
     validate,
 )
-from stickslip.trajectory import Event, Trajectory
+from stickslip.trajectory import Event, Status, Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -521,7 +528,7 @@ def _solver(settings: RunOptions) -> Solver | None:
         dt=settings.fixed_step,
         method=settings.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
         stick_rule=settings.stick_rule,
-        break_away=settings.break_away or "static",  # type: ignore[arg-type]
+        break_away=settings.break_away,  # type: ignore[arg-type]
         zero_velocity_band=settings.zero_velocity_band,
     )
 
@@ -616,8 +623,9 @@ def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
 def _show(ran: Ran, settings: RunOptions) -> None:
     console, run = stdout(), ran.run
     console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
-    console.print(f", {friction_title(ran.chosen)} friction", markup=False)
-    console.print(run.ending, markup=False)
+    form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
+    console.print(f", {friction_title(ran.chosen)}{'' if form else ' friction'}", markup=False)
+    console.print(f"{run.ending}{_still_moving(ran)}", markup=False)
     if run.events:
         contact = ["contact"] if run.contacts else []
         show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
@@ -660,6 +668,18 @@ def _show(ran: Ran, settings: RunOptions) -> None:
         console.print("\nRefitted to this measurement", markup=False, style="bold")
         for line in ran.refit.sentences(ran.validation):
             console.print(f"  {line}", markup=False)
+
+
+def _still_moving(ran: Ran) -> str:
+    """Return that what a printed equation was to bring to rest moves at the end; else nothing."""
+    run, mechanism = ran.run, ran.rig.mechanism
+    if not isinstance(ran.chosen, ChosenForm) or run.status is not Status.END_TIME:
+        return ""
+    rate = mechanism.rates[mechanism.coordinates.index(slip_of(mechanism))]
+    speed = float(run[rate][-1])
+    if speed == 0.0:
+        return ""
+    return f" The body still moves then, at {quantity(speed, run.units[rate], 3)}."
 
 
 def _cycles_lines(ran: Ran) -> str:

@@ -275,6 +275,7 @@ class _Files:
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
         from stickslip.experiments.readers.condition_columns import conditions_in, unused_in
+        from stickslip.experiments.readers.guess import clock_of
         from stickslip.experiments.readers.table import TRIAL
         from stickslip.experiments.readers.table_reader import SECOND
 
@@ -301,6 +302,12 @@ class _Files:
         used = {*raw, *(name for name in beside if "." in name)}
         raw |= beside
         self._refuse_twice(raw)
+        if {"velocity", "friction"} <= {*raw} and "time" not in raw:
+            # rows that somebody sorted by speed, of which a drift would read as its effect
+            clock = clock_of(frame, {*used, TRIAL, *map(condition_name, conditions)})
+            if clock is not None:
+                used.add(clock[0])
+                raw = {name: x[np.argsort(clock[1])] for name, x in raw.items()}
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
         line = None
@@ -313,6 +320,7 @@ class _Files:
             load_offset=reading.offset.get("load", 0.0),
             rotary=(self.mechanism is not None and set(self.mechanism.units) == {"rad"})
             or reading.rotary,
+            motors=reading.motor_constant,
         )
         values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
         if line is not None and turning:

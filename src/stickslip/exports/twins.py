@@ -433,11 +433,13 @@ class Karnopp(Program):
             raise InputError(f"{self.name}: the inertia of the slip is not known: give a band.")
         band = WIDER * level * self.step / inertia if inertia and not self.band else self.band
         assert band is not None
+        bristles = bool(subject.law.states)
         solver = FixedStep(
             dt=self.step,
             stick_rule=False,
             zero_velocity_band=band,
-            break_away=self.break_away,
+            # bristles have their own, and refuse any other than the default
+            break_away=None if bristles and self.break_away == "static" else self.break_away,
         )
         return Taken(law=subject.law, solver=solver, level=level)
 
@@ -450,9 +452,9 @@ class Karnopp(Program):
         assert isinstance(taken.solver, FixedStep)
         band = quantity(taken.solver.zero_velocity_band, turned("m/s", subject.rotary))
         start = {"static": "at break-away", "kinetic": "of sliding", "zero": "zero"}
+        first = f", friction {start[self.break_away]} in the first step out of rest"
         return (
-            f"step {quantity(self.step, 's')}, dead band {band}, friction"
-            f" {start[self.break_away]} in the first step out of rest"
+            f"step {quantity(self.step, 's')}, dead band {band}{'' if taken.law.states else first}"
         )
 
     @override

@@ -32,6 +32,7 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.fitting import fit_records
+from stickslip.identification.records.resting import rests
 from stickslip.identification.records.route_choice import RouteName
 from stickslip.identification.results import Estimate
 from stickslip.identification.settings import RecordSettings
@@ -686,8 +687,8 @@ def compare_trials(
     Raises
     ------
     InputError
-        If the measurement does not serve: it has one trial, or each is a single travel or the force
-        of a spring.
+        If the measurement does not serve: it has one trial, fewer than two of them move, or each is
+        a single travel or the force of a spring.
     ConvergenceError
         If no law fits.
 
@@ -727,19 +728,28 @@ def compare_trials(
 def _refuse(measurement: Measurement) -> None:
     if measurement.travelled or measurement.only_spring_force:
         raise InputError(NOT_ALONE)
-    if len(measurement.records()) < 2:
+    records = measurement.records()
+    if len(records) < 2:
         raise InputError("a comparison needs at least two trials, got one record.")
+    if sum(not rests(record) for record in records) < 2:
+        raise InputError(
+            "a comparison needs at least two trials with motion; a trial at rest throughout bounds"
+            " friction at rest only."
+        )
 
 
 def fitted_alone(measurement: Measurement) -> bool:
-    """Whether there are several trials of which each can be fitted alone.
+    """Whether there are several trials with motion, of which each can be fitted alone.
 
     Examples
     --------
     >>> fitted_alone(Measurement(trials=(Measurement(travel=0.1), Measurement(travel=0.2))))
     False
     """
-    return len(measurement.records()) > 1 and not measurement.travelled
+    records = measurement.records()
+    if len(records) < 2 or measurement.travelled:
+        return False
+    return sum(not rests(record) for record in records) > 1
 
 
 def compared(joint: RecordFit) -> TrialComparison | None:
@@ -770,6 +780,8 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     moved: list[list[Displaced]] = []
     for index, record in enumerate(records):
         name = record.name or f"trial {index + 1}"
+        if rests(record):  # which `said_of_rests` compares with the fit
+            continue
         rows = record_of[best.segment] == index
         if not rows.any():
             failed[name] = "none of its data were used"

@@ -11,7 +11,8 @@ HOMES = {
 }
 
 INSIDE = {
-    "select_table": "kinds.tables",
+    "select_record": "selection",
+    "select_table": "selection",
     "verdict_sections": "page",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

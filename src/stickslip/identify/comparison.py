@@ -26,7 +26,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Family, Mask, Problem, Structure, family_of
+from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -38,6 +38,8 @@ class Comparison:
 
     structures: Sequence[Structure]
     """All structures with physical coefficients, the best first."""
+    families: Sequence[Family]
+    """Their families (s,)."""
     scores: Array
     """Their scores by block (s, b)."""
     shares: Array
@@ -56,51 +58,59 @@ class Comparison:
     """Share of the measured curve before it got its least: near 1 where no law explains."""
     curve_gain: float
     """Mean score of the best law less that of the curve, over its paired standard error."""
+    curve_ratio: float
+    """Held-out error of the best law over that of the curve."""
 
     def share_of(self, family: Family) -> float:
         """Return the share of all structures of a family."""
-        return float(sum(p for s, p in zip(self.structures, self.shares, strict=True)
-                         if family_of(s) == family))  # fmt: skip
+        return float(sum(p for own, p in zip(self.families, self.shares, strict=True)
+                         if own == family))  # fmt: skip
 
 
 def compare(search: Search) -> Comparison:
     """Compare what a search met."""
     problem = search.problem
     structures = search.structures
+    families = [problem.family(one) for one in structures]
     losses = np.array([search.regression.losses_of[one] for one in structures])
     scores = block_scores(losses)
     laws = np.array([problem.is_law(one) for one in structures])
-    shares = _shares(scores, _priors(problem, structures))
+    shares = stacked_shares(scores, _priors(search, structures, families))
     curve_share = float(shares[~laws].sum())
-    shares = _with_curve(shares, laws)
+    shares = with_curve(shares, laws)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
-        best_of.setdefault(family_of(structures[i]), int(i))
+        best_of.setdefault(families[i], int(i))
     top = min(best_of.values())
-    error = np.sqrt(losses.mean(axis=1))
-    evidence = _evidence(search, structures, [*best_of.values()], shares)
-    most = max(evidence.values())
-    near = {i for i, e in evidence.items() if e >= most - THRESHOLDS.tie}
+    if not problem.independent:
+        error = np.log(np.sqrt(losses.mean(axis=1)) + 1e-300)
+        price = search.regression.price
+        value = {i: round(error[i] + price * problem.parameters(structures[i]), 9)
+                 for i in np.flatnonzero(laws).tolist()}  # fmt: skip
+        named = min(value, key=lambda i: (value[i], problem.rank(structures[i]), i))
+        best_of[families[named]] = named
+    evidence = _evidence(search, structures, families, [*best_of.values()], shares)
     if problem.independent:
         named = max(evidence, key=lambda i: (round(evidence[i], 9), -i))
-    else:
-        near |= {i for i in evidence if error[i] <= (1.0 + THRESHOLDS.material) * error[top]}
-        named = min(near, key=lambda i: (problem.parameters(structures[i]),
-                                         problem.rank(structures[i]), i))  # fmt: skip
+    most = evidence[named]
+    near = {i for i, e in evidence.items() if e >= most - THRESHOLDS.tie}
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
         structures=structures,
+        families=families,
         scores=scores,
         shares=shares,
         best=structures[top],
         set=[structures[i] for i in sorted(near, key=lambda i: (i != named, -evidence[i], i))],
         named=structures[named],
         evidence={
-            structures[i]: evidence[i] for i in sorted(evidence, key=lambda i: (-evidence[i], i))
+            structures[i]: evidence[i]
+            for i in sorted(evidence, key=lambda i: (i != named, -evidence[i], i))
         },
         curve=structures[curve],
         curve_share=curve_share,
         curve_gain=_paired(scores[top] - scores[curve]),
+        curve_ratio=float(np.sqrt(losses[top].mean() / max(losses[curve].mean(), 1e-300))),
     )
 
 
@@ -111,13 +121,17 @@ def _paired(difference: Array) -> float:
 
 
 def _evidence(
-    search: Search, structures: Sequence[Structure], best: Sequence[int], shares: Array
+    search: Search,
+    structures: Sequence[Structure],
+    families: Sequence[Family],
+    best: Sequence[int],
+    shares: Array,
 ) -> dict[int, float]:
     """Return the evidence of families, by the place of their best structures."""
     problem, regression = search.problem, search.regression
     share: dict[Family, float] = {}
-    for one, p in zip(structures, shares, strict=True):
-        share[family_of(one)] = share.get(family_of(one), 0.0) + float(p)
+    for own, p in zip(families, shares, strict=True):
+        share[own] = share.get(own, 0.0) + float(p)
     # rows of a stretch are not independent: each stretch counts
     rows = len(problem.response)
     count = rows if problem.independent else int(problem.stretches.max()) + 1
@@ -127,7 +141,7 @@ def _evidence(
         left = regression.weights * (problem.response - regression.fit(one).fitted)
         likelihood = -0.5 * count * math.log(float(left @ left) / rows + 1e-30)
         found[i] = (
-            0.5 * math.log(share[family_of(one)] + THRESHOLDS.least_share)
+            0.5 * math.log(share[families[i]] + THRESHOLDS.least_share)
             + 0.5 * likelihood
             - THRESHOLDS.price * problem.parameters(one)
             - THRESHOLDS.unusual * problem.rank(one)
@@ -135,7 +149,7 @@ def _evidence(
     return found
 
 
-def _shares(scores: Array, priors: Array) -> Array:
+def stacked_shares(scores: Array, priors: Array) -> Array:
     """Return stacking weights by Bayesian bootstrap of the blocks (s,)."""
     count = scores.shape[1]
     draws = np.random.default_rng(1).dirichlet(np.ones(count), THRESHOLDS.draws)
@@ -144,7 +158,7 @@ def _shares(scores: Array, priors: Array) -> Array:
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
 
 
-def _with_curve(shares: Array, laws: Mask) -> Array:
+def with_curve(shares: Array, laws: Mask) -> Array:
     """Return shares of which the measured curve has at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
     own = float(shares[~laws].sum())
@@ -156,23 +170,27 @@ def _with_curve(shares: Array, laws: Mask) -> Array:
     return shares
 
 
-def _priors(problem: Problem, structures: Sequence[Structure]) -> Array:
+def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    members: dict[Family, list[int]] = {}
-    for i, one in enumerate(structures):
-        members.setdefault(family_of(one), []).append(i)
+    problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
+    for i, own in enumerate(families):
+        members.setdefault(own, []).append(i)
     priors = np.ones(len(structures))
     for rows in members.values():
-        for k, name in enumerate(family_of(structures[rows[0]])):
+        for k, (name, _) in enumerate(structures[rows[0]]):
             for entry, step in enumerate(problem.terms[name].steps):
                 if step == 1.0:
                     continue
-                having = [i for i in rows if len(structures[i][k][1]) > entry]
-                if having:  # shapes without an entry have its usual value
-                    values = np.log([structures[i][k][1][entry] for i in having])
+                # shapes without an entry have its usual value, and those of 0 no memory
+                having = [i for i in rows if any(structures[i][k][1][entry : entry + 1])]
+                if having:
+                    values = np.log(np.abs([structures[i][k][1][entry] for i in having]))
                     priors[having] *= _spacing(values, math.log(step)) / math.log(step)
         priors[rows] /= priors[rows].sum()
-    return priors
+    # half the number of blocks times the difference of scores that such a share of the error makes
+    nats = search.regression.price * len(problem.blocks)
+    count = np.array([problem.parameters(one) for one in structures])
+    return priors * np.exp(-nats * (count - count.min()))
 
 
 def _spacing(values: Array, step: float) -> Array:
@@ -190,8 +208,10 @@ def family_members(comparison: Comparison, family: Family) -> Mapping[Structure,
     """Return the structures of a family with their shares, in sum 1."""
     found = {
         one: float(share)
-        for one, share in zip(comparison.structures, comparison.shares, strict=True)
-        if family_of(one) == family
+        for one, own, share in zip(
+            comparison.structures, comparison.families, comparison.shares, strict=True
+        )
+        if own == family
     }
     total = sum(found.values())
     if not total > 0.0:

@@ -49,6 +49,8 @@ class Ensemble:
     regression: BlockRegression
     comparison: Comparison
     seed: int = 0
+    twinned: bool = True
+    """Whether the same measurement prepared otherwise counts, too."""
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
     @property
@@ -77,15 +79,12 @@ class Ensemble:
         fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
         parts = allotted(np.ones(len(fits)), count)
         return np.vstack(
-            [
-                fit.coefficients + student(fit.covariance, fit.freedom, n, rng)
-                for fit, n in zip(fits, parts, strict=True)
-            ]
+            [fit.coefficients + student(fit, n, rng) for fit, n in zip(fits, parts, strict=True)]
         )
 
     @cached_property
     def _twins(self) -> "list[_Twin]":
-        return [_Twin(one) for one in self.problem.twins]
+        return [_Twin(one) for one in self.problem.twins] if self.twinned else []
 
     def predicted(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
         """Return what a structure with coefficients (p,) predicts at rows (n,)."""
@@ -126,8 +125,9 @@ class Ensemble:
         weights = np.array([*having.values()])
         for one, n in zip(having, allotted(weights / weights.sum(), count), strict=True):
             if n:
-                at = self.regression.index(one[: [name for name, _ in one].index(term)])
-                found.append(self.sampled(one, n, rng)[:, len(at)])
+                before = one[: [name for name, _ in one].index(term)]
+                at = sum(self.regression.columns.of(column).shape[1] for column in before)
+                found.append(self.sampled(one, n, rng)[:, at])
         return np.concatenate(found)
 
 
@@ -139,14 +139,16 @@ class _Twin:
     problem: Problem
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
+    @cached_property
+    def _regression(self) -> BlockRegression:
+        return BlockRegression(self.problem)
+
     def fit(self, structure: Structure) -> Fitted:
         if structure not in self._fits:
-            regression = BlockRegression(self.problem)
+            regression, weights = self._regression, np.ones(len(self.problem.response))
             regression.add(structure)
-            weights = np.ones(len(self.problem.response))
-            regression.weigh(weights)
             for _ in range(THRESHOLDS.weighings):
-                left = np.abs(self.problem.response - regression.fit(structure, weights).fitted)
+                left = np.abs(regression.left(structure, weights))
                 z = left / (1.4826 * float(np.median(left)) + 1e-300)
                 weights = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9))
                 weights = weights**self.problem.softness
@@ -160,16 +162,20 @@ def allotted(shares: Array, count: int) -> list[int]:
     return [int(one) for one in np.diff(ends, prepend=0.0)]
 
 
-def student(covariance: Array, freedom: float, count: int, rng: np.random.Generator) -> Array:
-    """Return draws (count, p) of Student's t with a covariance (p, p) that may be singular."""
+def student(fit: Fitted, count: int, rng: np.random.Generator) -> Array:
+    """Return draws (count, p) of Student's t about 0 with the covariance of a fit."""
+    root = _root(fit.covariance) if fit.root is None else fit.root
+    normal = rng.normal(size=(count, len(root))) @ root
+    return np.asarray(normal / np.sqrt(rng.chisquare(fit.freedom, (count, 1)) / fit.freedom))
+
+
+def _root(covariance: Array) -> Array:
+    """Return a root (p, p) of a covariance, the transposed one of Cholesky."""
     size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    if not size.any():
-        return np.zeros((count, len(size)))
     unit = np.where(size > 0.0, size, 1.0)
     scaled = covariance / np.outer(unit, unit)
     root = np.linalg.cholesky(0.5 * (scaled + scaled.T) + 1e-9 * np.eye(len(size)))
-    normal = rng.normal(size=(count, len(size))) @ root.T
-    return np.asarray(normal * size / np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom))
+    return np.asarray(root.T * size)
 
 
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:

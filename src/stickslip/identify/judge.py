@@ -18,7 +18,7 @@ import numpy as np
 from stickslip.identify.comparison import Comparison, compare, family_members
 from stickslip.identify.ensemble import Draw, Ensemble, allotted
 from stickslip.identify.laws import Composition
-from stickslip.identify.problem import Array, Problem, Structure, family_of
+from stickslip.identify.problem import Array, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_weights
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
@@ -83,15 +83,24 @@ class Judgement:
         return self.comparison.named
 
     @cached_property
+    def estimated(self) -> Structure:
+        """The named law with the shapes of its estimates: refined where the ensemble is."""
+        refined = self.ensemble.comparison.named
+        family = self.problem.family
+        return refined if family(refined) == family(self.named) else self.named
+
+    @cached_property
     def composition(self) -> Composition:
         """The named law with its estimates."""
-        fit = self.ensemble.fit(self.named)
-        return self.problem.composition(self.named, fit.coefficients[None])
+        fit = self.ensemble.fit(self.estimated)
+        return self.problem.composition(self.estimated, fit.coefficients[None])
 
     def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return draws of the named family: shapes by their shares, coefficients by covariance."""
         rng = np.random.default_rng(self.ensemble.seed + 1)
-        members = family_members(self.comparison, family_of(self.named))
+        family = self.problem.family(self.named)
+        members = family_members(self.ensemble.comparison, family)
+        members = members or family_members(self.comparison, family)
         parts = allotted(np.array([*members.values()]), count)
         return [
             Draw(structure=one, coefficients=self.ensemble.sampled(one, n, rng))

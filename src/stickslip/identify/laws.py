@@ -5,13 +5,14 @@ its parameters, one for each draw. What no composition can say, such as the meas
 a law through measured levels (``table[...]``).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.friction import law as law_class
 from stickslip.quantities import Quantity
@@ -72,6 +73,7 @@ def compose(
     *,
     memory: str = "",
     memory_values: Mapping[str, Array] | None = None,
+    memory_fixed: Collection[str] = (),
 ) -> Composition:
     """Return the law that terms are together.
 
@@ -86,6 +88,8 @@ def compose(
         Bristles around the level, such as ``"dahl"``.
     memory_values : mapping of str to array (d,), optional
         Their parameters.
+    memory_fixed : collection of str
+        Those that were not fitted.
 
     Returns
     -------
@@ -100,6 +104,7 @@ def compose(
     """
     made = _Composer(terms, means)
     made.level(memory, memory_values or {})
+    made.fixed |= {*memory_fixed}
     made.flows()
     made.inputs()
     return made.composition()
@@ -200,6 +205,8 @@ class _Composer:
             self.values[f"forward_{name}"] = x + difference[name]
             self.values[f"backward_{name}"] = x - difference[name]
         text = f"both_ways[levels]({text})"
+        if not _is_law(text):  # bristles stand around directions, not within
+            return ""
         doubled = law_class(text).__dataclass_fields__
         for name in [one for one in self.values if one not in doubled]:
             x = self.values.pop(name)
@@ -220,8 +227,18 @@ class _Composer:
         positive = [x for name, x in self.values.items() if name.endswith("_coefficient")]
         if lacks or any(np.any(x < 0.0) for x in positive):
             text = ""
+        text = text if _is_law(text) else ""
         flow = next((name for name in ("power", "saturating", "viscous") if name in self.terms), "")
         return Composition(text=text, values=self.values, fixed=frozenset(self.fixed), flow=flow)
+
+
+def _is_law(text: str) -> bool:
+    """Return whether parts can stand together in a law."""
+    try:
+        law_class(text or "nothing")
+    except InputError:
+        return False
+    return True
 
 
 def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:
@@ -242,8 +259,19 @@ def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:
 
 RIG_QUANTITIES: Mapping[str, Quantity] = {
     "offset": Quantity("F_0", "N"),
-    "drift": Quantity("d", "1"),
+    "drift": Quantity("d", "N"),
     "load_exponent": Quantity("a", "1"),
-    "run_spread": Quantity("s_r", "1"),
+    "offset_drift": Quantity("d_0", "N"),
+    "viscous_drift": Quantity("d_2", "N s/m"),
+    "spring": Quantity("k", "N/m"),
+    "bow": Quantity("b", "N/m^2"),
+    "ripple": Quantity("F_r", "N"),
+    "mechanism": Quantity("g", "1"),
+    "lag": Quantity("t_l", "s"),
+    "delay": Quantity("t_d", "s"),
+    "clip": Quantity("F_max", "N"),
+    "backlash": Quantity("x_b", "m"),
+    "flexible": Quantity("f_0", "Hz"),
+    "inertia_error": Quantity("Delta_J", "kg"),
 }
 """Symbols and units of what is no parameter of a law or mechanism."""

@@ -13,6 +13,7 @@ Blocks are rows that are predicted together from the others: what is left out is
 asked, such as another speed, another load, another stretch of time.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
@@ -50,18 +51,23 @@ class Term:
     """Shapes that are tried first."""
     steps: Sequence[float] = ()
     """Ratios between neighbouring shapes, by entry; 1 for entries that are not refined."""
-    limits: Sequence[tuple[float, float]] = ()
+    ranges: Sequence[tuple[float, float]] = ()
     """Ranges of the entries of the shape in which they are refined; all if not given."""
     precision: Callable[[Shape], Array | float] = lambda _: 0.0
     """Inverse variance of the coefficients of a random effect, in units of the noise; 0: fixed."""
     nonnegative: bool = False
     """Whether coefficients below 0 are no physics."""
+    limits: tuple[float, float] = (-math.inf, math.inf)
+    """Least and largest coefficient that is physics."""
     excludes: frozenset[str] = frozenset()
     """Terms that never stand beside it: other forms of the same part."""
     needs: frozenset[str] = frozenset()
     """Terms of which at least one must stand beside it; empty: none."""
     same_shape: int | None = None
     """Entry of the shape that all terms of a structure that have one share, such as an exponent."""
+    shared: int = 0
+    """First entries of the shape that are those of the memory, which all terms of a structure
+    that have one share; 0 in the first of them: no memory."""
     title: str = ""
     """What it is called in a sentence."""
     rank: int = 0
@@ -78,7 +84,14 @@ class Term:
         >>> step.parameters((0.1, 2.0))
         2
         """
-        return self.cost + sum(step != 1.0 for step in self.steps[: len(shape)])
+        return self.cost + sum(
+            step != 1.0 and value != 0.0
+            for step, value in zip(self.steps[: len(shape)], shape, strict=False)
+        )
+
+
+MEMORY = "memory"
+"""Marks families whose law has a memory of the way."""
 
 
 def family_of(structure: Structure) -> Family:
@@ -101,6 +114,10 @@ class Problem(ABC):
     """The vocabulary by name."""
     references: Sequence[Structure]
     """Structures of the measured curve, which is no law."""
+    always: frozenset[str] = frozenset()
+    """Terms without which no structure of two or more terms stands."""
+    curved: frozenset[str] | None = None
+    """Terms that the measured curve stands for; None: all parts of laws."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
     only: Sequence[Family] = ()
@@ -136,12 +153,24 @@ class Problem(ABC):
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
 
     @abstractmethod
+    def points(self, structure: Structure, coefficients: Array) -> "Points":
+        """Return what a figure shows of the measurement beside a structure with coefficients."""
+
+    @abstractmethod
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is."""
 
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
+
+    def price(self, size: float) -> float:
+        """Return the share of the held-out error that a parameter must save to be believed.
+
+        `size` is that of the response over its noise. On a dense record everything is significant,
+        and what saves less is not found in the next.
+        """
+        return 0.0
 
     @property
     def twins(self) -> Sequence["Problem"]:
@@ -151,6 +180,9 @@ class Problem(ABC):
     def allowed(self, structure: Structure) -> bool:
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()
+        memories = {self._memory(column) for column in structure} - {()}
+        if len(memories) > 1 or (len(names) > 1 and not self.always <= names):
+            return False
         if self.only and not self._is_asked(names):
             return False
         for name, shape in structure:
@@ -167,6 +199,15 @@ class Problem(ABC):
         asked = [{name for name in one if self.terms[name].role == "law"} for one in self.only]
         return laws in asked or any(self.terms[name].role == "curve" for name in names)
 
+    def _memory(self, column: Column) -> Shape:
+        name, shape = column
+        return tuple(shape[: self.terms[name].shared])
+
+    def family(self, structure: Structure) -> Family:
+        """Return the names of the terms of a structure, marked where it has a memory."""
+        memory = any(one[0] != 0.0 for one in map(self._memory, structure) if one)
+        return (*family_of(structure), MEMORY) if memory else family_of(structure)
+
     def parameters(self, structure: Structure) -> int:
         """Return the number of parameters of a structure."""
         return sum(self.terms[name].parameters(shape) for name, shape in structure)
@@ -175,9 +216,30 @@ class Problem(ABC):
         """Return how unusual the terms of a structure are, together."""
         return sum(self.terms[name].rank for name, _ in structure)
 
+    def beside_curve(self, structure: Structure) -> Structure:
+        """Return the columns of a structure that the measured curve does not stand for."""
+        if self.curved is not None:
+            return tuple(one for one in structure if one[0] not in self.curved)
+        return tuple(one for one in structure if self.terms[one[0]].role in ("rig", "run"))
+
     def is_law(self, structure: Structure) -> bool:
         """Return whether a structure is a law, and not the measured curve."""
         return all(self.terms[name].role != "curve" for name, _ in structure)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Points:
+    """Friction as it was measured, for a figure."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]."""
+    friction: Array
+    """Friction (n,) [N]: the response, less what a structure says of the rig."""
+    load: Array
+    """Loads (n,) [N]."""
+    rows: NDArray[np.intp]
+    """Rows of the problem (n,) that are shown."""
 
 
 @final
@@ -193,6 +255,8 @@ class Fitted:
     """Their covariance (p, p)."""
     freedom: float
     """Degrees of freedom of Student's t."""
+    root: Array | None = None
+    """A root (k, p) of the covariance, where it is known: root.T @ root is the covariance."""
 
 
 @final

@@ -46,12 +46,15 @@ class BlockRegression:
         self._size = np.zeros(0)
         self._precision = np.zeros(0)
         self._matrix = np.zeros((len(problem.response), 0))
+        self._weighed = False
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
 
     def add(self, columns: Iterable[Column]) -> None:
-        """Add columns to those that structures may have, before weights are set."""
+        """Add columns to those that structures may have."""
         new = [column for column in dict.fromkeys(columns) if column not in self._at]
-        parts, precisions, j = [self._matrix * self._size], [self._precision], len(self._size)
+        if not new:
+            return
+        parts, precisions, j = [], [self._precision], len(self._size)
         for name, shape in new:
             x = self.columns.of((name, shape))
             self._at[name, shape] = np.arange(j, j + x.shape[1])
@@ -59,19 +62,44 @@ class BlockRegression:
             precisions.append(self.problem.terms[name].precision(shape) * np.ones(x.shape[1]))
             j += x.shape[1]
         matrix = np.hstack(parts)
-        self._size = np.sqrt(np.mean(matrix**2, axis=0)) + NOTHING
-        self._matrix, self._precision = matrix / self._size, np.concatenate(precisions)
+        size = np.sqrt(np.mean(matrix**2, axis=0)) + NOTHING
+        self._size = np.concatenate([self._size, size])
+        self._matrix = np.hstack([self._matrix, matrix / size])
+        self._precision = np.concatenate(precisions)
+        if self._weighed:
+            self._extend()
 
     def weigh(self, weights: Array) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices."""
-        self.weights, self.losses_of = weights, {}
-        a, y = self._matrix * weights[:, None], self.problem.response * weights
-        self._total, self._moment = a.T @ a, a.T @ y
-        self._penalty = self._precision / self._size**2 * float(np.median(weights)) ** 2
-        self._inside = _grams(a, y, self.problem.blocks)
-        near = self.problem.excluded
-        self._near = self._inside if near is self.problem.blocks else _grams(a, y, near)
+        self.weights, self.losses_of, self._weighed = weights, {}, True
+        y = self.problem.response * weights
         self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
+        self._weighted = np.zeros((len(y), 0))
+        self._total, self._moment = np.zeros((0, 0)), np.zeros(0)
+        none = len(self.problem.blocks), 0
+        self._inside = self._near = (np.zeros((*none, 0)), np.zeros(none))
+        self._extend()
+
+    def _extend(self) -> None:
+        """Make the parts of the Gram matrices that columns since the last time have."""
+        old = self._weighted.shape[1]
+        y = self.problem.response * self.weights
+        a = np.hstack([self._weighted, self._matrix[:, old:] * self.weights[:, None]])
+        self._weighted = a
+        self._penalty = self._precision / self._size**2 * float(np.median(self.weights)) ** 2
+        everything = [np.ones(len(y), dtype=bool)]
+        total, moment = _extended((self._total[None], self._moment[None]), a, y, everything)
+        self._total, self._moment = total[0], moment[0]
+        same = self.problem.excluded is self.problem.blocks
+        near = self._near
+        self._inside = _extended(self._inside, a, y, self.problem.blocks)
+        self._near = self._inside if same else _extended(near, a, y, self.problem.excluded)
+
+    @property
+    def price(self) -> float:
+        """Return what a parameter costs, as a share of the held-out error."""
+        weighted = self.weights * self.problem.response
+        return self.problem.price(float(np.sqrt(np.mean(weighted**2))))
 
     def index(self, structure: Structure) -> NDArray[np.intp]:
         """Return the columns of a structure."""
@@ -115,11 +143,14 @@ class BlockRegression:
             self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
 
     def physical(self, structure: Structure, coefficients: Array) -> bool:
-        """Return whether no coefficient is below 0 that may not be."""
+        """Return whether all coefficients are within their limits."""
         at = 0
         for name, shape in structure:
-            size = len(self._at[name, shape])
-            if self.problem.terms[name].nonnegative and np.any(coefficients[at : at + size] < 0.0):
+            size, term = len(self._at[name, shape]), self.problem.terms[name]
+            low, high = term.limits
+            low = max(low, 0.0) if term.nonnegative else low
+            own = coefficients[at : at + size]
+            if np.any((own < low) | (own > high)):
                 return False
             at += size
         return True
@@ -143,6 +174,17 @@ class BlockRegression:
         diagonal = np.diag(self._total)[columns]
         return np.asarray(diagonal * RIDGE + self._penalty[columns] + NOTHING)
 
+    def left(self, structure: Structure, weights: Array) -> Array:
+        """Return what a fit with weights leaves of the response (n,)."""
+        columns, y = self.index(structure), self.problem.response
+        if not len(columns):
+            return y
+        x = self._matrix[:, columns]
+        a = x * weights[:, None]
+        gram = a.T @ a
+        ridge = np.diag(gram) * RIDGE + self._precision[columns] / self._size[columns] ** 2
+        return y - x @ np.linalg.solve(gram + np.diag(ridge + NOTHING), a.T @ (y * weights))
+
     def fit(self, structure: Structure, weights: Array | None = None) -> Fitted:
         """Fit a structure to all rows; covariance by residuals, or by stretches (sandwich)."""
         problem, w = self.problem, self.weights if weights is None else weights
@@ -159,39 +201,48 @@ class BlockRegression:
         x, size = self._matrix[:, columns], self._size[columns]
         a = x * w[:, None]
         gram = a.T @ a
-        penalty = np.diag(gram) * 1e-9 + self._penalty[columns] + NOTHING
+        penalty = self._precision[columns] / self._size[columns] ** 2
+        penalty = penalty * float(np.median(w)) ** 2 + np.diag(gram) * 1e-9 + NOTHING
         inverse = _inverse(gram + np.diag(penalty))
         c = inverse @ (a.T @ y)
         e = y - a @ c
         shaped = problem.parameters(structure) - sum(
             problem.terms[name].cost for name, _ in structure
         )
+        root = None
         if problem.independent:
             freedom = max(len(y) - float(np.trace(inverse @ gram)) - shaped, 2.0)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
             covariance = inverse * variance
         else:
             count = int(problem.stretches.max()) + 1
-            scores = np.array(
-                [a[problem.stretches == k].T @ e[problem.stretches == k] for k in range(count)]
-            )
+            scores = np.zeros((count, len(columns)))
+            np.add.at(scores, problem.stretches, a * e[:, None])
             freedom = count - 1.0
-            covariance = inverse @ (scores.T @ scores) @ inverse
-            covariance *= problem.spread * count / freedom
+            root = scores @ inverse * math.sqrt(problem.spread * count / freedom)
+            covariance, root = root.T @ root, root / size
         return Fitted(
             fitted=x @ c,
             coefficients=c / size,
             covariance=covariance / np.outer(size, size),
             freedom=freedom,
+            root=root,
         )
 
 
-def _grams(a: Array, y: Array, masks: Sequence[Mask]) -> tuple[Array, Array]:
-    """Return the Gram matrices (b, p, p) and moments (b, p) of rows of masks."""
-    return (
-        np.array([a[rows].T @ a[rows] for rows in masks]),
-        np.array([a[rows].T @ y[rows] for rows in masks]),
-    )
+def _extended(
+    known: tuple[Array, Array], a: Array, y: Array, masks: Sequence[Mask]
+) -> tuple[Array, Array]:
+    """Return Gram matrices (b, p, p) and moments (b, p) of rows of masks; first parts are known."""
+    old, new = known[0].shape[1], a.shape[1]
+    gram, moment = np.empty((len(masks), new, new)), np.empty((len(masks), new))
+    gram[:, :old, :old], moment[:, :old] = known
+    for k, rows in enumerate(masks):
+        own = a[rows]
+        gram[k, :, old:] = own.T @ own[:, old:]
+        gram[k, old:, :old] = gram[k, :old, old:].T
+        moment[k, old:] = own[:, old:].T @ y[rows]
+    return gram, moment
 
 
 def _inverse(matrix: Array) -> Array:

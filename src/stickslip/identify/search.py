@@ -18,12 +18,14 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Column, Family, Problem, Structure, family_of
+from stickslip.identify.problem import Array, Column, Family, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
 
 LARGEST = 1e9
 """Losses are bounded by this, so that infinite ones can be compared."""
+MOST_MOVED = 81
+"""Shapes of a structure that are tried together."""
 DIGITS = 9
 """Digits of mean scores that order structures: further ones are rounding."""
 
@@ -53,26 +55,32 @@ class Search:
                 itertools.chain.from_iterable(problem.references),
             )
         )
+        self._orders: dict[Structure, tuple[float, int, Structure]] = {}
         self.residual = np.zeros(len(problem.response))
         """Held-out residuals over their scale (n,), before rows lose weight."""
 
     def run(self) -> "Search":
         """Search with weights that follow from the best structure before; return itself."""
         regression = self.regression
-        regression.weigh(np.ones(len(self.problem.response)))
-        regression.losses(self.problem.references)
-        best = min(self.problem.references, key=self.mean_score)
+        first = BlockRegression(self.problem)
+        first.add(itertools.chain.from_iterable(self.problem.references))
+        first.weigh(regression.weights)
+        first.losses(self.problem.references)
+        best = min(
+            self.problem.references, key=lambda one: np.mean(block_scores(first.losses_of[one]))
+        )
         weights = regression.weights
         for k in range(THRESHOLDS.weighings):
             last = weights
-            weights, self.residual = noise_weights(regression, best)
+            weights, self.residual = noise_weights(regression if k else first, best)
             if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
                 break
             regression.weigh(weights)
+            self._orders.clear()
             best = self._climb()
             self._add_usual(best)
             self._refine()
-            best = min(self.structures, key=self._price)
+            best = min(self.structures, key=self._priced)
         return self
 
     @property
@@ -91,14 +99,17 @@ class Search:
         return float(np.mean(self.scores(structure)))
 
     def _order(self, structure: Structure) -> tuple[float, int, Structure]:
-        score = round(self.mean_score(structure), DIGITS)
-        return score, self.problem.parameters(structure), structure
+        key = self._orders.get(structure)
+        if key is None:
+            score = round(self.mean_score(structure), DIGITS)
+            key = self._orders[structure] = (score, self.problem.parameters(structure), structure)
+        return key
 
-    def _price(self, structure: Structure) -> tuple[float, Structure]:
-        """Return the score with the price of parameters: weights follow no law that is too rich."""
-        blocks = len(self.problem.blocks)
-        price = THRESHOLDS.price * self.problem.parameters(structure)
-        return round(0.5 * blocks * self.mean_score(structure) + price, DIGITS), structure
+    def _priced(self, structure: Structure) -> tuple[float, Structure]:
+        """Return half the score plus what parameters cost: rich laws follow the noise."""
+        price = self.regression.price or THRESHOLDS.price / len(self.problem.blocks)
+        price *= self.problem.parameters(structure)
+        return round(0.5 * self.mean_score(structure) + price, DIGITS), structure
 
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
@@ -115,14 +126,15 @@ class Search:
             self.regression.losses(tried)
             best_of: dict[Family, Structure] = {}
             for structure in sorted(dict.fromkeys(tried), key=self._order):
-                best_of.setdefault(family_of(structure), structure)
+                best_of.setdefault(self.problem.family(structure), structure)
             ranked = sorted(dict.fromkeys([*best_of.values(), *front]), key=self._order)
             ahead = ranked[: THRESHOLDS.beam]
             if set(ahead) <= set(front):
                 break
             front = ahead
-        beside = [column for column in front[0] if problem.terms[column[0]].role in ("rig", "run")]
+        beside = problem.beside_curve(front[0])
         curves = [tuple(sorted({*one, *beside})) for one in problem.references]
+        curves = [one for one in curves if problem.allowed(one)]
         self.regression.losses([*curves, *problem.references])
         return min(self.structures, key=self._order)
 
@@ -169,29 +181,27 @@ class Search:
         """Halve the grid around the best shapes of the best families."""
         for k in range(THRESHOLDS.refinements):
             best_of: dict[Family, Structure] = {}
-            for structure in self.structures:
+            for structure in sorted(self.structures, key=self._priced):
                 if self.problem.is_law(structure):
-                    best_of.setdefault(family_of(structure), structure)
+                    best_of.setdefault(self.problem.family(structure), structure)
             around = [
                 one
                 for structure in [*best_of.values()][: THRESHOLDS.families]
                 for one in self._between(structure, 0.5 ** (k + 1))
             ]
-            weights, known = self.regression.weights, dict(self.regression.losses_of)
+            around = [one for one in around if self.problem.allowed(one)]
             self.regression.add(column for one in around for column in one)
-            self.regression.weigh(weights)
-            self.regression.losses_of = known
-            self.regression.losses(one for one in around if self.problem.allowed(one))
+            self.regression.losses(around)
 
     def _between(self, structure: Structure, share: float) -> Iterator[Structure]:
         """Yield a structure with shapes a part of a step away, alone and together."""
         moved: list[Sequence[Column]] = []
         for name, shape in structure:
             steps = self.problem.terms[name].steps[: len(shape)]
-            limits = self.problem.terms[name].limits or [(0.0, math.inf)] * len(steps)
+            limits = self.problem.terms[name].ranges or [(0.0, math.inf)] * len(steps)
             entries = [
                 (value,)
-                if step == 1.0
+                if step == 1.0 or value == 0.0
                 else [
                     other
                     for other in (value / step**share, value, value * step**share)
@@ -201,6 +211,9 @@ class Search:
             ]
             rest = shape[len(entries) :]
             moved.append([(name, (*entry, *rest)) for entry in itertools.product(*entries)])
-        if sum(len(one) > 1 for one in moved) == 0 or math.prod(map(len, moved)) > 81:
-            return
-        yield from (tuple(one) for one in itertools.product(*moved))
+        together = list(itertools.islice(itertools.product(*moved), MOST_MOVED + 1))
+        if len(together) <= MOST_MOVED:
+            yield from together
+        else:  # one after the other
+            for k, own in enumerate(moved):
+                yield from ((*structure[:k], one, *structure[k + 1 :]) for one in own)

@@ -47,13 +47,17 @@ class Thresholds:
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
     tie: float = 3.0
     """Difference of evidence up to which families are not told apart (odds of 20; study: names)."""
-    material: float = 0.2
-    """Share of the best held-out error within which laws of a record are not told apart."""
+    material: float = 0.06
+    """Share of the held-out error of a record that a parameter must save (study: records)."""
+    same_span: float = 0.01
+    """Part of a column outside a span from which a design tells them apart."""
     no_law: float = 0.9
     """Share of the measured curve, before its least share, from which no law explains ..."""
     no_law_gain: float = 2.0
     """... and paired standard errors by which it predicts better (of 160 tables: none that has a
     law, 5 % of those with a dip that no law has)."""
+    no_law_ratio: float = 1.2
+    """... and share by which its held-out error is smaller: on a record all is significant."""
     second: float = 0.85
     """Share of readings of a second measurement in the 95 % band below which it differs."""
     least_variance: float = 0.3

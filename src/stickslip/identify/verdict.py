@@ -21,6 +21,7 @@ from stickslip.identify.wording import (
     Words,
     advice_sentence,
     band_sentence,
+    beside_of,
     cause_sentence,
     error_sentence,
     law_sentence,
@@ -165,9 +166,9 @@ class BandVerdict(Verdict[LawCandidate]):
     def named_curve(self, velocity: Array) -> Array:
         """Return the friction of the named law at velocities (n,), with its constant offset."""
         judgement = self.judgement
-        fit = judgement.ensemble.fit(judgement.named)
+        fit = judgement.ensemble.fit(judgement.estimated)
         rows = judgement.problem.at(velocity)
-        return judgement.ensemble.predicted(judgement.named, fit.coefficients, rows)
+        return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
 
     @property
     @override
@@ -184,12 +185,13 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def family(self) -> Family:
         """Names of the terms of the named law."""
-        return family_of(self.judgement.named)
+        return self.judgement.problem.family(self.judgement.named)
 
     @property
     def set(self) -> tuple[Family, ...]:
         """Families that are not told apart, the named one first."""
-        return tuple(family_of(one) for one in self.judgement.comparison.set)
+        judgement = self.judgement
+        return tuple(judgement.problem.family(one) for one in judgement.comparison.set)
 
     @property
     def parameters(self) -> tuple[Interval, ...]:
@@ -334,7 +336,9 @@ class BandVerdict(Verdict[LawCandidate]):
                 {"term": one.term, "title": one.title, "share": one.share, "left": one.left}
                 for one in self.causes
             ],
-            "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()},
+            "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()}
+            if self.judgement.problem.independent
+            else {},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None if self.second is None else self.inside,
         }
@@ -349,12 +353,14 @@ class BandVerdict(Verdict[LawCandidate]):
         """Return what the figure of the verdict shows."""
         from stickslip.identify.figures import BandDrawing  # loads matplotlib
 
-        problem = self.judgement.problem
+        judgement = self.judgement
+        estimated = judgement.estimated
+        points = judgement.problem.points(estimated, judgement.ensemble.fit(estimated).coefficients)
         return BandDrawing(
-            velocity=np.asarray(problem.rows.velocity),
-            friction=problem.response,
-            load=np.asarray(problem.rows.load),
-            weights=self.judgement.regression.weights,
+            velocity=points.velocity,
+            friction=points.friction,
+            load=points.load,
+            weights=judgement.regression.weights[points.rows],
             speeds=self.speeds,
             band=self.friction,
             law=self.named_curve(self.speeds),
@@ -384,19 +390,19 @@ def verdict_on(
     remarks: Sequence[str] = (),
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
-    comparison = judgement.comparison
+    comparison, family = judgement.comparison, judgement.problem.family
     error = {one: judgement.held_out_error(one) for one in [*comparison.evidence][:SHOWN]}
     order = [comparison.named, *(one for one in error if one != comparison.named)]
     most = comparison.evidence[comparison.named]
     together = set(comparison.set)
     candidates = tuple(
         LawCandidate(
-            name=" + ".join(family_of(one)),
-            title=title_of(judgement, one),
+            name=" + ".join(family(one)),
+            title=title_of(judgement, one) + beside_of(judgement, one),
             fit=fit_of(judgement, one, mechanism, measurement, largest_speed),
             outcome=_outcome(one, comparison.named, together),
             structure=one,
-            share=comparison.share_of(family_of(one)),
+            share=judgement.ensemble.comparison.share_of(family(one)),
             evidence=comparison.evidence[one] - most,
             held_out=error[one],
             count=judgement.problem.parameters(one),
@@ -405,13 +411,14 @@ def verdict_on(
     )
     first = candidates[0]
     assert first.fit is not None
-    title = first.title
+    title = title_of(judgement, comparison.named)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
     said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
-    doubts = [cause_sentence(one, "", words) for one in judgement.causes]
-    if far := judgement.outliers:
+    sizes = {one.path: one for one in every}
+    doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
+    if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
@@ -467,13 +474,15 @@ def fit_of(
     largest_speed: float,
 ) -> LawFit:
     """Return the best structure of a family as a fit: the named one with its intervals."""
+    if structure == judgement.named:
+        structure = judgement.estimated
     fit = judgement.ensemble.fit(structure)
     composed = judgement.problem.composition(structure, fit.coefficients[None])
     law = composed.law() or law_through(judgement, structure, fit.coefficients)
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
     remarks: list[str] = []
-    if structure == judgement.named:
+    if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
     if composed.law() is None:

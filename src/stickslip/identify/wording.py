@@ -67,9 +67,18 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     exponent = composed.rig.get("load_exponent")
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
-    terms = judgement.problem.terms
-    beside = [terms[name].title for name in family_of(structure) if terms[name].role in BESIDE]
-    return f"{title}, {joined(beside)}" if beside else title
+    return title
+
+
+def beside_of(judgement: Judgement, structure: Structure) -> str:
+    """Return what a structure holds beside its law, as the end of a phrase."""
+    problem = judgement.problem
+    beside = [
+        problem.terms[name].title
+        for name in family_of(structure)
+        if problem.terms[name].role in BESIDE and name not in problem.always
+    ]
+    return f" with {joined(beside)}" if beside else ""
 
 
 def no_law(judgement: Judgement) -> bool:
@@ -78,31 +87,37 @@ def no_law(judgement: Judgement) -> bool:
     return (
         comparison.curve_share > THRESHOLDS.no_law
         and comparison.curve_gain > THRESHOLDS.no_law_gain
+        and comparison.curve_ratio > THRESHOLDS.no_law_ratio
     )
 
 
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
-    title = title_of(judgement, comparison.named)
+    title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
     others = list(
         dict.fromkeys(
-            in_sentence(title_of(judgement, one))
+            in_sentence(title_of(judgement, one)) + beside_of(judgement, one)
             for one in comparison.set
-            if title_of(judgement, one) != title
+            if one != comparison.named
         )
     )
     if no_law(judgement):
         return (
-            f"No law explains these {words.measured}: their own curve predicts held-out"
+            f"No law explains the {words.measured}: a curve over the speed predicts held-out"
             f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
             " the closest."
         )
-    said = f"Use {friction_of(title)}"
+    said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."
     more = [*others[:NAMED], f"{len(others) - NAMED} more"] if len(others) > NAMED else others
-    return f"{said}; these {words.measured} do not tell it from {joined(more)}."
+    these = (
+        f"these {words.measured} do"
+        if words.measured.endswith("s")
+        else (f"this {words.measured} does")
+    )
+    return f"{said}; {these} not tell it from {joined(more)}."
 
 
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
@@ -146,9 +161,11 @@ def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
     return f"{said}."
 
 
-def cause_sentence(cause: Cause, size: str, words: Words) -> str:
+def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     """Return a property of the rig or a fault, with the share that it explains."""
     what = capital(cause.title) + (f": {size}" if size else "")
+    if size is not None and size.low <= 0.0 <= size.high:
+        return f"{what}, consistent with zero."
     if cause.left > 0.5:
         return f"{what}; it explains little of what is measured, most stays unexplained."
     if cause.share <= 0.01:
@@ -172,6 +189,12 @@ def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
 ORDERED = (
     "The speeds were measured in their order: a drift, such as warming or wear, would pass for an"
     " effect of the speed. Measure them in random order, or some again at the end."
+)
+
+
+OTHERS = (
+    "One record says nothing of how much others of the same machine differ: the band allows for as"
+    " much as single stretches of it do. A second record (--validate) measures it."
 )
 
 

@@ -14,26 +14,18 @@ from stickslip.kinds.records.kind import WITHOUT_EFFECT, RecordKind
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import score_text
 
-TABLE = "table"
-"""Route of `select`."""
 FORCE_MAP = "force-map"
-"""Route of `fit`."""
-NOT_OF_TABLES = WITHOUT_EFFECT[FORCE_MAP]
+"""Route by which tables are fitted."""
 
 
-@final
-class FrictionTableKind(RecordKind):
-    """Friction against velocity without time: no bristles, rows in any order."""
+class BandKind(RecordKind):
+    """What `stickslip.identify` judges; fits are those of records.
 
-    routes = (TABLE, FORCE_MAP)  # type: ignore[assignment]  # the base class has other names
-    measured = "tables of friction"
+    The first of its routes is that of `select`, the others are those of `fit`.
+    """
+
     climbs = False
     uses = frozenset({"route", "validate"})
-    settings = RecordKind.settings - NOT_OF_TABLES
-
-    @override
-    def serves(self, measurement: Measurement) -> bool:
-        return all(one.kind == "friction-map" for one in measurement.records())
 
     @override
     def candidates(self, laws: Any, measurement: Measurement) -> list[str]:
@@ -45,38 +37,17 @@ class FrictionTableKind(RecordKind):
 
     @override
     def why_unused(self, name: str, request: Request) -> str:
-        selects = request.law is None
-        if name == "route" and request.route is not None:
-            asked = asked_for(request.route)
-            if not self.serves(request.measurement):
-                return f"{asked!r} applies to {self.measured}, not to this measurement: leave it out."
-            if asked != (TABLE if selects else FORCE_MAP):
-                verb, other = ("select", "fit") if selects else ("fit", "select")
-                return (
-                    f"{asked!r} applies to `{other}` of {self.measured}; it has no effect on"
-                    f" `{verb}`: leave it out."
-                )
-        if selects and (name == "settings" or name in self.settings):
-            return (
-                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
-            )
-        return "" if selects or name in NOT_OF_TABLES else super().why_unused(name, request)
-
-    @override
-    def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
-        for name, given in (("vary", {*names_of(request.vary or ())} - {LAW}), ("fixed", request.fixed)):
-            if given:
-                raise InputError(
-                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
-                    f" got {joined(sorted(given))}: leave it out."
-                )
-        return select_table(
-            request.mechanism,
-            request.measurement,
-            laws=request.laws,
-            validate=request.validate,
-            route=TABLE,
+        selects, asked = request.law is None, asked_for(request.route)
+        verb, other = ("select", "fit") if selects else ("fit", "select")
+        unused = (
+            f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
         )
+        if name == "route" and asked and (asked == self.routes[0]) is not selects:
+            return f"{asked!r} {unused}"
+        if selects and (name == "settings" or name in self.settings):
+            return unused
+        known = name in self.uses | self.settings
+        return super().why_unused(name, request) if known and not selects else ""
 
     @override
     def comparison(self, verdict: BandVerdict) -> Comparison:  # type: ignore[override]
@@ -106,3 +77,40 @@ class FrictionTableKind(RecordKind):
         self, verdict: BandVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
         return verdict_sections(verdict, origin, remark)
+
+
+@final
+class FrictionTableKind(BandKind):
+    """Friction against velocity without time: no bristles, rows in any order."""
+
+    routes = ("table", FORCE_MAP)  # type: ignore[assignment]  # the base class has other names
+    measured = "tables of friction"
+    settings = RecordKind.settings - WITHOUT_EFFECT[FORCE_MAP]
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return all(one.kind == "friction-map" for one in measurement.records())
+
+    @override
+    def why_unused(self, name: str, request: Request) -> str:
+        if name == "route" and request.route and not self.serves(request.measurement):
+            asked = asked_for(request.route)
+            return f"{asked!r} applies to {self.measured}, not to this measurement: leave it out."
+        return super().why_unused(name, request)
+
+    @override
+    def select(self, request: Request) -> BandVerdict:  # type: ignore[override]
+        varied = {*names_of(request.vary or ())} - {LAW}
+        for name, given in (("vary", varied), ("fixed", request.fixed)):
+            if given:
+                raise InputError(
+                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
+                    f" got {joined(sorted(given))}: leave it out."
+                )
+        return select_table(
+            request.mechanism,
+            request.measurement,
+            laws=request.laws,
+            validate=request.validate,
+            route=self.routes[0],
+        )

@@ -10,6 +10,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.friction import law_type
 from stickslip.identification import RouteChoice, called, check_inputs
+from stickslip.kinds.balances import BalanceKind
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.joints.kind import JointKind
@@ -28,6 +29,7 @@ OWN: tuple[AnyKind, ...] = (
     JointKind(),
     VelocityStepKind(),
     FrictionTableKind(),
+    BalanceKind(),
     RecordKind(),
 )
 """In the order in which they are asked."""

@@ -364,7 +364,7 @@ def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     largest = largest_step(push.mechanism, law, push.run)
     coarse: dict[BreakAway, float] = {}
     for rule in RULES if largest is None or largest >= STEP else ():
-        solver = FixedStep(dt=STEP, break_away=rule)
+        solver = FixedStep(dt=STEP, break_away=None if law.states else rule)
         run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)
         coarse[rule] = float(run["x"][-1])
     return TableRow(

@@ -243,7 +243,8 @@ def study_cart(
     """
     level = {"kinetic_coefficient": KINETIC}
     law = Coulomb(**level)
-    free = FixedStep(dt=STEP, stick_rule=False, break_away="zero")
+    printed = FixedStep(dt=STEP, stick_rule=False)
+    free = replace(printed, break_away="zero")
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
     weight = (cart.cart_mass + cart.ball_mass) * cart.gravity
@@ -255,15 +256,15 @@ def study_cart(
         cart=cart,
         given=cart != CART,
         runs=(
-            ran("printed-4", "(3), (4) as printed", signed, free),
-            ran("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), free),
-            ran("printed-1", "(1), (2) as printed", plain(**level), free),
+            ran("printed-4", "(3), (4) as printed", signed, printed),
+            ran("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), printed),
+            ran("printed-1", "(1), (2) as printed", plain(**level), printed),
             ran("fixed", "corrected, no stick rule", law, free),
             ran("fixed-held", "corrected, stick rule", law, held),
             ran("exact", "exact", law, exact),
         ),
         table_1=(
-            ran("table-1", "(1), (2), Table I", plain(kinetic_coefficient=levels[0]), free),
+            ran("table-1", "(1), (2), Table I", plain(kinetic_coefficient=levels[0]), printed),
             ran("table-1-exact", "exact, Table I", at_table_1, exact),
         ),
         break_away=_break_away(cart, levels, bristles),

@@ -205,7 +205,7 @@ def step_travels(
     _, _, push = rigs(values.rig)["A"]
 
     def travel(law: FrictionLaw, break_away: BreakAway) -> float:
-        solver = FixedStep(dt=STEP, break_away=break_away)
+        solver = FixedStep(dt=STEP, break_away=None if law.states else break_away)
         return float(simulate(push, law, t_end=t_end, solver=solver)["x"][-1])
 
     found = []

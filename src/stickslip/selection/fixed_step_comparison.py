@@ -50,7 +50,7 @@ def compare_fixed_steps(
     y0: Mapping[str, float] | None = None,
     steps: Sequence[float] = (0.01, 0.001),
     method: Method = "euler",
-    break_away: BreakAway = "static",
+    break_away: BreakAway | None = None,
 ) -> tuple[FixedStepRow, ...]:
     """Run a mechanism event-driven, and as a block diagram with each step.
 
@@ -71,8 +71,9 @@ def compare_fixed_steps(
         Fixed steps [s].
     method : str
         Integration method of the fixed-step runs.
-    break_away : str
-        Friction in their first step out of rest: ``static``, ``kinetic`` or ``zero``.
+    break_away : str, optional
+        Friction in their first step out of rest, of a law without bristles: ``static`` if not
+        given, ``kinetic`` or ``zero``.
 
     Returns
     -------

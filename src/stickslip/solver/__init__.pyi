@@ -65,7 +65,7 @@ class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
         dt: _Given,
         method: _Method = ...,
         stick_rule: bool | None = ...,
-        break_away: _BreakAway = ...,
+        break_away: _BreakAway | None = ...,
         zero_velocity_band: _Given = ...,
         soft: _SoftConstraint | None = ...,
         viscous: _Given = ...,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.formatting import number
+from stickslip.formatting import joined, number
 from stickslip.formulation import PAINLEVE
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, has_one_slip
@@ -81,10 +81,11 @@ class FixedStep(Solver):
     not given, with friction laws but not with equations as printed, which have no such rule. Heun
     and Runge-Kutta can change the sign between their stages but not between the ends of steps,
     which the rule does not see: the body then hovers at a small speed instead of resting."""
-    break_away: BreakAway = "static"
+    break_away: BreakAway | None = None
     """Friction of a body at rest that the applied force exceeds: the break-away level (``static``),
     as (5) of the source paper and Karnopp (1985) have it, that of sliding (``kinetic``), or none,
-    since sgn 0 = 0 (``zero``). Bristles and equations as printed have their own."""
+    since sgn 0 = 0 (``zero``); if not given, static. Bristles, equations as printed and a soft
+    constraint have their own, beside which none is taken."""
     zero_velocity_band: Annotated[float, Quantity("D_v", "m/s", low=0)] = 0.0
     """Hold it too when a step ends within this speed and break-away is not exceeded (Karnopp)."""
     soft: SoftConstraint | None = None
@@ -101,7 +102,7 @@ class FixedStep(Solver):
             raise ParameterError(
                 f"FixedStep.method must be one of {', '.join(TABLEAUS)}, got {self.method!r}."
             )
-        if self.break_away not in (known := get_args(BreakAway)):
+        if self.break_away not in (None, *(known := get_args(BreakAway))):
             raise ParameterError(
                 f"FixedStep.break_away must be one of {', '.join(known)}, got {self.break_away!r}."
             )
@@ -229,6 +230,8 @@ def _diagram(
 ) -> BlockDiagram:
     """Return the diagram of a mechanism, whose equations are parts where contacts are several."""
     contacts, soft = mechanism.contacts(), solver.soft
+    _refuse_break_away(solver, law)
+    break_away = solver.break_away or "static"
     if not isinstance(law, Laws) and has_one_slip(mechanism):
         refuse_limits(mechanism, limits_of(mechanism))
         if soft is not None and (isinstance(law, PrintedForm) or law.states):
@@ -236,9 +239,7 @@ def _diagram(
                 f"FixedStep.soft holds a body by a law without memory, not by {law.name}: leave it"
                 " out."
             )
-        return Diagram.build(
-            mechanism, law, t_end, y0, solver.break_away, soft, solver.viscous, solver.dt
-        )
+        return Diagram.build(mechanism, law, t_end, y0, break_away, soft, solver.viscous, solver.dt)
     if soft is not None or solver.viscous:
         raise InputError(
             "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
@@ -253,7 +254,27 @@ def _diagram(
         )
     limits = limits_of(mechanism)
     refuse_limits(mechanism, tuple(name for name in limits if name != PAINLEVE))
-    return ContactDiagram.build(mechanism, law, t_end, y0, solver.break_away)
+    return ContactDiagram.build(mechanism, law, t_end, y0, break_away)
+
+
+def _refuse_break_away(solver: FixedStep, law: FrictionLaw | Laws | PrintedForm) -> None:
+    """Refuse a friction out of rest where nothing asks for it."""
+    if solver.break_away is None:
+        return
+    laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
+    if solver.soft is not None:
+        why = "a soft constraint has its own"
+    elif isinstance(law, PrintedForm):
+        why = f"{law.name}, an equation as printed, has its own"
+    elif all(one.states for one in laws):
+        names = joined([*dict.fromkeys(one.name for one in laws)])
+        why = f"the bristles of {names} carry friction there"
+    else:
+        return
+    raise InputError(
+        f"FixedStep.break_away is friction in the first step out of rest, and {why}: leave it out,"
+        f" got {solver.break_away!r}."
+    )
 
 
 def _advanced(
@@ -292,6 +313,10 @@ def _moved(
         value + dt * sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True))
         for i, value in enumerate(y)
     ]
+
+
+OF_CONTACTS = ("friction", "normal_force", "mode")
+"""Columns that are no states, with the name of a contact after a colon where there are several."""
 
 
 @dataclass(frozen=True)
@@ -334,6 +359,7 @@ def _trajectory(
         evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
         step_times=rows[:, 0],
+        states=tuple(name for name in names if name.partition(":")[0] not in OF_CONTACTS),
     )
 
 

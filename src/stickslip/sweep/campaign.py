@@ -41,7 +41,7 @@ from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import quantity
 from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import ensemble, event_driven_law
+from stickslip.simulation import beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, check_columns
 from stickslip.sweep.design import OF_INDICES, Design, DesignName, Factor, Levels
 from stickslip.sweep.parameter_grid import early_ends
@@ -469,7 +469,7 @@ class Campaign(metaclass=Described):
             for start in range(0, len(design), PART):
                 rows = design.rows(start, start + PART)
                 try:
-                    check_columns(case.mechanism, law, rows)
+                    check_columns(*beginning_pair(case.mechanism, law, rows), rows)
                 except InputError as error:
                     where = _told(case, start)
                     if not where:

@@ -29,6 +29,8 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
+RESTING_BODY = "the body rested, which bounds its friction at rest."
+"""What it means that a body does not move in one of several trials."""
 RESTING_JOINT = "the joint rests, which says little of its friction."
 """What it means that a joint does not move."""
 FORWARD = "forward_share"
@@ -248,7 +250,7 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for one in findings:
         if _still(one) and len(still) < trials:
-            yield _resting(one, "the body rested, which bounds its friction at rest.")
+            yield _resting(one, RESTING_JOINT if _joint_of(one) else RESTING_BODY)
         elif FORWARD in one.numbers and one.severity == "warning" and _joint_of(one) in both:
             yield motion.beside_other_way(one)
         else:

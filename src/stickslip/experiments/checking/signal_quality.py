@@ -429,10 +429,23 @@ def held(record: Measurement) -> Iterator[Finding]:
         )
 
 
+def _own_step(values: Array) -> float:
+    """Return the step in which values came before they were interpolated to other times, if so.
+
+    Between two counts an interpolation has fractions of them, which of times on two grids are whole
+    numbers of a much finer step. Where a sample is repeated, both sides had the same count.
+    """
+    step = step_of(values)
+    repeated = np.unique(values[1:][np.diff(values) == 0.0])
+    if step == 0.0 or repeated.size < FEWEST:
+        return step
+    return max(step, step_of(repeated))
+
+
 def quantised(record: Measurement) -> Iterator[Finding]:
     """Name the steps in which signals come, such as that of an encoder."""
     for name, values in arrays(record):
-        step = step_of(values)
+        step = _own_step(values)
         if step == 0.0 or name == "reference":
             continue
         levels = float(np.ptp(values)) / step

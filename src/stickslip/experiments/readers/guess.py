@@ -206,6 +206,8 @@ class Guess(metaclass=Described):
     """Quantity -> unit of its column, where the header has none in brackets."""
     gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> size of a count or of a volt, assumed where it was not given."""
+    assumed: tuple[str, ...] = ()
+    """Quantities whose gain was neither given nor documented, but assumed."""
     motor_constant: str | Mapping[str, str] = ""
     """Force or torque per current, where a current drives the axis; assumed unless it was given, in
     which case `reasons` say so; by joint."""
@@ -349,7 +351,9 @@ def guess_data(
         by_current = "current" in found
         found = _as_friction(found)
         units, gain = (_as_friction(x or {}) for x in (units, gain))
-        reasons["rows"] = f"steady readings; their times, column {steady!r}, are not read"
+        reasons["rows"] = (
+            f"steady readings; their times, column {steady!r}, are read as their order"
+        )
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
@@ -374,6 +378,7 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
+    assumed_gains = {*gains, *(["friction"] if by_current and motor_constant is None else [])}
     if by_current:
         known["friction"] = found["friction"].unit or "A"
         found["friction"] = replace(found["friction"], unit=known["friction"])
@@ -408,11 +413,12 @@ def guess_data(
         layout=layout,
         columns={
             **{q: given.get(q, one.name) for q, one in found.items()},
-            **({"time": ""} if steady == "time" else {}),
+            **({"time": ""} if _has_other_times(frame, found, given) else {}),
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
         units={**known, **(units or {})},
         gain=gains | dict(gain or {}),
+        assumed=tuple(q for q in gains if q in assumed_gains - {*registers, *(gain or {})}),
         conditions=conditions,
         motor_constant=constant,
         repair=repair,
@@ -434,6 +440,12 @@ def guess_data(
             *_offered(conditions, found),
         ),
     )
+
+
+def _has_other_times(frame: Frame, found: Mapping[str, Found], given: Mapping[str, Column]) -> bool:
+    """Whether a column that readers take for times of samples says when readings were taken."""
+    table = {"velocity", "friction"} <= {*found} and "position" not in found
+    return table and "time" in frame.names and not {"time"} & {*found, *given}
 
 
 def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
@@ -857,6 +869,28 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
         return False
     bare, _ = _bare_and_unit(name, stated, "time")
     return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
+
+
+def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
+    """Return the column that says when steady readings were taken, and its times (n,) [s].
+
+    It is called time, nothing else was read from it, though it may have been said to be no times of
+    samples, and no time is twice in it.
+    """
+    keys = {header: name for name, header in frame.names.items()}
+    for header in frame.data.columns:
+        name = keys.get(header, str(header).partition("[")[0].strip())
+        if not name or name in used:
+            continue
+        bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
+        if _named_score(bare, "time")[0] < WHOLE or (unit and not is_unit_of(unit, "time")):
+            continue
+        column = frame.data[header]
+        numeric = pd.api.types.is_numeric_dtype(column.dtype)
+        times = column.to_numpy(dtype=float) if numeric else seconds_of(column)
+        if times is not None and np.isfinite(times).all() and np.unique(times).size == times.size:
+            return name, times
+    return None
 
 
 def _increases(column: "pd.Series[Any]") -> bool:

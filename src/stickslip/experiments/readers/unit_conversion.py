@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -104,6 +104,8 @@ class Scaling:
     """Offset of a load in the file [N]."""
     rotary: bool | None = None
     """Whether the mechanism turns, as columns without units then do; None if they decide."""
+    motors: Mapping[str, float | str] = field(default_factory=dict)
+    """Motor constants by current, which became gains of forces."""
 
     def scaled(self, raw: Mapping[str, Array]) -> tuple[dict[str, Array], bool]:
         """Return columns (n,) in SI, and whether they are of an axis that turns."""
@@ -139,10 +141,31 @@ class Scaling:
         try:
             return gain_factor(gain, unit, target)
         except ParameterError:
+            motor = self.motors.get(name.replace("force", "current", 1))
+            if motor is not None:
+                raise ParameterError(self._of_motor(motor, gain, unit, target)) from None
             raise ParameterError(
                 f"gain.{name} (g) of {gain} times a column in {unit} is not in {target}: correct"
                 " the unit of one of them."
             ) from None
+
+    def _of_motor(self, constant: float | str, gain: str, unit: str, target: str) -> str:
+        """Return that a motor constant is not in the unit of the axis, and what it would be."""
+        said = f'motor_constant="{constant}" times a current in {unit} is not in {target}:'
+        whole = f"{gain.partition(' ')[2]} * {unit}"
+        if target == "N" and is_of(whole, "N m"):
+            return (
+                f"{said} the axis moves along a line and takes N/A. With a screw, give the constant"
+                " times 2 pi over its lead in m; with a pulley or pinion, over its radius in m; if"
+                " the axis turns, give its position in rad or deg."
+            )
+        if target == "N m" and is_of(whole, "N"):
+            return (
+                f"{said} the axis turns and takes N m/A. Give the constant times the radius at"
+                " which the force acts, in m; if the axis moves along a line, give its position in"
+                " m or mm."
+            )
+        return f"{said} give it in {target}/A."
 
     def _by_load(self, name: str, raw: Array, load: Array | float | None, target: str) -> Array:
         """Return a coefficient as a force: by a gain, or by the load. A gain of -1 or 1 is a sign.

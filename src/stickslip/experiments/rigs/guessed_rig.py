@@ -10,6 +10,7 @@ from typing import Any, Final
 from stickslip.experiments.readers.formats import log_name
 from stickslip.experiments.readers.guess import Guess
 from stickslip.experiments.readers.layout import Layout
+from stickslip.formatting import joined
 
 LONGEST: Final = 8
 """Entries of a table that stand on one line."""
@@ -133,8 +134,10 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
         text = _toml(given) if isinstance(given, str) else _inline(given)
         yield f"motor_constant = {text}" + ("" if _is_stated(guess) else f"  # {cure}")
     if guess.gain:
-        cure = "where assumed: replace it by the sensitivity of the sensor, or of the encoder"
-        yield f"gain = {_inline(guess.gain)}  # {cure}"
+        assumed = [name for name in guess.gain if name in guess.assumed]
+        which = f"{joined(assumed)} " if len(assumed) < len(guess.gain) else ""
+        cure = f"  # {which}assumed: replace it by the sensitivity of the sensor, or of the encoder"
+        yield f"gain = {_inline(guess.gain)}{cure if assumed else ''}"
     if guess.layout is not None and guess.layout != Layout():
         yield ""
         yield "[data.layout]"

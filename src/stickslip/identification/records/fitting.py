@@ -57,6 +57,7 @@ from stickslip.identification.records.problems import (
     prepared,
 )
 from stickslip.identification.records.refits import halves_of, interleaved
+from stickslip.identification.records.resting import resting_trials, said_of_rests
 from stickslip.identification.records.route_choice import better_route, choose_route, to_compare
 from stickslip.identification.residuals.holds import HoldFinding, of_simulation
 from stickslip.identification.rig_uncertainties import span_of, uncertainties_of
@@ -656,7 +657,12 @@ def _thinned(problem: RecordProblem, measurement: Measurement) -> Iterator[str]:
     if not isinstance(problem, ForceMap):
         return
     rows = sum(len(one.path.time) for one in problem.stretches if one.timed and not one.winding)
-    samples = sum(record.time.size for record in measurement.records() if record.time is not None)
+    present = {one.record for one in problem.stretches}  # a trial at rest has no rows
+    samples = sum(
+        record.time.size
+        for index, record in enumerate(measurement.records())
+        if record.time is not None and index in present
+    )
     if rows and samples > THINNED * rows:
         yield (
             f"The record was thinned from {samples:,} to {rows:,} rows: friction was compared at"
@@ -762,13 +768,17 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
     inference = inference.including(*_moved_by_looks(fit), *_moved_by_hold(fit))
     estimates = estimates_of(free, best, inference, fit.at_bounds)
+    rested = [*resting_trials(fit.mechanism, fit.measurement, fit.offset)]
+    bounded, refuted = said_of_rests(fit.law, estimates, rested)
     return replace(
         fit,
+        remarks=(*fit.remarks, *bounded),
         estimates=estimates,
         inference=inference,
         halves=halves,
         sentences=(
             *(() if halves is None else contradiction(free, halves)),
+            *refuted,
             *sentences_of(free, best, inference, fit.at_bounds, estimates),
             *sentences,
         ),

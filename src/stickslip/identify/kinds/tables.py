@@ -19,18 +19,10 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, speeds_in_order
-from stickslip.formatting import quantity
 from stickslip.identification import stretches_of
-from stickslip.identify.advice import propose
-from stickslip.identify.ensemble import band_of
-from stickslip.identify.judge import Judgement
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
-from stickslip.identify.problem import Array, Mask, Problem, Shape, Structure, Term
-from stickslip.identify.requests import families_of
-from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import ORDERED, Words
+from stickslip.identify.problem import Array, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.mechanisms import Mechanism
-from stickslip.selection import checked
 
 LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
 """Powers of the load that friction may follow."""
@@ -217,6 +209,16 @@ class TableProblem(Problem):
             run=np.full(len(v), -1),
             order=np.zeros(len(v)),
             direction=np.where(v < 0.0, -1.0, 1.0),
+        )
+
+    @override
+    def points(self, structure: Structure, coefficients: Array) -> Points:
+        """Return the readings."""
+        return Points(
+            velocity=self.rows.velocity,
+            friction=self.response,
+            load=self.rows.load,
+            rows=np.arange(len(self.response)),
         )
 
     def asked(self) -> Rows:
@@ -435,7 +437,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), limits=(EXPONENTS, (0.0, math.inf)), same_shape=1,
+            steps=(1.25, load_ratio), ranges=(EXPONENTS, (0.0, math.inf)), same_shape=1,
             excludes=(flows | {"viscous"}) - {"power"},
             title="power of the speed", rank=5, **part,
         ),
@@ -542,81 +544,3 @@ def structure_text(structure: Structure) -> str:
         for name, shape in structure
     ]
     return " + ".join(parts) or "nothing"
-
-
-def select_table(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    laws: Any = None,
-    validate: Measurement | None = None,
-    route: str = "force-map",
-) -> BandVerdict:
-    """Judge a table of friction: which law, and what friction is whichever law holds.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; its load holds where none was measured.
-    measurement : Measurement
-        Velocity and friction of each reading, perhaps with loads and inputs; trials are runs.
-    laws : mapping or sequence of laws, types or names, optional
-        The laws to compare; all sums of the vocabulary if not given.
-    validate : Measurement, optional
-        A second table: how many of its readings lie in the band of readings.
-    route : str
-        Name of the route in documents.
-
-    Returns
-    -------
-    BandVerdict
-        The verdict.
-
-    Raises
-    ------
-    InputError
-        If the table cannot decide, or a law is not of the vocabulary of tables.
-    """
-    checks = checked(mechanism, measurement, validate)
-    problem = TableProblem.of(mechanism, measurement)
-    if laws is not None:
-        problem.only = families_of(laws, problem.terms)
-    judgement = Judgement.of(problem)
-    words = Words(
-        measured="readings",
-        held_out="speeds",
-        force_unit=measurement.unit("friction"),
-        speed_unit=measurement.unit("velocity"),
-    )
-    asked = problem.asked()
-    curves = judgement.ensemble.curves(asked)
-    band = band_of(curves)
-    offered = problem.offered()
-    proposal = propose(curves, judgement.ensemble.curves(offered), judgement.noise(offered))
-    places = tuple(float(offered.velocity[k]) for k in proposal.places)
-    inside = math.nan
-    if validate is not None:
-        other = TableProblem.of(mechanism, validate)
-        low, high = np.quantile(
-            judgement.readings(problem.like(other.rows)), (0.025, 0.975), axis=0
-        )
-        inside = float(np.mean((other.response >= low) & (other.response <= high)))
-    ordered = speeds_in_order(problem.rows.velocity)
-    return verdict_on(
-        judgement,
-        mechanism,
-        measurement,
-        words,
-        checks=checks,
-        speeds=asked.velocity,
-        band=band,
-        proposal=proposal,
-        places=places,
-        place_text=[quantity(v, words.speed_unit, 2) for v in places],
-        largest_speed=problem.frame.fastest,
-        route=route,
-        second=validate,
-        inside=inside,
-        readings=0 if validate is None else len(other.response),
-        remarks=(ORDERED,) if ordered else (),
-    )
