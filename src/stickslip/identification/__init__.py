@@ -61,6 +61,8 @@ INSIDE = {
     "Trial": "travel_model",
     "Watch": "estimation.levenberg_marquardt",
     "applied_force": "series.applied_force",
+    "as_informed": "contact_inputs",
+    "as_loaded": "series.measured_load",
     "asked_for": "records.route_choice",
     "asked_of": "terms.findings",
     "balanced": "force_map.force_balance",
