@@ -35,6 +35,7 @@ PACKAGES = (
     "stickslip.exports",
     "stickslip.friction",
     "stickslip.identification",
+    "stickslip.identify",
     "stickslip.kinds",
     "stickslip.mechanisms",
     "stickslip.optimisation",
@@ -42,7 +43,6 @@ PACKAGES = (
     "stickslip.plots",
     "stickslip.report",
     "stickslip.results",
-    "stickslip.identify",
     "stickslip.selection",
     "stickslip.solver",
 )

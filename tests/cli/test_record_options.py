@@ -54,11 +54,20 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
     ("arguments", "said"),
     [
         (("fit", "axis.toml", "--horizon", "1"), "--horizon is the prediction length"),
-        (("fit", "map.toml", "--segment", "1"), "--segment applies to simulated segments"),
-        (("fit", "map.toml", "--hold", "first"), "--hold applies to simulated segments"),
+        (("fit", "map.toml", "--segment", "1"), "it has no effect on tables of friction"),
+        (("fit", "map.toml", "--hold", "first"), "it has no effect on tables of friction"),
         (("fit", "axis.toml", "--route", "inverse-dynamics", "--segment", "1"), "the route is inv"),
         (("select", "axis.toml", "--purpose", "compensate", "--segment", "1"), "the route is inv"),
-        (("select", "map.toml", "--purpose", "compensate", "--hold", "zero"), "the route is force"),
+        (
+            ("select", "map.toml", "--purpose", "compensate"),
+            "it has no effect on tables of friction",
+        ),
+        (
+            ("select", "map.toml", "--starts", "2"),
+            "--starts applies to `fit` of tables of friction",
+        ),
+        (("select", "map.toml", "--workers", "2"), "it has no effect on tables of friction"),
+        (("select", "map.toml", "--route", "force-map"), "--route 'force-map' applies to `fit`"),
         (("fit", "axis.toml", "--segment", "-1"), "stickslip: --segment must be a time above 0 s"),
     ],
 )

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Measurement, Stribeck, fit, select
+from stickslip import Axis, Coulomb, Measurement, Stribeck, fit, load_rig, select
 from stickslip.errors import InputError
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.tables import TableProblem
+from stickslip.identify.laws import compose
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 20)
@@ -266,3 +267,28 @@ def test_the_held_out_losses_are_those_of_fits_without_each_block():
         c = np.linalg.lstsq(x[kept], y[kept])[0]
         loss = (y[k] - x[k] @ c) ** 2
         assert regression.losses_of[structure][k] == pytest.approx(loss, rel=2e-3)
+
+
+def test_the_saved_law_slides_under_the_load_it_was_measured_with_beside_the_offset(tmp_path):
+    v = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])
+    read = table(lambda v: 2.0 * np.sign(v) + 0.5 * v + 0.3, v, load=4.0)
+    found = select(AXIS, None, read).closest.fit
+    found.save(tmp_path / "law.toml")
+    rig = load_rig(tmp_path / "law.toml")
+    fitted = fit(AXIS, found.law, read)
+    assert rig.mechanism.load == fitted.mechanism.load == 4.0
+    assert rig.mechanism.offset == pytest.approx(fitted.mechanism.offset, abs=0.001)
+    assert rig.laws["coulomb-viscous"] == found.law
+
+
+def test_a_static_level_below_the_kinetic_one_of_its_direction_is_no_law():
+    terms = {
+        "level": ((), np.array([[2.0]])),
+        "stribeck_sides": ((0.1, 2.0), np.array([[0.1, 0.3]])),  # 2.4 and 1.8 N
+    }
+    assert compose(terms, {}).law() is None
+
+
+def test_a_law_with_bristles_is_refused_where_no_displacement_was_measured():
+    with pytest.raises(InputError, match="does not tell its memory: give friction and position"):
+        select(AXIS, ["coulomb", "lugre"], table(stribeck))

@@ -21,6 +21,7 @@ from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import RateState
 from stickslip.identification.records.route_choice import RouteChoice
 from stickslip.kinds import registry
+from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.kind import Kind, Request
 from stickslip.kinds.registry import kind_of, kind_of_route, kinds, refuse_unused
 
@@ -37,7 +38,7 @@ KINDS = {
     "spring force": (TOWED, {"time": T, "spring_force": WAVE}, "features"),
     "velocity steps": (TOWED, {"time": T, "pull": RISE, "friction": 0.6 + WAVE}, "rate-state"),
     "motion and force": (AXIS, {"time": T, "position": WAVE, "force": WAVE}, "shooting"),
-    "friction over velocity": (AXIS, {"velocity": WAVE, "friction": WAVE}, "force-map"),
+    "friction over velocity": (AXIS, {"velocity": WAVE, "friction": WAVE}, "table"),
     "friction of a measured motion": (
         TOWED,
         {"time": T, "pull": RISE, "velocity": WAVE, "friction": WAVE},
@@ -50,7 +51,7 @@ USED = {
     "features": {"route", "settings", "validate", "executor"},
     "rate-state": {"route", "settings", "validate", "executor"},
     "shooting": {"route", "settings", "purpose", "horizon", "validate", "executor"},
-    "force-map": {"route", "settings", "purpose", "horizon", "validate", "executor"},
+    "table": {"route", "settings", "validate"},
 }
 GIVEN = {
     "route": "shooting",
@@ -127,6 +128,8 @@ def test_a_route_of_another_package_needs_names_of_its_own(monkeypatch):
 def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
     mechanism, record = measured(kind)
     route = KINDS[kind][-1]
+    if (route, name) in {("table", "route"), ("table", "settings")}:
+        return  # the next test
     if name in USED[route]:
         refuse_unused(
             kind_of_route(route),
@@ -149,6 +152,45 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
             assert (kind_of_route(other).measured in said.partition(";")[0]) is (name in used)
 
 
+TABLE = Measurement(velocity=WAVE, friction=WAVE)
+MOTION = Measurement(time=T, position=WAVE, force=WAVE)
+
+
+@pytest.mark.parametrize(
+    ("verb", "measurement", "options", "said"),
+    [
+        (select, TABLE, {"route": "force-map"}, "route 'force-map' applies to `fit` of tables"),
+        (fit, TABLE, {"route": "table"}, "route 'table' applies to `select` of tables"),
+        (select, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
+        (fit, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
+        (select, TABLE, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
+        (select, TABLE, {"vary": ["inertia"]}, r"vary applies to `fit`.*, got inertia"),
+        (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),
+    ],
+)
+def test_of_tables_each_verb_refuses_what_the_other_uses(verb, measurement, options, said):
+    with pytest.raises(InputError, match=rf"^{said}.*: leave it out\.$") as refused:
+        verb(AXIS, "coulomb", measurement, **options)
+    assert str(refused.value).count(". ") == 0
+
+
+@pytest.mark.parametrize(
+    ("verb", "options"),
+    [
+        (select, {"route": "table"}),
+        (fit, {"route": "force-map"}),
+        (fit, {"settings": RecordSettings(starts=2, seed=1)}),
+    ],
+)
+def test_of_tables_each_verb_takes_its_own(verb, options, monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        FrictionTableKind, verb.__name__, lambda self, request: seen.append(request)
+    )
+    verb(AXIS, "coulomb", TABLE, **options)
+    assert len(seen) == 1
+
+
 SETTINGS = {"segment": 0.5, "resolution": 99, "hold": "first", "starts": 2, "seed": 3}
 WITHOUT = {
     ("velocity steps", None): ({"segment", "resolution", "hold"}, "velocity steps"),
@@ -158,7 +200,7 @@ WITHOUT = {
     ),
     ("motion and force", "shooting"): (set(), ""),
     ("motion and force", "inverse-dynamics"): ({"segment", "resolution"}, "inverse-dynamics"),
-    ("friction over velocity", None): ({"segment", "resolution", "hold"}, "force-map"),
+    ("friction over velocity", None): ({"segment", "resolution", "hold"}, "tables of friction"),
 }
 
 
@@ -172,7 +214,8 @@ def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, mo
     way, seen = type(kind_of(record, asked)), []
     for method in ("fit", "select"):
         monkeypatch.setattr(way, method, lambda self, request: seen.append(request))
-    for verb in (fit, select):
+    # of tables, select uses no settings at all
+    for verb in (fit,) if kind == "friction over velocity" else (fit, select):
         if name not in unused:
             verb(mechanism, law, record, route=asked, settings=settings)
             assert getattr(seen[-1].settings, name) == SETTINGS[name]
@@ -219,7 +262,7 @@ def test_the_least_residual_has_words_on_every_route():
             "rate-state": "coefficient off by 0.012",
             "joints": "residual 0.012",
             "shooting": "12 mN",
-            "force-map": "12 mN",
+            "table": "12 mN",
         }.items()
     )
 

@@ -40,12 +40,21 @@ QUICK = RecordSettings(starts=1)
 LAWS = ["coulomb", "coulomb-viscous", "direction-dependent"]
 
 
-def table(seed, *, forward=5.0, backward=5.0, level=2.0, noise=0.05, **more):
-    """A table of friction whose viscous part may differ by direction."""
-    v = np.linspace(-0.3, 0.3, 120)
-    slope = np.where(v > 0.0, forward, backward)
-    scatter = noise * np.random.default_rng([21, seed]).normal(size=len(v))
-    return Measurement(velocity=v, friction=level * np.sign(v) + slope * v + scatter, **more)
+TIME = np.linspace(0.0, 12.0, 240, endpoint=False)
+RATE = 2.0 * math.pi / 3.0
+PLACE, SPEED = -0.3 / RATE * np.cos(RATE * TIME + 0.3), 0.3 * np.sin(RATE * TIME + 0.3)
+
+
+def rubbed(friction, **more):
+    """A record of friction (n,) in time, along a motion that is measured to and fro."""
+    return Measurement(time=TIME, position=PLACE, velocity=SPEED, friction=friction, **more)
+
+
+def record(seed, *, forward=5.0, backward=5.0, level=2.0, noise=0.05, **more):
+    """A record of friction whose viscous part may differ by direction."""
+    slope = np.where(SPEED > 0.0, forward, backward)
+    scatter = noise * np.random.default_rng([21, seed]).normal(size=SPEED.size)
+    return rubbed(level * np.sign(SPEED) + slope * SPEED + scatter, **more)
 
 
 def selected(first, second=None, laws=LAWS):
@@ -54,19 +63,18 @@ def selected(first, second=None, laws=LAWS):
 
 @pytest.fixture(scope="module")
 def confirmed():
-    return selected(table(1, forward=8.0), table(2, forward=8.0))
+    return selected(record(1, forward=8.0), record(2, forward=8.0))
 
 
 @pytest.fixture(scope="module")
 def overturned():
     # first a seal drags in one direction, then in neither
-    return selected(table(1, forward=8.0), table(2, forward=6.5, backward=6.5))
+    return selected(record(1, forward=8.0), record(2, forward=6.5, backward=6.5))
 
 
 @pytest.fixture(scope="module")
 def unexplained():
-    noise = np.random.default_rng(5).normal(size=120)
-    return selected(Measurement(velocity=np.linspace(-0.3, 0.3, 120), friction=2.0 * noise))
+    return selected(rubbed(2.0 * np.random.default_rng(5).normal(size=TIME.size)))
 
 
 @pytest.mark.slow
@@ -75,9 +83,8 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     best, on_second = confirmed.best, confirmed.on_second
     held = confirmed.scale.estimate(best.score, best.score_error)
     assert confirmed.words.lede.startswith(f"Held-out error: {held} (")
-    said = (
-        f"On the second record: {confirmed.scale.quantity(best.second.rms)}; the choice holds there"
-    )
+    second = confirmed.scale.error(best.second.rms)
+    said = f"On the second record: {second}; the choice holds there"
     assert said in confirmed.words.lede
     assert on_second.holds
     assert on_second.error == best.second.rms
@@ -110,18 +117,19 @@ def test_a_law_that_loses_on_the_second_record_is_not_recommended(overturned):
 def test_a_difference_within_doubt_overturns_nothing():
     # the same machine: whichever law is a little nearer on the second record by chance
     for seed in range(6):
-        found = selected(table(seed), table(100 + seed))
+        found = selected(record(seed), record(100 + seed))
         assert found.on_second.holds
         assert found.best.name == "coulomb-viscous"
 
 
 @pytest.mark.slow
 def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says_so():
-    found = selected(table(1), table(2, level=3.0))
+    found = selected(record(1), record(2, level=3.0))
     assert found.on_second.ratio > 5.0
     assert "times the held-out error; expect errors of this size on new data" in found.words.lede
-    assert found.words.measure_next[0].startswith("Find what differs between the two records")
-    assert "times the held-out" not in selected(table(1), table(2)).words.lede
+    said = [line.partition(" (")[0] for line in found.words.measure_next]
+    assert "Find what differs between the two records" in said
+    assert "times the held-out" not in selected(record(1), record(2)).words.lede
 
 
 @pytest.mark.slow
@@ -138,7 +146,7 @@ def test_a_record_that_no_law_explains_is_said_to_be_one(unexplained):
 @pytest.mark.parametrize("which", ["unexplained", "overturned"])
 def test_where_no_law_is_recommended_json_files_and_page_agree(which, tmp_path, request):
     found = request.getfixturevalue(which)
-    page = write_report(found, tmp_path, title="A table").read_text(encoding="utf-8")
+    page = write_report(found, tmp_path, title="A record").read_text(encoding="utf-8")
     assert not (tmp_path / "law.toml").exists()
     content = json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))
     assert content["best"] is None
@@ -150,30 +158,22 @@ def test_where_no_law_is_recommended_json_files_and_page_agree(which, tmp_path, 
 
 @pytest.mark.slow
 def test_contradictory_readings_are_seen_by_their_stated_uncertainty():
-    halves = [table(1, level=2.0, noise=0.01), table(2, level=4.0, noise=0.01)]
-    joined = {
-        name: np.concatenate([half.values(name) for half in halves])
-        for name in ("velocity", "friction")
-    }
-    order = np.argsort(joined["velocity"], kind="stable")
-    both = Measurement(
-        velocity=joined["velocity"][order],
-        friction=joined["friction"][order],
-        uncertainty={"friction": 0.02},
-    )
+    one, other = (record(k, level=2.0 * k, noise=0.01).values("friction") for k in (1, 2))
+    odd = np.arange(TIME.size) % 2
+    both = rubbed(np.where(odd, one, other), uncertainty={"friction": 0.02})
     found = selected(both)
     assert found.best is None
     assert "times the stated uncertainty" in found.sentence
     # readings that agree within it, and errors that are large beside it but small beside friction
-    assert selected(table(1, noise=0.02, uncertainty={"friction": 0.02})).best is not None
-    assert selected(table(1, noise=0.02, uncertainty={"friction": 0.001})).best is not None
+    assert selected(record(1, noise=0.02, uncertainty={"friction": 0.02})).best is not None
+    assert selected(record(1, noise=0.02, uncertainty={"friction": 0.001})).best is not None
 
 
 @pytest.mark.slow
 def test_a_simple_law_within_the_stated_uncertainty_is_enough():
     asymmetric = {"forward": 5.3, "noise": 0.005}
-    assert selected(table(1, **asymmetric)).best.name == "direction-dependent"
-    stated = table(1, **asymmetric, uncertainty={"friction": 0.1})
+    assert selected(record(1, **asymmetric)).best.name == "direction-dependent"
+    stated = record(1, **asymmetric, uncertainty={"friction": 0.1})
     assert selected(stated).best.name != "direction-dependent"
 
 
@@ -207,9 +207,9 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
         scored="",
     ).measure_next
     assert said[0] == "First correct the record: A gain is wrong."
-    *_, last = said  # what to measure comes after it, that the speeds are in order at the end
+    *_, last = said  # what to measure comes after it
     assert len(said) == 3  # what else there is does not crowd it out
-    assert last.startswith("Measure in random order")
+    assert last.startswith("Record for longer: ")
 
 
 def test_what_no_correction_answers_is_not_called_one():
@@ -269,12 +269,9 @@ def test_no_reversal_is_proposed_to_a_body_that_slides_one_way():
 
 
 def test_a_law_that_reduces_to_the_chosen_one_contradicts_nothing():
-    v = np.linspace(-0.3, 0.3, 120)
-    rising = np.sign(v) * (2.0 + 5.0 * np.abs(v) + 10.0 * v**2)
-    found = selected(
-        Measurement(velocity=v, friction=-0.5 * rising + np.sign(v) * (4.0 + 8.0 * np.abs(v))),
-        laws=["coulomb-viscous", "quadratic-drag"],
-    )
+    size, way = np.abs(SPEED), np.sign(SPEED)
+    falling = way * (3.0 + 5.5 * size - 5.0 * size**2)
+    found = selected(rubbed(falling), laws=["coulomb-viscous", "quadratic-drag"])
     drag = next(c for c in found.candidates if c.name == "quadratic-drag")
     assert drag.is_simpler == ("coulomb-viscous",)  # its drag would be negative
     assert found.best.name == "coulomb-viscous"
@@ -285,7 +282,7 @@ def test_a_law_that_reduces_to_the_chosen_one_contradicts_nothing():
 
 @pytest.mark.slow
 def test_what_is_not_distinguished_is_listed():
-    found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
+    found = selected(record(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert found.best.name == "coulomb-viscous"
     named = [c for c in found.candidates if "no significant improvement" in c.outcome]
     assert named
@@ -294,7 +291,7 @@ def test_what_is_not_distinguished_is_listed():
 
 @pytest.mark.slow
 def test_a_law_that_was_not_scored_is_listed_if_the_criterion_prefers_it():
-    found = selected(table(3), laws=["coulomb-viscous", "direction-dependent"])
+    found = selected(record(3), laws=["coulomb-viscous", "direction-dependent"])
     rich = next(c for c in found.candidates if c.name == "direction-dependent")
     idle = dataclasses.replace(rich, validation=None, dropped=IDLE)
     for change, listed in ((-1.0, ["direction-dependent"]), (1.0, [])):
@@ -373,7 +370,7 @@ def test_what_an_error_of_the_model_moves_is_not_settled(confirmed):
 
 @pytest.mark.slow
 def test_an_error_of_the_model_hides_neither_doubts_nor_laws_not_distinguished():
-    found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
+    found = selected(record(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert "does not distinguish it from" in found.sentence
     best = with_errors(found, None, doubt="the interval of $mu_k$ includes 0")
     rivals = [dataclasses.replace(c, simpler={}) for c in found.candidates]

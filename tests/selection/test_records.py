@@ -444,9 +444,13 @@ def test_a_record_too_short_for_blocks_is_refused_by_its_own_length(record):
 
 
 def test_numbers_that_a_law_made_are_selected_on_without_noise():
-    speed = np.linspace(-1.0, 1.0, 80)
-    table = Measurement(velocity=speed, friction=10.0 * np.sign(speed) + 30.0 * speed)
-    found = select(AXIS, [Coulomb, CoulombViscous], table)
+    t = np.linspace(0.0, 12.0, 240, endpoint=False)
+    speed = np.sin(2.0 * t + 0.3)
+    friction = 10.0 * np.sign(speed) + 30.0 * speed
+    exact = Measurement(
+        time=t, position=-0.5 * np.cos(2.0 * t + 0.3), velocity=speed, friction=friction
+    )
+    found = select(AXIS, [Coulomb, CoulombViscous], exact, settings=QUICK)
     assert found.best.name == "coulomb-viscous"
     assert found.best.score == pytest.approx(0.0, abs=1e-12)  # digits of a sum of some tens
 
@@ -469,23 +473,6 @@ def test_angles_are_written_in_thousandths_below_a_tenth():
 def test_scores_are_written_with_their_unit():
     assert error_text(0.00024, "position") == "0.24 mm"
     assert error_text(1.234, "friction") == "1.23 N"
-
-
-def table(low=-1.0):
-    v = np.linspace(low, 1.0, 80)
-    noise = 0.05 * np.random.default_rng(4).normal(size=len(v))
-    rising = np.sign(v) * (3.0 + 2.0 * np.exp(-np.abs(v) / 0.2) + np.abs(v))
-    return Measurement(velocity=v, friction=rising + noise)
-
-
-def test_a_table_without_time_tells_nothing_of_bristles():
-    found = select(AXIS, ["coulomb-viscous", "stribeck", "lugre"], table(0.01))
-    assert found.best.name == "stribeck"
-    lugre = next(c for c in found.candidates if c.name == "lugre")
-    assert lugre.fit is None
-    assert lugre.outcome == (
-        "not fitted: bristles depend on displacement, which a table without time does not have"
-    )
 
 
 @pytest.mark.parametrize(("way", "expected"), [(1.0, True), (-1.0, True), (0.0, False)])

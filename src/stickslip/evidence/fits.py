@@ -64,12 +64,12 @@ class Design:
     @cached_property
     def columns(self) -> Array:
         """Return the columns (n, p) of the terms."""
-        return np.hstack([columns for columns, _ in self.made])
+        return _side_by_side(self.force, [columns for columns, _ in self.made])
 
     @cached_property
     def multipliers(self) -> Array:
         """Return what multiplies the state of a bristle in each of them (n, p)."""
-        return np.hstack([multipliers for _, multipliers in self.made])
+        return _side_by_side(self.force, [multipliers for _, multipliers in self.made])
 
     @cached_property
     def owners(self) -> tuple[Term, ...]:
@@ -359,6 +359,11 @@ def _estimated(made: Design) -> Estimated:
         found = Estimated(made, values, made.free[border], edge, error)
         border = np.abs(outside) > np.where(border, 0.0, within)
     return found
+
+
+def _side_by_side(force: Array, tables: Sequence[Array]) -> Array:
+    """Return columns (n, p) of several terms; none of a structure without terms."""
+    return np.hstack([np.zeros((len(force), 0)), *tables])
 
 
 def _squares(errors: Array) -> float:

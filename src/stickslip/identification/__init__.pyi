@@ -1,4 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identification.contact_inputs import as_informed as as_informed
 from stickslip.identification.contact_inputs import check_inputs as check_inputs
 from stickslip.identification.contact_inputs import inputs_text as inputs_text
 from stickslip.identification.contact_inputs import known_inputs as known_inputs
@@ -95,6 +96,7 @@ from stickslip.identification.series.applied_force import goes_straight as goes_
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from stickslip.identification.series.measured_load import as_loaded as as_loaded
 from stickslip.identification.series.start_values import Scales as Scales
 from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of

@@ -3,11 +3,11 @@
 from stickslip.lazy import attach
 
 HOMES = {
-    "PredictionBand": "ensemble",
     "BandVerdict": "verdict",
     "Interval": "judge",
     "LawCandidate": "verdict",
     "LawFit": "verdict",
+    "PredictionBand": "ensemble",
 }
 
 INSIDE = {

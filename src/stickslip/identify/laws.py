@@ -227,8 +227,11 @@ class _Composer:
         else:
             levels = self.levels if "level" in text else {}
             self.values |= {**levels, **self.slopes}
-        kinetic = self.levels["kinetic_coefficient"]
-        lacks = bool(np.any(self.levels.get("static_coefficient", kinetic) < kinetic))
+        lacks = any(
+            bool(np.any(self.values[name] < self.values[name.replace("static", "kinetic")]))
+            for name in self.values
+            if name.endswith("static_coefficient")
+        )
         positive = [x for name, x in self.values.items() if name.endswith("_coefficient")]
         if lacks or any(np.any(x < 0.0) for x in positive):
             text = ""

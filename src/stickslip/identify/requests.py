@@ -4,8 +4,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from stickslip.errors import InputError
 from stickslip.formatting import joined
-from stickslip.friction import FrictionLaw, law_type
-from stickslip.friction.parts import PARTS
+from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.problem import Family
 
 IGNORED = ("peak", "step")

@@ -11,11 +11,18 @@ from typing_extensions import override
 from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
 from stickslip.formatting import Scale
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, Fit, estimates_for, reads_as_forces
+from stickslip.identification import (
+    Estimate,
+    Fit,
+    as_informed,
+    as_loaded,
+    estimates_for,
+    reads_as_forces,
+)
 from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.judge import Cause, Interval, Judgement
-from stickslip.identify.laws import RIG_QUANTITIES, curve_law
+from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
 from stickslip.identify.wording import (
     Words,
@@ -32,7 +39,7 @@ from stickslip.identify.wording import (
     title_of,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, parameters, turned
+from stickslip.quantities import Quantity, parameters, turned, vary
 from stickslip.selection import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -489,7 +496,7 @@ def fit_of(
     law = composed.law() or law_through(judgement, structure, fit.coefficients)
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
-    remarks: list[str] = []
+    rig, remarks = _rig_of(composed, law, mechanism, measurement)
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
@@ -500,7 +507,7 @@ def fit_of(
         )
     return LawFit(
         law=law,
-        mechanism=mechanism,
+        mechanism=rig,
         estimates=estimates,
         remarks=tuple(remarks),
         judgement=judgement,
@@ -508,6 +515,20 @@ def fit_of(
         largest_speed=largest_speed,
         correlation=correlation,
     )
+
+
+def _rig_of(
+    composed: Composition, law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+) -> tuple[Mechanism, list[str]]:
+    """Return a mechanism under what was measured and fitted beside a law, and what to say of it."""
+    found = {path: float(x[0]) for path, x in composed.rig.items()}
+    own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
+    if "offset" in found and "offset" in mechanism.__dataclass_fields__:
+        own["mechanism.offset"] = found["offset"]
+    mechanism = vary(mechanism, "mechanism", own) if own else mechanism
+    mechanism, said = as_loaded(mechanism, measurement)
+    mechanism, of_inputs = as_informed(law, mechanism, measurement)
+    return mechanism, [one for one in (said, *of_inputs) if one]
 
 
 def _estimate(

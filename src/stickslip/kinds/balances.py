@@ -18,6 +18,7 @@ class BalanceKind(BandKind):
 
     routes = ("balance",)  # type: ignore[assignment]
     measured = "records of one coordinate by their force balance"
+    settings = frozenset()
 
     @override
     def serves(self, measurement: Measurement) -> bool:

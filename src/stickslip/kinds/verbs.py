@@ -152,6 +152,7 @@ def fit(
     request = Request(
         mechanism=mechanism,
         measurement=measurement,
+        law=law,
         fixed=fixed,
         progress=progress,
         route=route,

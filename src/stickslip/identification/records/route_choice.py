@@ -37,7 +37,7 @@ from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
 OwnRouteName: TypeAlias = Literal[
-    "shooting", "force-map", "inverse-dynamics", "features", "rate-state"
+    "shooting", "force-map", "inverse-dynamics", "features", "rate-state", "table", "balance"
 ]
 RouteName: TypeAlias = OwnRouteName | str
 """What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
