@@ -176,6 +176,13 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
 
 
+def group_sentence(titles: Sequence[str], words: Words) -> str:
+    """Return that a design does not tell terms apart."""
+    named = [in_sentence(one) for one in titles[:NAMED]]
+    kind = words.measured.removesuffix("s")
+    return f"{capital(' or '.join(named))}: not separable by this design of the {kind}."
+
+
 def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
     """Return which readings are far from the others."""
     named = joined([str(row + 1) for row in itertools.islice(rows, NAMED)])

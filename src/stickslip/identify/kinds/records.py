@@ -834,8 +834,8 @@ class RecordsProblem(Problem):
         self.frame: Frame = _frame(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
         self._widths: dict[Column, int] = {}
-        self.normal = normal if like is None else like.normal
-        self.inertia_path = inertia_path if like is None else like.inertia_path
+        self.normal: float = normal if like is None else like.normal
+        self.inertia_path: str = inertia_path if like is None else like.inertia_path
         known = 0.0 if first.inertia is None else first.inertia
         self.response = self.rows.force - known * self.rows.acceleration
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
@@ -906,7 +906,8 @@ class RecordsProblem(Problem):
     @override
     def speeds(self, rows: Any) -> Array:
         """Return the speeds of rows (n,)."""
-        return np.maximum(np.abs(rows.seen(rows.velocity)), 1e-3 * self.frame.low)
+        speed = np.abs(rows.seen(rows.velocity))
+        return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
     @override
     def curve_rows(self) -> tuple[Array, Any, float]:
