@@ -472,12 +472,13 @@ def verdict_on(
 
 
 def groups_of(judgement: Judgement) -> list[list[str]]:
-    """Return titles of terms of the named law with those that could stand in their place."""
+    """Return titles of what stands beside the law with what could stand in its place."""
     terms = judgement.problem.terms
     spans = same_span(judgement.regression, judgement.named)
     return [
         [terms[name].title, *(terms[other].title for other, _ in others)]
         for name, others in spans.instead.items()
+        if terms[name].role != "law"
     ]
 
 
