@@ -1,21 +1,14 @@
-"""Tables of friction at 8 to 12 speeds: does a selection name the law, and what it cannot tell?
+"""Tables of friction at 8 to 12 speeds: do the 95 % intervals of fits hold the true values?
 
 ``python -m benchmarks.friction_tables --numbers 0 40 --seed 1 --noise 0.02``; results are appended
-to a file line by line. Truths are five of the candidates in turn, or laws that are none of them
-(``--truths outside``, ``dips``, ``falls``), or a table that is in some way bad (``--bad few``). A
-verdict is *right* if it names the truth, or a law that predicts the true curve within the noise and
-is said not to be told from the truth, or says that the truth explains the table with one row in
-error or a drift; of a truth that is no candidate, if the prediction is within the noise, or a curve
-that is no law is said to come closer. It is a *false certainty* if it
-recommends another law, mentions neither the truth nor such a curve, and predicts worse than the
-noise. How often such a curve is said to be possible where the law is right, is counted too.
-``--fits`` judges the 95 % intervals of fits with the true law instead, and selects nothing.
+to a file line by line. Truths are five laws in turn, or curves that are no law (``--truths
+outside``, ``dips``, ``falls``), or a table is in some way bad (``--bad few``). A table is fitted
+with its true law, if it has one.
 """
 
 import argparse
 import json
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,11 +27,8 @@ from stickslip import (
     PowerViscous,
     Stribeck,
     fit,
-    select,
 )
 from stickslip.errors import StickslipError
-from stickslip.friction import law
-from stickslip.kinds.records.verdict import RecordVerdict
 
 RESULTS = "friction_tables.jsonl"
 AXIS = Axis(inertia=1.0)
@@ -238,59 +228,6 @@ def drawn(
             "kind": make.__name__.strip("_")}, curve, size, table  # fmt: skip
 
 
-def _names(truth: str) -> set[str]:
-    """Return names that a truth has as a candidate."""
-    if truth == "directional-stribeck":
-        return {law("both_ways(level + stribeck + viscous)").name, truth}
-    return {truth} if truth else set()
-
-
-def rated(
-    verdict: RecordVerdict, row: Mapping[str, Any], curve: Curve, size: Array, table: Measurement
-) -> dict[str, Any]:
-    """Return whether a verdict is right, or a false certainty."""
-    closest = verdict.closest
-    assert closest.fit is not None
-    named = closest.name in _names(row["truth"])
-    tied = bool(_names(row["truth"]) & {*verdict.equals})
-    v = np.asarray(table.velocity)
-    sides = [one for one in (v[v < 0.0], v[v > 0.0]) if len(one)]
-    fine = np.concatenate([np.interp(np.linspace(0, len(one) - 1, 60), np.arange(len(one)), one)
-                           for one in map(np.sort, sides)])  # fmt: skip
-    predicted = np.asarray(closest.fit.law.force(fine, np.ones(len(fine)))) + closest.fit.offset
-    order = np.argsort(v)
-    doubt = np.interp(fine, v[order], size[order])
-    error = float(np.sqrt(np.mean(((predicted - curve(fine)) / np.maximum(doubt, 1e-300)) ** 2)))
-    close = error <= 1.0
-    other = tied or not row["truth"]
-    if_drift = bool(_names(row["truth"]) & {*closest.otherwise})
-    right = named or if_drift or (other and (close or closest.curve is not None))
-    return {
-        "named": closest.name,
-        "error": error,
-        "right": right,
-        "false": verdict.best is not None and not (named or tied or close or closest.curve),
-        "none": verdict.best is None,
-        "curve": closest.curve is not None,
-        "drift": any("drift" in said for said in closest.otherwise.values())
-        or any(one.kind == "drift" for one in verdict.model_errors),
-        "verdict": verdict.sentence,
-    }
-
-
-def judged(number: int, seed: int, noise: float, **kind: Any) -> dict[str, Any]:
-    """Return what a selection says of a table."""
-    row, curve, size, table = drawn(number, seed, noise, **kind)
-    began = time.process_time()
-    try:
-        verdict = select(AXIS, None, table)
-    except StickslipError as error:
-        return row | {"refused": str(error), "seconds": time.process_time() - began}
-    assert isinstance(verdict, RecordVerdict)
-    seconds = time.process_time() - began
-    return row | rated(verdict, row, curve, size, table) | {"seconds": seconds}
-
-
 def covered(number: int, seed: int, noise: float, **kind: Any) -> dict[str, Any]:
     """Return which 95 % intervals of a fit with the true law hold the true values."""
     row, curve, _, table = drawn(number, seed, noise, **kind)
@@ -321,30 +258,6 @@ def coverage(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return [*lines, f"{sum('refused' in row for row in rows)} of {len(rows)} tables not fitted"]
 
 
-def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a line for each table that is not right, and the numbers of all."""
-    known = [row for row in rows if "refused" not in row]
-    lines = [
-        f"{row['number']:3} {row['kind']:12} {row['named']:30} error {row['error']:6.2f}"
-        f" {'FALSE' if row['false'] else '     '} {row['verdict']}"
-        for row in known
-        if not row["right"]
-    ]
-    lines += [f"{row['number']:3} {row['kind']:12} {row['refused']}" for row in rows
-              if "refused" in row]  # fmt: skip
-    right, false, none = (sum(row[key] for row in known) for key in ("right", "false", "none"))
-    drift = sum(row["drift"] for row in known)
-    spare = sum(row["curve"] and row["error"] <= 1.0 for row in known)
-    error = np.median([row["error"] for row in known])
-    return [
-        *lines,
-        f"{right} of {len(rows)} right, {false} false certainties, {none} without a law,"
-        f" another curve said {sum(row['curve'] for row in known)}, {spare} of them of a law within"
-        f" the noise, a drift said {drift}, median error over the noise {error:.2f},"
-        f" {sum(row['seconds'] for row in rows):.0f} s",
-    ]
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.friction_tables")
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
@@ -352,24 +265,17 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=0.02, help="share of the friction")
     parser.add_argument("--truths", choices=("candidates", *BEYOND), default="candidates")
     parser.add_argument("--bad", choices=("", *BAD), default="")
-    parser.add_argument("--fits", action="store_true", help="intervals of fits with the true law")
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
-    judge, rows = covered if given.fits else judged, []
+    rows = []
     with given.results.open("a", encoding="utf-8") as file:
         for number in range(*given.numbers):
             rows.append(
-                judge(
-                    number,
-                    given.seed,
-                    given.noise,
-                    truths=given.truths,
-                    bad=given.bad,
-                )
+                covered(number, given.seed, given.noise, truths=given.truths, bad=given.bad)
             )
             file.write(json.dumps(rows[-1]) + "\n")
             file.flush()
-    print("\n".join(coverage(rows) if given.fits else summary(rows)))
+    print("\n".join(coverage(rows)))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,6 @@ from benchmarks import (
     closed_loop_axes,
     faults,
     force_maps,
-    friction_tables,
     joints,
     pulled_sliders,
     structures,
@@ -79,10 +78,6 @@ def _travel(row: Row) -> Outcome:
     return Outcome(row["right"], row["false"], sum(held), len(held), regret)
 
 
-def _table(row: Row) -> Outcome:
-    return Outcome(row["right"], row["false"])
-
-
 def _slider(row: Row) -> Outcome:
     held = [one["held"] for one in row["intervals"]]
     return Outcome(row["right"], row["false"], sum(held), len(held))
@@ -127,11 +122,6 @@ def _arm(row: Row) -> Outcome:
 
 STUDIES: Mapping[str, Study] = {
     "travels": Study(count=200, judge=travel_truth.judge, outcome=_travel),
-    "tables": Study(
-        count=40,
-        judge=lambda seed, number: friction_tables.judged(number, seed, 0.02),
-        outcome=_table,
-    ),
     "features": Study(count=20, judge=pulled_sliders.pulled, outcome=_slider),
     "velocity steps": Study(count=20, judge=pulled_sliders.stepped, outcome=_slider),
     "axes": Study(

@@ -53,6 +53,6 @@ def test_a_campaign_goes_on_where_it_was_cut_off(plain, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_each_study_judges_a_rig():
-    row = studies.judged("tables", 5, 0)
+    row = studies.judged("velocity steps", 5, 0)
     assert "refused" not in row
-    assert isinstance(STUDIES["tables"].outcome(row), Outcome)
+    assert isinstance(STUDIES["velocity steps"].outcome(row), Outcome)

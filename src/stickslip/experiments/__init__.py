@@ -92,7 +92,6 @@ INSIDE = {
     "with_doubts": "preconditions",
     "with_order": "checking.order",
     "with_voltage": "recorded_drive",
-    "without_row": "slicing",
     "words_of": "checking.mains",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

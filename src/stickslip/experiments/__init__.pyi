@@ -81,7 +81,6 @@ from stickslip.experiments.rigs.load import rig_schema as rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml as rig_toml
 from stickslip.experiments.slicing import between_gaps as between_gaps
 from stickslip.experiments.slicing import rows_of as rows_of
-from stickslip.experiments.slicing import without_row as without_row
 from stickslip.experiments.travels import scale_of as scale_of
 from stickslip.experiments.travels import whole_cycles as whole_cycles
 from stickslip.experiments.units import check_uncertainty as check_uncertainty

@@ -22,24 +22,7 @@ def rows_of(record: Measurement, first: int, end: int) -> Measurement:
     return _picked(record, slice(first, end))
 
 
-def without_row(record: Measurement, row: int) -> Measurement:
-    """Return a record or a table without one of its rows.
-
-    Examples
-    --------
-    >>> table = Measurement(velocity=[0.1, 0.2, 0.3], friction=[2.0, 7.0, 2.1], load=9.0)
-    >>> without_row(table, 1).friction.tolist()
-    [2.0, 2.1]
-    """
-    return _picked(record, [i for i in range(_count(record)) if i != row])
-
-
-def _count(record: Measurement) -> int:
-    columns = (getattr(record, name) for name in ("time", *SAMPLED))
-    return max(len(one) for one in columns if isinstance(one, np.ndarray))
-
-
-def _picked(record: Measurement, rows: slice | list[int]) -> Measurement:
+def _picked(record: Measurement, rows: slice) -> Measurement:
     columns = {
         name: getattr(record, name)[rows]
         for name in ("time", *SAMPLED)

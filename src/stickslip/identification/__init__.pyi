@@ -34,7 +34,6 @@ from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
 from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
-from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.data import stretches_of as stretches_of
 from stickslip.identification.force_map.force_balance import balanced as balanced
@@ -64,7 +63,6 @@ from stickslip.identification.records.posterior import sample_posterior as sampl
 from stickslip.identification.records.problems import RecordRouteName as RecordRouteName
 from stickslip.identification.records.problems import RouteChoice as RouteChoice
 from stickslip.identification.records.problems import memory_is_seen as memory_is_seen
-from stickslip.identification.records.refits import interleaved as interleaved
 from stickslip.identification.records.refits import positions_of as positions_of
 from stickslip.identification.records.refits import refitted as refitted
 from stickslip.identification.records.route_choice import RouteName as RouteName

@@ -105,8 +105,8 @@ def compose(
     Examples
     --------
     >>> terms = {"level": ((), np.array([[2.0]])), "viscous": ((), np.array([[0.5]]))}
-    >>> compose(terms, {}, 1).law()
-    CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=0.5)
+    >>> compose(terms, {}, 1).law().force(0.1, 1.0)
+    2.05
     """
     made = _Composer(terms, means, count)
     made.level(memory, memory_values or {})

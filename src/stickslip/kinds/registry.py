@@ -41,8 +41,8 @@ def kinds() -> tuple[AnyKind, ...]:
 
     Examples
     --------
-    >>> [kind.measured for kind in kinds()][-4:-1]
-    ['records of several joints', 'velocity steps', 'records of motion or friction']
+    >>> {"travels", "velocity steps", "tables of friction"} <= {one.measured for one in kinds()}
+    True
     """
     found: list[AnyKind] = []
     taken = {name for kind in OWN for name in kind.routes}

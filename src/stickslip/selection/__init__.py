@@ -43,7 +43,6 @@ INSIDE = {
     "corrections": "verdict",
     "cross_validate": "cross_validation",
     "disturbing": "identifiable",
-    "drift_text": "drift",
     "effective_aic": "choice",
     "errs_more": "choice",
     "fitted_side_by_side": "candidates",
@@ -78,7 +77,6 @@ INSIDE = {
     "takes_long": "candidates",
     "to_predict": "verdict",
     "traded": "identifiable",
-    "unsuited_by": "candidates",
     "watched": "candidates",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -12,7 +12,6 @@ from stickslip.selection.candidates import fitted_side_by_side as fitted_side_by
 from stickslip.selection.candidates import one_way as one_way
 from stickslip.selection.candidates import specifications as specifications
 from stickslip.selection.candidates import takes_long as takes_long
-from stickslip.selection.candidates import unsuited_by as unsuited_by
 from stickslip.selection.candidates import watched as watched
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
@@ -40,7 +39,6 @@ from stickslip.selection.drift import LIKELY as LIKELY
 from stickslip.selection.drift import ROUNDS as ROUNDS
 from stickslip.selection.drift import SETTLED as SETTLED
 from stickslip.selection.drift import along as along
-from stickslip.selection.drift import drift_text as drift_text
 from stickslip.selection.drift import if_drifting as if_drifting
 from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps

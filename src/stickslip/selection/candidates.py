@@ -33,7 +33,7 @@ from stickslip.friction import (
     specification,
     usual_specifications,
 )
-from stickslip.identification import TIMELESS, FittedLaw, inside
+from stickslip.identification import FittedLaw, inside
 from stickslip.mechanisms import Mechanism
 
 RARE = 0.01
@@ -91,8 +91,8 @@ def one_way(measurement: Measurement) -> bool:
 
     Examples
     --------
-    >>> v = np.linspace(0.1, 1.0, 20)
-    >>> one_way(Measurement(velocity=v, friction=2.0 + v))
+    >>> t = np.linspace(0.1, 1.0, 20)
+    >>> one_way(Measurement(time=t, velocity=t, friction=2.0 + t))
     True
     """
     moved = [_directions(record) for record in measurement.records()]
@@ -104,28 +104,8 @@ def one_way(measurement: Measurement) -> bool:
 
 def _directions(record: Measurement) -> NDArray[np.float64] | None:
     """Return the signs of the velocities of a record, 0 where noise hides them."""
-    if record.time is None and "velocity" in record.quantities():
-        return np.asarray(np.sign(np.asarray(record.values("velocity"), dtype=float)))
     moving = motion_of(record)
     return None if moving is None else np.asarray(moving.directions, dtype=float)
-
-
-def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) -> str:
-    """Return why a law is no candidate on a record; empty if it may be one.
-
-    On friction against velocity alone a bristle law has its steady curve, which is that of a law
-    without bristles: it predicts as well, with numbers that nothing tells.
-
-    Examples
-    --------
-    >>> from stickslip.friction import LuGre
-    >>> table = Measurement(velocity=[0.1, 0.2, 0.3], friction=[2.0, 2.1, 2.2])
-    >>> unsuited_by(table, LuGre)
-    'bristles depend on displacement, which a table without time does not have'
-    """
-    kind = law if isinstance(law, type) else type(law)
-    timeless = all(record.time is None for record in measurement.records())
-    return TIMELESS if timeless and kind.states else ""
 
 
 def specifications(

@@ -24,7 +24,6 @@ from stickslip.identification import (
     ResidualJacobian,
     SubsetProblem,
     improve,
-    interleaved,
     positions_of,
     refitted,
     settled,
@@ -54,7 +53,7 @@ class Plan:
     horizon: float
     """Length [s] of the segments that are predicted."""
     length: float
-    """Length of all records together [s]; 0 for a table."""
+    """Length of all records together [s]."""
 
 
 @final
@@ -191,8 +190,6 @@ class CrossValidatedVerdict(Verdict[Candidate_co]):
 def plan_of(fit: RecordFit, *, horizon: float) -> Plan:
     """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
-    if interleaved(spans):
-        return Plan(folds=len(spans), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     if not length > 0.0:
         raise InputError(

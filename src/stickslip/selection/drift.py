@@ -21,17 +21,6 @@ def along(count: int) -> NDArray[np.float64]:
     return np.linspace(0.0, 1.0, count)
 
 
-def drift_text(drift: float) -> str:
-    """Return by which share friction drifts.
-
-    Examples
-    --------
-    >>> drift_text(-0.083)
-    '−8.3 %'
-    """
-    return f"{number(100.0 * drift, 2)} %"
-
-
 def if_drifting(title: str, drift: float, what: str) -> str:
     """Return a law, and the drift over rows or trials with which it explains readings.
 
@@ -41,6 +30,6 @@ def if_drifting(title: str, drift: float, what: str) -> str:
     'Coulomb with friction that drifts by 10 % from the first row to the last'
     """
     return (
-        f"{in_sentence(title)} with friction that drifts by {drift_text(drift)} from the first"
-        f" {what} to the last"
+        f"{in_sentence(title)} with friction that drifts by {number(100.0 * drift, 2)} % from the"
+        f" first {what} to the last"
     )

@@ -83,14 +83,8 @@ def _displaced_in(fit: RecordFit, half: ResidualJacobian) -> list[Displaced]:
 
 
 def positions_of(problem: Problem) -> Array:
-    """Return first and last time of each segment (segments, 2), records laid end to end.
-
-    The segments of a table have no times; they take one place each.
-    """
+    """Return first and last time of each segment (segments, 2), records laid end to end."""
     spans = problem.spans
-    if interleaved(spans):
-        numbers = np.arange(len(spans), dtype=float)
-        return np.column_stack([numbers, numbers + 1.0])
     shifts = _shifts(spans)
     placed: Array = spans[:, 1:] + np.array([[shifts[int(record)]] for record in spans[:, 0]])
     return placed

@@ -80,7 +80,6 @@ from stickslip.selection import (
     shown_over_simpler,
     specifications,
     takes_long,
-    unsuited_by,
 )
 
 NEARER = 1.5
@@ -118,7 +117,7 @@ def select_records(
     progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
-    """Select a law for records in time or measured friction; arguments as in `select`.
+    """Select a law for records in time; arguments as in `select`.
 
     Parameters
     ----------
@@ -127,7 +126,7 @@ def select_records(
     laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
         The candidates; the usual ones if None.
     measurement : Measurement
-        Records in time, or measured friction.
+        Records in time of motion or friction.
     vary : str or sequence of str, optional
         Parameters of the mechanism to fit too, by path or last name.
     fixed : mapping of str to float, optional
@@ -405,11 +404,8 @@ def laws_for(
     if laws is not None:
         return chosen
     if one_way(measurement):
-        chosen = tuple(one for one in chosen if not one.law.directional)
-    # one law says why none with memory serves
-    return tuple(
-        one for one in chosen if one.name == "dahl" or not unsuited_by(measurement, one.law)
-    )
+        return tuple(one for one in chosen if not one.law.directional)
+    return chosen
 
 
 def without_stated(measurement: Measurement, route: str | None) -> Measurement:
@@ -464,9 +460,6 @@ def candidate_of(
     starts: Mapping[str, FittedLaw],
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
-    unsuited = unsuited_by(measurement, one.law)
-    if unsuited:
-        return unfitted(one, unsuited)
     if watch is not None and watch(one.name, math.nan) is False:
         return unfitted(one, LEFT_OUT)
     if route.resolved and one.law.states:  # others may leave rests out, where bristles err most
@@ -661,13 +654,8 @@ def verdict_on(
     material: float = 0.0,
     shown: Scale | None = None,
     asked: Explained | None = None,
-    beside: Callable[[RecordCandidate, float], RecordCandidate] | None = None,
 ) -> RecordVerdict:
-    """Return the verdict on candidates that were judged.
-
-    What else explains a table as well is put `beside` the closest law, given that and the error up
-    to which predictions count as exact.
-    """
+    """Return the verdict on candidates that were judged."""
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)
@@ -676,8 +664,6 @@ def verdict_on(
     least = max(stated, ROUNDING * variation)
     scored = [_objected(c, scored, least) for c in scored]
     closest = _named(scored, asked, uncertainty=least)
-    if beside is not None:
-        closest = beside(closest, least)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
@@ -696,8 +682,8 @@ def verdict_on(
     closest = next(c for c in ordered if c.name == closest.name)
     assert closest.fit is not None
     # What no law explains, or the model lacks, laws cannot be told apart by.
-    timed, holds = plan.length > 0.0, not fault and not disturbing(closest.fit)
-    experiments = experiments_after(closest, ordered, plan) if timed and holds else ()
+    holds = not fault and not disturbing(closest.fit)
+    experiments = experiments_after(closest, ordered, plan) if holds else ()
     trials = compared(closest.fit) if measurement.trials else None
     if material and trials and not trials.shared and _alike(trials, closest.residual, material):
         trials = None
@@ -730,13 +716,7 @@ def verdict_on(
         second=validate,
         on_second=on_second,
         trials=trials,
-        equals=tuple(
-            dict.fromkeys(
-                name
-                for name in (*(c.name for c in equals_of(closest, ordered)), *closest.otherwise)
-                if name != closest.name
-            )
-        ),
+        equals=tuple(c.name for c in equals_of(closest, ordered)),
         experiments=experiments,
         half_estimates=halves(closest.fit),
         explained=asked is not None,

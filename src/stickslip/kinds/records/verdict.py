@@ -18,13 +18,11 @@ from stickslip.identification import (
     RecordSettings,
     Score,
     TrialComparison,
-    interleaved,
 )
 from stickslip.kinds.records.design.experiments import Experiment
 from stickslip.selection import (
     CrossValidated,
     CrossValidatedVerdict,
-    CrossValidation,
     Plan,
     plain,
     reduces_to,
@@ -93,10 +91,6 @@ class RecordCandidate(CrossValidated[RecordFit]):
     whole: float = math.nan
     """Root mean square error of the motion simulated over whole records, with a constant force
     fitted beside the law; infinite where that fails, not a number where it was not asked for."""
-    curve: CrossValidation | None = None
-    """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
-    otherwise: Mapping[str, str] = field(default_factory=dict)
-    """Titles of laws that explain a table as well if one of its rows is in error, by name."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -109,14 +103,6 @@ class RecordCandidate(CrossValidated[RecordFit]):
     def parameters(self) -> int:
         """Number of unknowns that were fitted, whether or not the record identifies them."""
         return len(self.fit.free_parameters) if self.fit else 0
-
-    @property
-    @override
-    def effective(self) -> float:
-        """Effective number of independent residuals, 0 without a fit; all readings of a table."""
-        if self.fit is None or not interleaved(self.fit.problem.spans):
-            return super().effective
-        return float(len(self.fit.residual))
 
     @property
     @override
@@ -158,9 +144,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "block_errors": [math.sqrt(x) for x in validation.losses] if validation else [],
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
-            "curve_score": self.curve.score if self.curve else None,
             "whole_record_error": self.whole if math.isfinite(self.whole) else None,
-            "otherwise": dict(self.otherwise),
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,
@@ -205,7 +189,7 @@ class BlockwiseVerdict(CrossValidatedVerdict[RecordCandidate]):
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class RecordVerdict(BlockwiseVerdict):
-    """A verdict on records in time, or on measured friction."""
+    """A verdict on records in time."""
 
     reference: RecordCandidate | None
     """Coulomb and viscous friction, whatever the record says."""
@@ -278,12 +262,10 @@ class RecordVerdict(BlockwiseVerdict):
         judged = [c for c in self.candidates if c.validation is not None]
         ahead = [c.name for c in judged if c.validation and math.isnan(c.validation.extrapolation)]
         fails = [c.name for c in judged if c.second and not math.isfinite(c.second.rms)]
-        why = "a table has no order in time"
-        if self.plan.length:
-            why = (
-                f"the record is too short: no segment of {quantity(self.plan.horizon, 's', 2)}"
-                " lies in the last third, or the data before it do not suffice for a fit"
-            )
+        why = (
+            f"the record is too short: no segment of {quantity(self.plan.horizon, 's', 2)}"
+            " lies in the last third, or the data before it do not suffice for a fit"
+        )
         found = [f"No error on the last third ({', '.join(ahead)}): {why}."] if ahead else []
         if fails:
             found.append(

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks, with_order
+from stickslip.experiments import QUANTITIES, Checks
 from stickslip.formatting import (
     Scale,
     capital,
@@ -26,7 +26,6 @@ from stickslip.identification import (
     TrialComparison,
     difference,
     far_above_dry,
-    interleaved,
 )
 from stickslip.kinds.records.design.experiments import Experiment
 from stickslip.kinds.records.ladder import IDLE
@@ -40,7 +39,6 @@ from stickslip.selection import (
     as_good,
     corrections,
     disturbing,
-    errs_more,
     friction_of,
     held_out_text,
     in_sentence,
@@ -160,18 +158,15 @@ def record_wording(
     """Put a selection on records into words."""
     assert best.fit is not None
     equal = equals_of(best, candidates)
-    like = [*equal, *(c for c in candidates if c.name in best.otherwise)]
     scale = shown or _scale(candidates, best.fit)
-    curve = _closer_curve(best, scale)
-    alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
-    alike += [*(c.title for c in equal), *best.otherwise.values()]
+    alike = [c.title for c in equal]
     least = all(best.score <= c.score for c in candidates if c.validation and not c.dropped)
     verdict = _verdict(best, alike, candidates, fault, on_second, trials, scale, least=least)
     lede = _lede(candidates, best, alike, without, scored, on_second, scale, said=verdict)
     return Wording(
         verdict=verdict,
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
-        settles=() if fault or curve else _settles(best, like),
+        settles=() if fault else _settles(best, equal),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(
             experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)
@@ -219,26 +214,11 @@ def _verdict(
         apart = difference([one.quantity for one in best.fit.estimates], best.fit.halves)
         if apart:
             return f"{found}, but the two halves of the record disagree: {apart}."
-    curve = _closer_curve(best, scale)
-    if curve:
-        return f"{found}, but {curve}."
-    if best.doubt and not best.curve:  # else it is said beside the errors
+    if best.doubt:
         return to_predict(name, first_of(best.doubt))  # all of them stand beside the errors
     if alike:
         return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
-
-
-def _closer_curve(best: RecordCandidate, scale: Scale) -> str:
-    """Return that a table has a shape which no law has; empty if it is in doubt."""
-    if best.curve is None or not errs_more(best, replace(best, validation=best.curve)):
-        return ""
-    errors = (best.curve.score, best.score)
-    own, law = (distinct(scale, errors, one) for one in errors)
-    return (
-        "a smooth curve through the readings that is no law predicts held-out ones better:"
-        f" {own} instead of {law}"
-    )
 
 
 def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
@@ -390,11 +370,8 @@ def _cannot_tell(
     assert best.fit is not None
     others = _other_picks(best, candidates, picks)
     lines = [*far_above_dry(best.fit), *best.fit.sentences]
-    # What else there is to say crowds out neither that criteria disagree, nor of a table, which has
-    # few speeds, that others are not known.
-    kept = (UNMEASURED,) if interleaved(best.fit.problem.spans) else ()
-    lines = lines[: MOST - len(others) - len(kept)]
-    lines += kept or ([UNMEASURED] if len(lines) + len(others) < MOST else [])
+    lines = lines[: MOST - len(others)]  # that criteria disagree is not crowded out
+    lines += [UNMEASURED] if len(lines) + len(others) < MOST else []
     return (*lines, *others)
 
 
@@ -450,4 +427,4 @@ def _measure_next(
         )
     elif not lines:
         lines.append("Record at other speeds, loads or temperatures, where the law extrapolates.")
-    return with_order(lines, checks.findings, MOST)
+    return tuple(lines[:MOST])

@@ -42,9 +42,7 @@ def certificate_section(verdict: BlockwiseVerdict) -> Section | None:
             key="Held-out blocks",
             value=f"{verdict.blocks_scored} blocks, {quantity(plan.gap, 's', 2)} left out on"
             " both sides,"
-            f" predicted over {quantity(plan.horizon, 's', 2)}"
-            if plan.length
-            else f"{verdict.blocks_scored} blocks, rows assigned in turn",
+            f" predicted over {quantity(plan.horizon, 's', 2)}",
         )
     )
     agree = all(name in ("", best.name) for name in verdict.picks.values())

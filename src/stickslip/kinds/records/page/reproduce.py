@@ -143,8 +143,7 @@ def _varied(verdict: BlockwiseVerdict) -> list[str]:
 def _asked(verdict: RecordVerdict) -> list[str]:
     """Return the arguments on what was scored."""
     fit = verdict.closest.fit
-    parts = [f'purpose="{verdict.purpose.name}"']
-    parts += [f"horizon={verdict.plan.horizon!r}"] if verdict.plan.length else []
+    parts = [f'purpose="{verdict.purpose.name}"', f"horizon={verdict.plan.horizon!r}"]
     return parts + ([f'route="{fit.route}"'] if fit else [])
 
 

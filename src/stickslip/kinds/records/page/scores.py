@@ -45,7 +45,7 @@ def scores_section(verdict: RecordVerdict) -> Section:
         Column(head="free\nparameters", numeric=True, phone="hide"),
         error_column(scale),
         *([Column(head="", axis=axis)] if axis else []),
-        *([_last_column(scale)] if verdict.plan.length else []),
+        _last_column(scale),
         *([_second_column(scale)] if second else []),
         Column(head="outcome", phone="show"),
     )
@@ -88,8 +88,7 @@ def _row(
                 c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c), axis
             )
         )
-    if verdict.plan.length:
-        cells.append(score_text(scale, last).value if math.isfinite(last) else "—")
+    cells.append(score_text(scale, last).value if math.isfinite(last) else "—")
     if second:
         cells.append(score_text(scale, c.second.rms).value if c.second else "—")
     outcome = c.outcome or c.dropped or "how much friction matters"
@@ -113,12 +112,6 @@ def _colour(verdict: RecordVerdict, c: RecordCandidate) -> Colour:
 
 def _how(verdict: RecordVerdict) -> str:
     plan = verdict.plan
-    if not plan.length:
-        return (
-            f"The speeds of the table are assigned to {plan.folds} blocks in turn, all readings at"
-            " one speed to the same. Every candidate is fitted to the other blocks and predicts the"
-            " friction force in the held-out block."
-        )
     gap = f"with a gap of {quantity(plan.gap, 's', 2)}" if plan.gap > 0.0 else "without a gap"
     scored = verdict.blocks_scored
     block = (
@@ -141,10 +134,9 @@ def _how(verdict: RecordVerdict) -> str:
 
 def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     text = "Dot: held-out error. Bar: ± 1 standard error over blocks. " if axis else ""
-    if verdict.plan.length:
-        text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        f"Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of"
+        "Last third: fitted to the data before it, scored on the last third."
+        f" Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of"
         " those of the law with the lowest error, or whose error is within"
         f" {percent(ALIKE)} of it, the one with the"
         " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
@@ -162,11 +154,9 @@ def picks_text(verdict: BlockwiseVerdict) -> str:
     """Return what other criteria would pick, for information."""
     titles = {c.name: c.title for c in verdict.candidates}
     best = verdict.closest.name
-    # A table has no last third to extrapolate to.
-    picks = {k: n for k, n in verdict.picks.items() if verdict.plan.length or k != "extrapolation"}
-    agree = [NAMES.get(k, k) for k, name in picks.items() if name == best]
+    agree = [NAMES.get(k, k) for k, name in verdict.picks.items() if name == best]
     against: dict[str, list[str]] = {}
-    for key, name in picks.items():
+    for key, name in verdict.picks.items():
         if name and name != best:
             against.setdefault(name, []).append(NAMES.get(key, key))
     parts = []
