@@ -231,7 +231,8 @@ Route = Annotated[
     typer.Option(
         "--route",
         help="Estimation method for records: shooting, force-map,"
-        " inverse-dynamics, features or rate-state. Default: chosen from the data.",
+        " inverse-dynamics, features or rate-state; balance to select by the band of all laws."
+        " Default: chosen from the data.",
     ),
 ]
 Segment = Annotated[

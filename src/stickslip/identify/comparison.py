@@ -91,7 +91,8 @@ def compare(search: Search) -> Comparison:
         best_of[families[named]] = named
     evidence = _evidence(search, structures, families, [*best_of.values()], shares)
     if problem.independent:
-        named = max(evidence, key=lambda i: (round(evidence[i], 9), -i))
+        ranked = sorted(evidence, key=lambda i: (-round(evidence[i], 9), i))
+        named = next((i for i in ranked if _is_identified(search, structures[i])), ranked[0])
     # few rows tell little: the evidence of k parameters from n rows is that much surer
     rows = len(problem.response)
     spare = max(rows - problem.parameters(structures[named]) - 1, 0.5)
@@ -115,6 +116,20 @@ def compare(search: Search) -> Comparison:
         curve_gain=_paired(scores[top] - scores[curve]),
         curve_ratio=float(np.sqrt(losses[top].mean() / max(losses[curve].mean(), 1e-300))),
     )
+
+
+def _is_identified(search: Search, structure: Structure) -> bool:
+    """Return whether the faults of a structure stand above their errors."""
+    fit, at = search.regression.fit(structure), 0
+    error = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+    for column in structure:
+        size = search.regression.columns.of(column).shape[1]
+        own = slice(at, at + size)
+        at += size
+        fault = search.problem.terms[column[0]].role == "fault"
+        if fault and np.all(np.abs(fit.coefficients[own]) < THRESHOLDS.identified * error[own]):
+            return False
+    return True
 
 
 def _paired(difference: Array) -> float:

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
     from stickslip.plots import Draw
 
-SIZE = (8.0, 3.4)
-"""Size of the plot [in]."""
+SIZE = (880, 360)
+"""Size of the plot [CSS px]."""
 DECADES = 30.0
 """Ratio of the fastest to the slowest speed from which the axis is logarithmic."""
+ALIKE = 0.05
+"""Logarithm of the ratio up to which loads are the same."""
 LOADS = 4
 """Loads that are drawn at most."""
 MARKERS = ("o", "s", "^", "D")
@@ -108,11 +110,12 @@ def _directions(speeds: Array) -> "list[NDArray[np.intp]]":
 
 def _loads(load: Array) -> list[float]:
     """Return the loads that are drawn apart; one 0 if there is but one."""
-    known = np.unique(np.round(np.log(load), 2))
+    known = np.unique(load)
+    apart = np.concatenate([[True], np.diff(np.log(known)) > ALIKE])
+    known = known[apart]
     if len(known) == 1:
         return [0.0]
-    step = math.ceil(len(known) / LOADS)
-    return [float(math.exp(one)) for one in known[::step]]
+    return [float(one) for one in known[:: math.ceil(len(known) / LOADS)]]
 
 
 def plot_band(what: BandDrawing, ax: "Target" = None) -> "Drawing":

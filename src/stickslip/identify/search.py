@@ -196,14 +196,26 @@ class Search:
             for structure in sorted(self.structures, key=self._priced):
                 if self.problem.is_law(structure):
                     best_of.setdefault(self.problem.family(structure), structure)
+            top = [*best_of.values()][: THRESHOLDS.families]
+            # what is named beside a law has to be needed with the best shapes of the law alone
+            plain = [self._law_of(structure) for structure in top]
             around = [
                 one
-                for structure in [*best_of.values()][: THRESHOLDS.families]
+                for structure in dict.fromkeys([*top, *plain])
                 for one in self._between(structure, 0.5 ** (k + 1))
             ]
             around = [one for one in around if self.problem.allowed(one)]
             self.regression.add(column for one in around for column in one)
             self.regression.losses(around)
+
+    def _law_of(self, structure: Structure) -> Structure:
+        """Return the best shapes that the law of a structure has without faults beside it."""
+        terms = self.problem.terms
+        plain = tuple(one for one in structure if terms[one[0]].role != "fault")
+        family = self.problem.family(plain)
+        self.regression.losses([plain])
+        known = (one for one in self.structures if self.problem.family(one) == family)
+        return next(known, plain)
 
     def _between(self, structure: Structure, share: float) -> Iterator[Structure]:
         """Yield a structure with shapes a part of a step away, alone and together."""

@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
-from stickslip.formatting import Scale
+from stickslip.formatting import Scale, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     Estimate,
@@ -360,6 +360,13 @@ class BandVerdict(Verdict[LawCandidate]):
             "inside_second": None if self.second is None else self.inside,
         }
 
+    def _drawn_title(self) -> str:
+        """Return the name of the law in the figure, with the load at which it is drawn."""
+        problem = self.judgement.problem
+        load = problem.curve_rows()[2]
+        varies = getattr(problem, "loaded", False)
+        return f"{self.closest.title} at {number(abs(load))} N" if varies else self.closest.title
+
     @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -381,7 +388,7 @@ class BandVerdict(Verdict[LawCandidate]):
             speeds=self.speeds,
             band=self.friction,
             law=self.named_curve(self.speeds),
-            title=self.closest.title,
+            title=self._drawn_title(),
             places=self.places,
             units=(self.measurement.unit("velocity"), self.measurement.unit("friction")),
         )

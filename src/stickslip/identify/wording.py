@@ -95,13 +95,8 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
     title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
-    others = list(
-        dict.fromkeys(
-            in_sentence(title_of(judgement, one)) + beside_of(judgement, one)
-            for one in comparison.set
-            if one != comparison.named
-        )
-    )
+    titles = dict.fromkeys(title_of(judgement, one) for one in comparison.set)
+    others = [in_sentence(one) for one in titles if one != title]
     if no_law(judgement):
         return (
             f"No law explains the {words.measured}: a curve over the speed predicts held-out"

@@ -218,8 +218,10 @@ def select(
         over 4 s, motion over 1 s, or the friction force.
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
-        How the measurement is fitted, or what `choose_route` returned for records, with its
+    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state", "balance"} or \
+        RouteChoice
+        How the measurement is fitted, or ``"balance"`` for records of one coordinate that are
+        judged by the band of all laws, or what `choose_route` returned for records, with its
         settings; or a route of another package. If not given, it follows from the
         quantities measured; of records, `choose_route` chooses.
     validate : Measurement, optional
@@ -241,9 +243,10 @@ def select(
     Returns
     -------
     Verdict
-        A `TravelVerdict`, `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`,
-        or that of a kind of another package: candidates, the law to use, what the data settle and
-        what they cannot tell.
+        A `BandVerdict` of tables and of the route ``"balance"``, else a `TravelVerdict`,
+        `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a kind
+        of another package: candidates, the law to use, what the data settle and what they cannot
+        tell.
 
     Raises
     ------
