@@ -218,9 +218,9 @@ def select(
         over 4 s, motion over 1 s, or the friction force.
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
+    route : {"shooting", "inverse-dynamics", "features", "rate-state", "table"} or RouteChoice
         How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings; or a route of another package. If not given, it follows from the
+        settings; or another route, or one of another package. If not given, it follows from the
         quantities measured; of records, `choose_route` chooses.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
@@ -241,9 +241,9 @@ def select(
     Returns
     -------
     Verdict
-        A `TravelVerdict`, `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`,
-        or that of a kind of another package: candidates, the law to use, what the data settle and
-        what they cannot tell.
+        A `TravelVerdict`, `RecordVerdict`, `JointVerdict`, `FeatureVerdict`, `RateStateVerdict`,
+        of tables of friction over velocity a `BandVerdict`, or that of a kind of another package:
+        candidates, the law to use, what the data settle and what they cannot tell.
 
     Raises
     ------
