@@ -59,6 +59,20 @@ class Plant:
     """Level of a second memory."""
     second_length: float = 0.0
     spring: float = 0.0
+    hose: float = 0.0
+    """Stiffness of a hose whose force relaxes."""
+    relaxation: float = 1.0
+    """Time [s] in which it does."""
+    lag: float = 0.0
+    """Time [s] by which the Stribeck step follows the speed."""
+    growth: float = 0.0
+    """Growth of the static level at rest, relative, by time over 50 ms, logarithmic."""
+    lorentz: float = 0.0
+    """Not 0: the Stribeck step fades as 1 / (1 + u^2)."""
+    load_exponent: float = 1.0
+    """Exponent of the load."""
+    dead: float = 0.0
+    """Command that the amplifier does not deliver, either way."""
     drift: float = 0.0
     """Change of the level over the record, relative."""
     limit: float = math.inf
@@ -221,7 +235,9 @@ def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:
     level = 1.0 + plant.drift * t / seconds + plant.by_temperature * (temperature - ROOM)
     dither = plant.noise * random.normal(size=len(t))
     noise = plant.force_noise * random.normal(size=len(t))
-    q, x, command, friction = _simulated(plant, wanted, level, plant.by_load * load, dither)
+    q, x, command, friction = _simulated(
+        plant, wanted, level, plant.by_load * load**plant.load_exponent, dither
+    )
     force = command + noise
     if plant.delay:
         force = np.interp(t - plant.delay, t, force)
@@ -286,6 +302,8 @@ def _simulated(
         summed = min(max(summed + integral * (r - q) * tick, -1.5), 1.5)
         command = gain * (r - q) + damping * (dr - filtered) + summed + j * ddr
         driven = min(max(command, -plant.limit), plant.limit)
+        if plant.dead:
+            driven = math.copysign(max(abs(driven) - plant.dead, 0.0), driven)
         total = 0.0
         for _ in range(STEPS):
             pushed = driven - plant.spring * x
@@ -333,10 +351,15 @@ def _friction(
     forward, backward, p = plant.forward, plant.backward, plant
     back = p.viscous if p.viscous_backward is None else p.viscous_backward
     states = [0.0, 0.0]
+    hose, lagging, resting = 0.0, 0.0, 0.0
 
     def step(x: float, v: float, pushed: float, times: float, added: float) -> tuple[float, float]:
+        nonlocal hose, lagging, resting
         size = abs(v)
         beside = p.offset
+        if p.hose:
+            hose += h * (v - hose / p.relaxation)
+            beside += p.hose * hose
         if v:
             viscous = p.viscous if v > 0.0 else back
             beside += math.copysign(viscous * size**p.exponent, v)
@@ -346,12 +369,15 @@ def _friction(
             times *= 1.0 + p.level_ripple * math.sin(p.wave * x)
         decay = 0.0
         if p.step_forward or p.step_backward:
-            decay = math.exp(-((size / p.stribeck_velocity) ** p.stribeck_exponent))
+            lagging = lagging + h / p.lag * (size - lagging) if p.lag else size
+            decay = _faded(p, lagging)
         up = times * (forward + p.step_forward * decay + added)
         down = times * (backward + p.step_backward * decay + added)
         if not p.length:
             free = v + h / inertia * (pushed - beside)
             most = h / inertia * (up if free > 0.0 else down)
+            resting = 0.0 if v else resting + h
+            most *= 1.0 + p.growth * math.log1p(resting / 0.05)
             new = math.copysign(max(abs(free) - most, 0.0), free)
             return new, beside + (free - new) * inertia / h
         acting = _lugre(states, v, h, p, inertia, up if v > 0.0 else down) if p.lugre else 0.0
@@ -364,6 +390,12 @@ def _friction(
         return v + h / inertia * (pushed - beside - acting), beside + acting
 
     return step
+
+
+def _faded(p: Plant, speed: float) -> float:
+    """Return what is left of the Stribeck step at a speed, from 1 at rest."""
+    u = speed / p.stribeck_velocity
+    return 1.0 / (1.0 + u * u) if p.lorentz else math.exp(-(u**p.stribeck_exponent))
 
 
 def _dahl(state: float, way: float, n: float) -> float:

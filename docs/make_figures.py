@@ -256,7 +256,7 @@ JUDGED = (
     (430, 40, "Scores bounded by block,\nshares by Bayesian bootstrap;\n"
      "the measured curve has a fifth", False),
     (430, 145, "Named: the family with the most\nevidence; not told apart: those\n"
-     "within 3 of it", False),
+     "within 2.5 of it", False),
     (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
      True),
     (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),

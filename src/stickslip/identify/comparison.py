@@ -92,8 +92,11 @@ def compare(search: Search) -> Comparison:
     evidence = _evidence(search, structures, families, [*best_of.values()], shares)
     if problem.independent:
         named = max(evidence, key=lambda i: (round(evidence[i], 9), -i))
-    most = evidence[named]
-    near = {i for i, e in evidence.items() if e >= most - THRESHOLDS.tie}
+    # few rows tell little: the evidence of k parameters from n rows is that much surer
+    rows = len(problem.response)
+    spare = max(rows - problem.parameters(structures[named]) - 1, 0.5)
+    least = evidence[named] - THRESHOLDS.tie * (rows / spare)
+    near = {i for i, e in evidence.items() if e >= least}
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
         structures=structures,
@@ -172,7 +175,8 @@ def with_curve(shares: Array, laws: Mask) -> Array:
 
 def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
     """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    problem, members = search.problem, {}  # type: Problem, dict[Family, list[int]]
+    problem = search.problem
+    members: dict[Family, list[int]] = {}
     for i, own in enumerate(families):
         members.setdefault(own, []).append(i)
     priors = np.ones(len(structures))
@@ -190,7 +194,7 @@ def _priors(search: Search, structures: Sequence[Structure], families: Sequence[
     # half the number of blocks times the difference of scores that such a share of the error makes
     nats = search.regression.price * len(problem.blocks)
     count = np.array([problem.parameters(one) for one in structures])
-    return priors * np.exp(-nats * (count - count.min()))
+    return np.asarray(priors * np.exp(-nats * (count - count.min())))
 
 
 def _spacing(values: Array, step: float) -> Array:

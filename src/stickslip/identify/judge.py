@@ -150,6 +150,8 @@ class Judgement:
     @cached_property
     def correlation(self) -> Array:
         """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
+        if not self.intervals:
+            return np.zeros((0, 0))
         table = np.array([self.named_values[one.path] for one in self.intervals])
         spread = np.std(table, axis=1)
         safe = np.where(spread > 0.0, spread, 1.0)

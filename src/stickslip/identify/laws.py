@@ -45,7 +45,10 @@ class Composition:
         if not self.text:
             return None
         values = {name: float(x[draw]) for name, x in self.values.items()}
-        found: FrictionLaw = law_class(self.text)(**values)
+        try:
+            found: FrictionLaw = law_class(self.text)(**values)
+        except InputError:  # such as friction at rest below that of sliding, in one direction
+            return None
         return found
 
     def paths(self) -> dict[str, Array]:
@@ -70,6 +73,7 @@ DIRECTIONS = ("level_direction", "viscous_direction", "stribeck_sides")
 def compose(
     terms: Mapping[str, tuple[Shape, Array]],
     means: Mapping[str, float],
+    count: int,
     *,
     memory: str = "",
     memory_values: Mapping[str, Array] | None = None,
@@ -84,6 +88,8 @@ def compose(
         of the law's parameters. Terms that are no part of a law are left out.
     means : mapping of str to float
         Inputs of the contact at which the coefficients hold; changes with them are straight lines.
+    count : int
+        Number of draws.
     memory : str
         Bristles around the level, such as ``"dahl"``.
     memory_values : mapping of str to array (d,), optional
@@ -99,10 +105,10 @@ def compose(
     Examples
     --------
     >>> terms = {"level": ((), np.array([[2.0]])), "viscous": ((), np.array([[0.5]]))}
-    >>> compose(terms, {}).law().force(0.1, 1.0)
+    >>> compose(terms, {}, 1).law().force(0.1, 1.0)
     2.05
     """
-    made = _Composer(terms, means)
+    made = _Composer(terms, means, count)
     made.level(memory, memory_values or {})
     made.fixed |= {*memory_fixed}
     made.flows()
@@ -114,10 +120,9 @@ class _Composer:
     """A composition in the making: parts, levels, slopes and other values."""
 
     def __init__(
-        self, terms: Mapping[str, tuple[Shape, Array]], means: Mapping[str, float]
+        self, terms: Mapping[str, tuple[Shape, Array]], means: Mapping[str, float], count: int
     ) -> None:
-        self.terms, self.means = terms, means
-        self.count = len(next(iter(terms.values()))[1]) if terms else 1
+        self.terms, self.means, self.count = terms, means, count
         self.parts: list[str] = []
         self.levels: dict[str, Array] = {}
         self.slopes: dict[str, Array] = {}

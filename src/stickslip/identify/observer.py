@@ -29,10 +29,11 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import Record, RecordsProblem, noise_of
+from stickslip.identify.kinds.records import Record, RecordsProblem, mean_frequency, noise_of
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
@@ -42,7 +43,7 @@ BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
 """Bandwidths of the observer that are tried, over the largest at which a law holds ..."""
 HOLDS = 0.9
 """... which is over that of the noise of the force (study: records)."""
-INFLATION = 6.0
+INFLATION = 4.0
 """Factor on the covariance: shapes that no refined law has (study: records)."""
 PARTS = 4
 """Steps between samples, at least."""
@@ -51,12 +52,16 @@ ITERATIONS = 8
 """Rounds of Gauss-Newton at most."""
 SHARED = 4
 """Laws with the largest shares that are refined beside the named one and its kin."""
+SINGLE = 1e-3
+"""Part of the range of known forces by which they are those of the place alone."""
 SPEEDS, PLACES = 801, 201
 """Entries of tables over speed and place."""
 SHAPES = 8
 """Draws of shapes of a refined law, each with its own coefficients."""
 LOOSE = 0.7
 """Prior standard deviation of the logarithm of a shape: within a step of the grid."""
+FARTHEST = 1.5
+"""Logarithm by which a shape may move before its law is left out."""
 OUTLIER = 3.0
 """Standard deviations from which innovations weigh less."""
 LEAST_GAIN = 0.1
@@ -88,7 +93,7 @@ class _Probe:
     def seen(self, x: Array) -> Array:
         return x
 
-    def state(self, length: float, exponent: float) -> Array:
+    def state(self, *_: float) -> Array:
         return np.ones(len(self.velocity))
 
     def wave(self, number: float) -> Array:
@@ -128,6 +133,16 @@ class _Run:
         """Known forces of the mechanism (n,)."""
         none = np.zeros(len(self.record.time))
         return none if self.record.mechanism is None else np.asarray(self.record.mechanism)
+
+    @cached_property
+    def field(self) -> Array | None:
+        """Known forces over the place; None where they change by more than that."""
+        if self.record.mechanism is None:
+            return None
+        order = np.argsort(self.place, kind="stable")
+        found = np.interp(self.places, self.place[order], self.known[order])
+        apart = np.abs(np.interp(self.place, self.places, found) - self.known)
+        return found if apart.max() < SINGLE * np.ptp(self.known) else None
 
     def _probe(self, velocity: Array, place: Array, **at_samples: Array) -> _Probe:
         frame, count = self.problem.frame, max(len(velocity), len(place))
@@ -211,7 +226,7 @@ class ObservedLaw:
             at += width
         return [self._run(run, structure, parts, gains) for run in self.runs]
 
-    def _run(
+    def _run(  # noqa: C901  # one branch for each kind of term
         self, run: _Run, structure: Structure, parts: Sequence[Array], gains: tuple[float, float]
     ) -> Array:
         count = len(run.place)
@@ -220,7 +235,7 @@ class ObservedLaw:
         b = p = w = none
         d1, d2, d3 = np.zeros((3, count))
         force = np.array(run.record.force)
-        length, exponent = self._memory(structure)
+        memory = self._memory(structure)
         inertia = run.record.inertia or 0.0
         second = (0.0, 0.0, 0.0)
         for (name, shape), c in zip(structure, parts, strict=True):
@@ -230,11 +245,13 @@ class ObservedLaw:
             elif name == "second":
                 second = (float(c[0]), shape[0], shape[1])
             elif name in ("delay", "lag"):
-                late = shape[0] if name == "delay" else -float(c[0])
+                late = float(c[0]) * (shape[0] if name == "delay" else -1.0)
                 force = np.interp(run.record.time + late, run.record.time, force)
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
                 force = force - float(c[0]) * over
+            elif name == "mechanism" and run.field is not None:
+                w = w + float(c[0]) * run.field
             elif name in OF_TIME or "*" in name:
                 x = np.reshape(columns(run.over_time, shape), (count, -1)) @ c
                 if name.startswith("viscous"):
@@ -255,34 +272,50 @@ class ObservedLaw:
                 x = np.reshape(columns(run.over_speed, shape), (SPEEDS, -1)) @ c
                 if name in ("level", "stribeck"):
                     a = a + x
-                elif name == "stribeck_direction":
+                elif name in ("stribeck_direction", "level_direction"):
                     b = b + x
-                elif name == "power" and length == 0.0:
+                elif name == "power" and memory[0] == 0.0:
                     a = a + np.sign(run.speeds) * x
                 else:
                     v = v + x
         out = np.full(count, observer.LOST)
-        if not inertia > 0.0:
-            return out
-        numbers = np.zeros(observer.COUNT)
-        numbers[observer.STEP], numbers[observer.INERTIA] = run.step, inertia
-        numbers[observer.GAIN], numbers[observer.RATE_GAIN] = gains[0], gains[1] / run.step
-        numbers[observer.LENGTH], numbers[observer.EXPONENT] = length, exponent
-        numbers[observer.SECOND : observer.SECOND + 3] = second
-        numbers[observer.SPEED_UNIT] = run.speeds[-1] / ((SPEEDS - 1) // 2) ** 2
-        numbers[observer.PLACE_START] = run.places[0]
-        numbers[observer.PLACE_STEP] = run.places[1] - run.places[0]
-        numbers[observer.START_SPEED] = run.start_speed
-        numbers[observer.START_STATE] = float(np.sign(run.start_speed))
-        stiff = [float(np.abs(a).max()) / length] if length > 0.0 else [0.0]
-        stiff += [abs(second[0]) / second[1]] if second[1] > 0.0 else []
-        most = run.step * math.sqrt(max(stiff) / inertia) / 0.5
-        observe()(
-            count, int(np.clip(math.ceil(most), PARTS, MOST_PARTS)), int(run.record.held), numbers,
-            np.ascontiguousarray(force + run.known), run.place, a, np.ascontiguousarray(b), v,
-            np.ascontiguousarray(p), np.ascontiguousarray(w), run.load, d1, d2, d3, out,
-        )  # fmt: skip
+        if run.field is None:
+            force = force + run.known
+        else:
+            w = w - run.field
+        if inertia > 0.0:
+            numbers = self._numbers(run, inertia, gains, memory, second)
+            stiff = max(float(np.abs(a).max()) / memory[0] if memory[0] > 0.0 else 0.0,
+                        abs(second[0]) / second[1] if second[1] > 0.0 else 0.0)  # fmt: skip
+            most = math.ceil(2.0 * run.step * math.sqrt(stiff / inertia))
+            tables = (np.ascontiguousarray(one) for one in (a, b, v, p, w))
+            observe()(
+                count, int(np.clip(most, PARTS, MOST_PARTS)), int(run.record.held), numbers,
+                np.ascontiguousarray(force), run.place, *tables, run.load, d1, d2, d3,
+                out,
+            )  # fmt: skip
         return out
+
+    @staticmethod
+    def _numbers(
+        run: _Run,
+        inertia: float,
+        gains: tuple[float, float],
+        memory: Shape,
+        second: tuple[float, float, float],
+    ) -> Array:
+        """Return the numbers that the compiled run reads."""
+        p = np.zeros(observer.COUNT)
+        p[observer.STEP], p[observer.INERTIA] = run.step, inertia
+        p[observer.GAIN], p[observer.RATE_GAIN] = gains[0], gains[1] / run.step
+        p[observer.LENGTH : observer.EXPONENT + 1] = memory
+        p[observer.SECOND : observer.SECOND_EXPONENT + 1] = second
+        p[observer.SPEED_UNIT] = run.speeds[-1] / ((SPEEDS - 1) // 2) ** 2
+        p[observer.PLACE_START] = run.places[0]
+        p[observer.PLACE_STEP] = run.places[1] - run.places[0]
+        p[observer.START_SPEED] = run.start_speed
+        p[observer.START_STATE] = float(np.sign(run.start_speed))
+        return p
 
 
 @final
@@ -299,7 +332,7 @@ class RefinedLaw:
     """Their slopes by theta, with the other sign (n, p)."""
     precision: Array
     """Inverse covariance of the prior (p, p)."""
-    stretches: Array
+    stretches: NDArray[np.intp]
     """Number of the stretch of each innovation (n,)."""
     scale: float
     """Robust standard deviation of the innovations."""
@@ -399,13 +432,13 @@ class Observer:
         ]
         count = sum(int(kept.sum()) for kept in self._kept)
         blocks = int(problem.stretches.max()) + 1
-        self._stretches = np.arange(count) * blocks // count
+        self._stretches = (np.arange(count) * blocks // count).astype(np.intp)
 
     @property
     def possible(self) -> bool:
-        """Whether there is a force and an inertia to simulate with."""
+        """Whether there are places that an inertia takes."""
         first = self.problem.records[0]
-        return not first.friction and bool(np.any(self.problem.rows.raw))
+        return not first.friction and first.located
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
@@ -487,7 +520,11 @@ class Observer:
             inertia = float(fit.coefficients[sum(law.widths[: names.index("inertia")])])
         force = max(noise_of(one.force) for one in self.problem.rows.records)
         place = max(noise_of(run.place) for run in self.runs)
-        return math.sqrt(force / (abs(inertia) * place + 1e-300))
+        explained = math.sqrt(force / (abs(inertia) * place + 1e-300))
+        if np.any(self.problem.rows.raw):
+            return explained
+        # nothing drives a free motion: no noise moves it, and it is followed as fast as it swings
+        return 2.0 * math.pi * mean_frequency(self.problem.records)
 
     def _innovations(self, law: ObservedLaw, theta: Array, gains: tuple[float, float]) -> Array:
         every = zip(law.innovations(theta, gains), self._kept, strict=True)
@@ -531,6 +568,8 @@ class Observer:
             else:
                 break
             theta, e = theta + move, tried
+            if np.max(np.abs((theta - start)[n:]), initial=0.0) > FARTHEST:
+                return None  # its shape says another law
             if np.max(np.abs(move) / np.sqrt(np.maximum(np.diag(inverse), 1e-300))) < LEAST_GAIN:
                 break
         lost = not np.all(np.isfinite(theta)) or np.abs(e).max() >= observer.LOST
@@ -574,7 +613,9 @@ class Observer:
         rng = np.random.default_rng(self.ensemble.seed + 5)
         structures: list[Structure] = []
         fits: dict[Structure, Fitted] = {}
-        own, rows, first = [], [], {}
+        own: list[float] = []
+        rows: list[int] = []
+        first: dict[int, Structure] = {}
         for i, (one, share) in enumerate(zip(laws, shares, strict=True)):
             for structure, part, fit in one.drawn(float(share), rng):
                 structures.append(structure)

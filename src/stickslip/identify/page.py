@@ -111,7 +111,7 @@ def laws_section(verdict: BandVerdict) -> Section:
     )
     caption = (
         "Evidence: mean of the log share and the log likelihood, less a price for each parameter;"
-        " laws within 3 of the named one are not told apart from it."
+        " laws within 2.5 of the named one (more of few readings) are not told apart from it."
     )
     table = Table(columns=columns, rows=rows, caption=caption)
     count = len(verdict.set)

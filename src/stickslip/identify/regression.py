@@ -143,7 +143,9 @@ class BlockRegression:
             self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
 
     def physical(self, structure: Structure, coefficients: Array) -> bool:
-        """Return whether all coefficients are within their limits."""
+        """Return whether all coefficients are within their limits; a measured curve has none."""
+        if not self.problem.is_law(structure):
+            return True
         at = 0
         for name, shape in structure:
             size, term = len(self._at[name, shape]), self.problem.terms[name]

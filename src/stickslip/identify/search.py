@@ -114,14 +114,13 @@ class Search:
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
         problem = self.problem
-        most = max(2, 2 * len(problem.blocks) // 3)
         front = self._begin()
         for _ in range(THRESHOLDS.depth):
             tried = [
                 one
                 for k, structure in enumerate(front)
                 for one in self._neighbours(structure, replacing=k == 0)
-                if problem.parameters(one) <= most and problem.allowed(one)
+                if self._is_determined(one) and problem.allowed(one)
             ]
             self.regression.losses(tried)
             best_of: dict[Family, Structure] = {}
@@ -137,6 +136,19 @@ class Search:
         curves = [one for one in curves if problem.allowed(one)]
         self.regression.losses([*curves, *problem.references])
         return min(self.structures, key=self._order)
+
+    def _is_determined(self, structure: Structure) -> bool:
+        """Return whether blocks and rows are more than parameters by enough.
+
+        With fewer, one of a hundred shapes is always exact by chance.
+        """
+        problem, blocks = self.problem, len(self.problem.blocks)
+        laws = tuple(one for one in structure if problem.terms[one[0]].role == "law")
+        most = max(2, min(2 * blocks // 3, blocks - 3))
+        return (
+            problem.parameters(laws) <= most
+            and problem.parameters(structure) <= len(problem.response) - 3
+        )
 
     def _begin(self) -> list[Structure]:
         """Return the structures from which the search begins: none, or the laws asked for."""

@@ -45,7 +45,7 @@ class Thresholds:
     """Stands for the share of a family that has none."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
-    tie: float = 3.0
+    tie: float = 2.5
     """Difference of evidence up to which families are not told apart (odds of 20; study: names)."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""

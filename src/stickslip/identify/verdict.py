@@ -24,6 +24,7 @@ from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
+from stickslip.identify.spans import same_span
 from stickslip.identify.wording import (
     Words,
     advice_sentence,
@@ -31,6 +32,7 @@ from stickslip.identify.wording import (
     beside_of,
     cause_sentence,
     error_sentence,
+    group_sentence,
     law_sentence,
     no_law,
     outlier_sentence,
@@ -170,11 +172,19 @@ class BandVerdict(Verdict[LawCandidate]):
         """Multiple of the unit in which held-out errors are shown."""
         return score_scale([one.held_out for one in self.candidates], self.score_unit)
 
-    def named_curve(self, velocity: Array) -> Array:
-        """Return the friction of the named law at velocities (n,), with its constant offset."""
+    def named_curve(
+        self,
+        velocity: Array,
+        load: Array | float | None = None,
+        inputs: Mapping[str, Array | float] | None = None,
+    ) -> Array:
+        """Return the friction of the named law at velocities (n,), with its constant offset.
+
+        Parameters are those of `band`.
+        """
         judgement = self.judgement
         fit = judgement.ensemble.fit(judgement.estimated)
-        rows = judgement.problem.at(velocity)
+        rows = judgement.problem.at(velocity, load, inputs)
         return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
 
     @property
@@ -425,6 +435,7 @@ def verdict_on(
     said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
     sizes = {one.path: one for one in every}
     doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
+    doubts += [group_sentence(group, words) for group in groups_of(judgement)]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
@@ -458,6 +469,17 @@ def verdict_on(
         places=tuple(places),
         intervals=every,
     )
+
+
+def groups_of(judgement: Judgement) -> list[list[str]]:
+    """Return titles of what stands beside the law with what could stand in its place."""
+    terms = judgement.problem.terms
+    spans = same_span(judgement.regression, judgement.named)
+    return [
+        [terms[name].title, *(terms[other].title for other, _ in others)]
+        for name, others in spans.instead.items()
+        if terms[name].role != "law"
+    ]
 
 
 def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:

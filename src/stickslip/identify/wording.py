@@ -108,6 +108,8 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
             f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
             " the closest."
         )
+    if not comparison.named:
+        return f"No friction stands above the noise of the {words.measured}."
     said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."
@@ -172,6 +174,13 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+
+
+def group_sentence(titles: Sequence[str], words: Words) -> str:
+    """Return that a design does not tell terms apart."""
+    named = [in_sentence(one) for one in titles[:NAMED]]
+    kind = words.measured.removesuffix("s")
+    return f"{capital(' or '.join(named))}: not separable by this design of the {kind}."
 
 
 def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:

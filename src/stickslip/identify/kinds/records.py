@@ -10,9 +10,9 @@ r"""Records of one coordinate in time: the force balance along the measured moti
    inertia is known, and a column is :math:`B[X_j]`. Velocities that enter :math:`X_j` in other ways
    than linearly have a band twice as wide. Where friction was measured, :math:`y` is its own
    :math:`B[F]`; where nothing drives the motion (decays, coast-downs), :math:`F = 0`.
-2. **Band.** White noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
-   of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that at
-   which they cost 1 % of the force, within multiples of the mean frequency of the motion: no time
+2. **Band.** Noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
+   of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that
+   at which they cost 1 % of the force, within bounds of the mean frequency of the motion: no time
    scale is one in seconds. Rows are kept six for each :math:`1/f_c`, none at rest.
 3. **Memory.** A bristle of length :math:`r` follows the way: with :math:`u = 1 - s z` for the
    direction :math:`s`, :math:`du/d|x| = -u^n / r`. The exponent :math:`n` is 0 for an elastic
@@ -34,6 +34,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, final
 
 import numpy as np
@@ -87,15 +88,19 @@ HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
 BENDING = (1e-4, 1e-2, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
+PAIRED = 0.5
+"""Part of what one memory leaves that two must explain to be looked at."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
+LATER = (0.62, 1.6)
+"""Multiples of a delay that a neighbour on the grid shows; half of it would only smooth noise."""
 LATEST = 0.1
 """Delays and lags of the force over the period of the motion, at most."""
 LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 RINGS = 0.4
 """Largest resonance over the band."""
-CALM = 0.5
+CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
 CLEAN = 20.0
@@ -373,7 +378,7 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
     turns = moved[1:][way[moved[1:]] != way[moved[:-1]]]
     edges = [int(moved[0]), *turns.tolist(), len(path) - 1]
     z = start
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         side = float(way[a])
         x = np.abs(path[a + 1 : b + 1] - path[a]) / length
         u = 1.0 - side * z
@@ -392,7 +397,7 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
-    """What columns are scaled by: that of the records that were fitted, whatever rows they are of."""
+    """What columns are scaled by: that of the records that were fitted, for any rows."""
 
     band: float
     """Band [Hz]."""
@@ -646,7 +651,7 @@ class Along:
     def load(self) -> Array:
         """Loads (n,) over the usual one."""
         return self._full(
-            lambda one, filt: (
+            lambda one, _: (
                 1.0 + 0.0 * one.time
                 if one.load is None or self.frame.load == 1.0
                 else np.maximum(one.load, 0.0) / self.frame.load
@@ -729,7 +734,7 @@ class Steady:
         """Return a column itself; nothing filters it, and its slope is 0."""
         return 0.0 * x if options.get("slope") else x
 
-    def state(self, length: float, exponent: float) -> Array:
+    def state(self, *_: float) -> Array:
         """Return the direction."""
         return np.asarray(np.sign(self.velocity))
 
@@ -753,23 +758,23 @@ class Steady:
         mean = self.frame.inputs[name]
         return self._none + self.inputs.get(name, mean) - mean
 
-    def excess(self, limit: float) -> Array:
+    def excess(self, _: float) -> Array:
         """Return 0: steady forces are not clipped."""
         return self._none
 
-    def wave(self, number: float) -> Array:
+    def wave(self, _: float) -> Array:
         """Return 0: the mean over places."""
         return np.zeros((len(self.velocity), 2))
 
-    def early(self, delay: float) -> Array:
+    def early(self, _: float) -> Array:
         """Return 0: steady forces do not change."""
         return self._none
 
-    def loose(self, half: float) -> Array:
+    def loose(self, _: float) -> Array:
         """Return 0: a gap stays closed."""
         return self._none
 
-    def ringing(self, x: Array, frequency: float) -> Array:
+    def ringing(self, *_: Any) -> Array:
         """Return 0: nothing rings."""
         return self._none
 
@@ -819,18 +824,18 @@ class RecordsProblem(Problem):
         normal: float = 1.0,
         inertia_path: str = "mechanism.inertia",
     ) -> None:
-        self.records = (
+        self.records: list[Record] = (
             _by_best_sensor(records) if like is None else _alike(records, like.records[0])
         )
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = _band(self.records) if like is None else like.frame.band
         self.rows = Along(self.records, None if like is None else like.frame, band * base)
-        self.frame = _frame(self.rows, base) if like is None else like.frame
+        self.frame: Frame = _frame(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
         self._widths: dict[Column, int] = {}
-        self.normal = normal if like is None else like.normal
-        self.inertia_path = inertia_path if like is None else like.inertia_path
+        self.normal: float = normal if like is None else like.normal
+        self.inertia_path: str = inertia_path if like is None else like.inertia_path
         known = 0.0 if first.inertia is None else first.inertia
         self.response = self.rows.force - known * self.rows.acceleration
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
@@ -855,6 +860,7 @@ class RecordsProblem(Problem):
         ]  # fmt: skip
         self.spread = _spread(self) if like is None else like.spread
 
+    @override
     def price(self, size: float) -> float:
         """Return the share of the error that a parameter must save: 6 %, less where noise is large.
 
@@ -864,8 +870,9 @@ class RecordsProblem(Problem):
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
-        return min(max(NATS / independent, material), THRESHOLDS.material)
+        return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
+    @override
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return the speed, with which noise grows."""
         return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
@@ -875,6 +882,7 @@ class RecordsProblem(Problem):
         return [RecordsProblem(self.records, like=self, band=one) for one in TWINS]
 
     @property
+    @override
     def twins(self) -> Sequence[Problem]:
         """The same records in other bands."""
         return self._twins if abs(self.rows.band / self.frame.band - 1.0) < 1e-9 else ()
@@ -898,7 +906,8 @@ class RecordsProblem(Problem):
     @override
     def speeds(self, rows: Any) -> Array:
         """Return the speeds of rows (n,)."""
-        return np.maximum(np.abs(rows.seen(rows.velocity)), 1e-3 * self.frame.low)
+        speed = np.abs(rows.seen(rows.velocity))
+        return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
     @override
     def curve_rows(self) -> tuple[Array, Any, float]:
@@ -968,6 +977,7 @@ class RecordsProblem(Problem):
         found = compose(
             terms,
             self.frame.inputs,
+            len(coefficients),
             memory="dahl" if memory[0] else "",
             memory_values=values,
             memory_fixed=("yield_exponent",),
@@ -1013,7 +1023,7 @@ def readings(
     return band_of(curves + residual[order][np.clip(at, 0, len(order) - 1)], level)
 
 
-def _frequency(records: Sequence[Record]) -> float:
+def mean_frequency(records: Sequence[Record]) -> float:
     """Return the mean frequency of the motion [Hz]: of positions, or of velocities if higher."""
     found = []
     for one in records:
@@ -1048,8 +1058,8 @@ def _by_best_sensor(records: Sequence[Record]) -> list[Record]:
     if not both:
         return list(records)
     bare = [replace(one, velocity=None) for one in records]
-    f = _frequency(bare)
-    typical = (2.0 * math.pi * f) * float(np.std(records[0].velocity))
+    f = mean_frequency(bare)
+    typical = (2.0 * math.pi * f) * float(np.std(np.asarray(records[0].velocity)))
     by_position = _allowed_band(bare, SHARE * typical)
     return bare if by_position > _allowed_band(records, SHARE * typical) else list(records)
 
@@ -1064,7 +1074,7 @@ def _alike(records: Sequence[Record], first: Record) -> list[Record]:
 def _band(records: Sequence[Record]) -> float:
     """Return the band [Hz] in which noise of the motion costs little of the force."""
     h = max(float(np.median(np.diff(one.time))) for one in records)
-    mean = _frequency(records)
+    mean = mean_frequency(records)
     longest = max(float(one.time[-1] - one.time[0]) for one in records)
     top = min(SAMPLED / h, WIDEST * mean)
     low = min(max(NARROWEST * mean, STRETCHES / longest), SAMPLED / h)
@@ -1171,6 +1181,9 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
             for side in (-1.0, 1.0):
                 try_((top[0] * ratio ** (side * 0.5 ** (k + 1)), n))
         best.append(min((one for one in left if one[1] == n), key=lambda one: left[one][0]))
+    shorter = _of_two(problem, [(float(x), 1.0) for x in lengths], plain)
+    if shorter is not None and all(abs(math.log(shorter[0] / one[0])) > 0.2 for one in best):
+        best.append(shorter)
     for memory in [*rows._states]:  # the others are not needed any more
         if memory not in best:
             del rows._states[memory]
@@ -1182,10 +1195,34 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
     best.sort(key=lambda one: left[one][0])
-    return [(0.0, 0.0), *best], *(_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    return [(0.0, 0.0), *best], first, second
 
 
-def _peaks(numbers: Array, spectrum: NDArray[np.complex128]) -> list[float]:
+def _of_two(
+    problem: RecordsProblem, memories: Sequence[Shape], plain: Sequence[Array]
+) -> Shape | None:
+    """Return the shorter of two memories that together leave much less than the best one alone."""
+    rows = problem.rows
+    states = [rows.seen(rows.state(*one) * rows.load) for one in memories]
+    x = np.column_stack([*plain, *states])
+    x = x / np.sqrt(np.mean(x * x, axis=0) + 1e-300)
+    gram, moment = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1]), x.T @ problem.response
+    n, total = len(plain), float(problem.response @ problem.response)
+
+    def left(*which: int) -> float:
+        at = [*range(n), *(n + k for k in which)]
+        c = np.linalg.solve(gram[np.ix_(at, at)], moment[at])
+        return total - float(c @ moment[at]) if np.all(c[n:] > 0.0) else math.inf
+
+    count = len(memories)
+    pairs = {(i, j): left(i, j) for i in range(count) for j in range(i + 1, count)}
+    best = min(pairs, key=lambda one: pairs[one])
+    alone = min(left(k) for k in range(count))
+    return memories[best[0]] if pairs[best] < (1.0 - PAIRED) * alone else None
+
+
+def _peaks(numbers: Array, spectrum: Any) -> list[float]:
     """Return the wave numbers of the largest peaks of a spectrum."""
     power = np.abs(spectrum)
     peaks = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
@@ -1248,7 +1285,7 @@ def _fading(clock: Array, constant: float) -> Array:
     return clock if constant == 0.0 else np.exp(-(clock + 0.5) / constant)
 
 
-def _terms(
+def _terms(  # noqa: C901  # a vocabulary is a list
     problem: RecordsProblem,
     memories: Sequence[Shape],
     waves: Sequence[float],
@@ -1306,6 +1343,10 @@ def _terms(
         Term(name="viscous_direction", role="law", columns=law(lambda r, _: np.abs(r.velocity)),
              needs=frozenset({"viscous", "power", "drag"}),
              title="viscous friction that differs by direction", rank=5),
+        Term(name="level_direction", role="law", needs=base,
+             columns=lambda r, s: r.seen(np.abs(r.state(*s)) * r.load), steps=step,
+             shapes=[one for one in memories if one[0] > 0.0],
+             title="level that differs by direction", rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
              title="drag with the square of the speed", rank=6),
@@ -1381,12 +1422,15 @@ def _terms(
                  nonnegative=True, title="inertia", rank=0)
         )  # fmt: skip
     if driven or problem.records[0].friction:
-        late = LATEST / _frequency(problem.records)
-        delays = np.geomspace(rows.filters[0].step, late, 7)
+        late = LATEST / mean_frequency(problem.records)
+        # the noise of positions leaves the moment of a reversal open by as much
+        rate = float(np.sqrt(np.mean(rows.acceleration**2)))
+        least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
+        delays = np.geomspace(least, max(late, 2.0 * least), 7)
         terms += [
-            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, late),
+            Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, 0.0),
                  title="lag of the force", rank=17),
-            Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=(0.8, 1.2),
+            Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=LATER,
                  shapes=[(side * float(x),) for x in delays for side in (1.0, -1.0)],
                  steps=(float(delays[1] / delays[0]),), cost=0, excludes=frozenset({"lag"}),
                  title="delay of the force", rank=17),
@@ -1399,10 +1443,10 @@ def _terms(
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  limits=(0.7, 1.3), title="force that is clipped", rank=18),
-            Term(name="backlash", role="fault", cost=2, columns=lambda r, s: r.loose(s[0]),
+            Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
                  nonnegative=True, title="backlash", rank=19, needs=problem.always),
-            Term(name="flexible", role="fault", cost=2, needs=problem.always,
+            Term(name="flexible", role="fault", needs=problem.always,
                  columns=lambda r, s: r.seen(r.ringing(r.full_acceleration(), s[0])),
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
@@ -1414,4 +1458,9 @@ def _terms(
                      limits=(-0.7 * inertia, inertia), rank=16,
                      title="inertia, or gain of the force, other than given")
             )  # fmt: skip
-    return {one.name: one for one in terms}
+    left_out: set[str] = set()
+    if len(np.unique(np.sign(rows.direction))) < 2:  # places pass once, as times do
+        left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
+    if not driven and not problem.records[0].friction:  # a free motion slows with time
+        left_out |= {"drift", "viscous_drift", "offset_drift"}
+    return {one.name: one for one in terms if one.name not in left_out}

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, speeds_in_order
+from stickslip.experiments import Measurement
 from stickslip.identification import stretches_of
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Mask, Points, Problem, Shape, Structure, Term
@@ -46,6 +46,13 @@ FEWEST = 5
 """Readings that a table must have."""
 DRIFTS = (0.0, 0.2, 0.6)
 """Shares of the time of measuring in which friction settles; 0 for a straight line."""
+BOTH, HERSEY = -1.0, -2.0
+"""Stand for the power of the load of a measured curve: a part that grows with the load beside one
+that does not; the load times a curve over speed / load (Hersey number)."""
+SHUFFLED = 0.3
+"""Share of the order that speeds, loads and runs must leave, so that a drift can be told."""
+MOST_SPEEDS = 24
+"""Blocks of speeds at most."""
 LOOSE = 0.5
 """Stiffness of the measured curve beyond the measured speeds, over that within."""
 FEW_KNOTS = 19
@@ -137,7 +144,10 @@ class TableProblem(Problem):
         ("power",),
         ("viscous",),
         ("tanh", "viscous"),
+        ("hersey", "level", "viscous"),
         ("level", "viscous", "level_direction"),
+        ("level", "offset", "viscous"),
+        ("level", "offset", "stribeck", "viscous"),
         ("level", "offset", "viscous", "viscous_direction"),
         ("level", "offset", "stribeck_sides", "viscous", "viscous_direction"),
     )
@@ -163,7 +173,7 @@ class TableProblem(Problem):
         self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
         self.stretches = np.argmax(np.array(self.blocks), axis=0)
         self.terms = _terms(rows, self.frame, loaded=self.loaded)
-        loads = LOAD_EXPONENTS if self.loaded else (1.0,)
+        loads = (*LOAD_EXPONENTS, BOTH, HERSEY) if self.loaded else (1.0,)
         sides = (0.0, 1.0) if both_ways(rows) else (0.0,)
         self.references = [
             (("curve", (bend, a, side)),) for bend in BENDING for a in loads for side in sides
@@ -267,15 +277,17 @@ class TableProblem(Problem):
                 rig[name] = own[:, 0]
             elif name == "curve":
                 return Composition(text="", values={}, rig=rig)
+            elif name == "hersey":  # the law at the mean load
+                terms["stribeck"] = shape, own
             elif name != "run":
                 terms[name] = shape[:entries], own * (load if name in FLOWS else 1.0)
-        found = compose(terms, self.frame.means)
+        found = compose(terms, self.frame.means, len(coefficients))
         return replace(found, rig=rig)
 
     def size(self, name: str, shape: Shape) -> int:
         """Return the number of coefficients of a term."""
         if name == "curve":
-            return len(self.frame.knots) * (1 + int(shape[2]))
+            return len(self.frame.knots) * (1 + int(shape[2])) * (1 + (shape[1] == BOTH))
         return int(self.rows.run.max()) + 1 if name == "run" else self.terms[name].cost
 
     @classmethod
@@ -336,6 +348,8 @@ def _sweeps(velocity: Array) -> NDArray[np.intp]:
 def _blocks(speeds: Array, loads: Array) -> list[Mask]:
     """Return a block for each speed, and for each load where there are three or more."""
     by_speed = np.argmin(np.abs(speeds[:, None] - _apart(speeds)), axis=1)
+    count = int(by_speed.max()) + 1
+    by_speed = by_speed * min(count, MOST_SPEEDS) // count  # neighbours together
     by_load = np.unique(np.round(loads, 6), return_inverse=True)[1]
     blocks = [by_speed == k for k in range(by_speed.max() + 1)]
     if by_load.max() > 1 and by_speed.max() > 1:
@@ -402,8 +416,11 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         return columns
 
     def curve(r: Rows, shape: Shape) -> Array:
-        logs = np.log(np.maximum(r.speed, frame.slowest * 1e-3))
-        hats = weight(r, shape[1])[:, None] * (_hats(logs, frame.knots) @ frame.basis)
+        over = r.load / frame.load if shape[1] == HERSEY else 1.0
+        logs = np.log(np.maximum(r.speed / over, frame.slowest * 1e-3))
+        bent = _hats(logs, frame.knots) @ frame.basis
+        powers = (1.0, 0.0) if shape[1] == BOTH else (1.0,) if shape[1] == HERSEY else shape[1:2]
+        hats = np.hstack([weight(r, a)[:, None] * bent for a in powers])
         return np.hstack([hats, r.direction[:, None] * hats]) if shape[2] else hats
 
     speeds = np.geomspace(frame.slowest / 1.5, frame.fastest, 9)
@@ -463,7 +480,9 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         ),
         Term(
             name="curve", role="curve", columns=curve, shapes=(),
-            precision=lambda shape: shape[0] * np.tile(frame.bending, 1 + int(shape[2])),
+            precision=lambda shape: shape[0]
+            * frame.load**2  # of a force, as the noise is
+            * np.tile(frame.bending, (1 + int(shape[2])) * (1 + (shape[1] == BOTH))),
             title="curve as measured", cost=2,
         ),
     ]  # fmt: skip
@@ -484,10 +503,18 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         ]  # fmt: skip
         if not loaded:  # under one load they are the same column
             terms = [one for one in terms if one.name != "level_direction"]
+    if loaded:
+        terms.append(
+            Term(name="hersey", role="law", shapes=falls, steps=(ratio, 1.0), rank=6,
+                 columns=lambda r, s: weight(r, 1.0)
+                 * np.exp(-((r.speed * frame.load / r.load / s[0]) ** s[1])),
+                 excludes=frozenset({"stribeck", "stribeck_sides"}), needs=frozenset({"level"}),
+                 title="static surplus that fades with speed over load (Hersey number)")
+        )  # fmt: skip
     for name, values in rows.inputs.items():
         if np.ptp(values) > 0.0:
             terms += _of_input(name, frame)
-    if not speeds_in_order(rows.velocity):
+    if _shuffled(rows):
         terms.append(
             Term(name="drift", role="fault", shapes=[(one,) for one in DRIFTS], rank=10,
                  columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0]),
@@ -497,8 +524,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         count = int(rows.run.max()) + 1
         terms.append(
             Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=15,
-                 columns=lambda r, _: weight(r, 1.0)[:, None]
-                 * (r.run[:, None] == np.arange(count)),
+                 columns=lambda r, _: weight(r, 1.0)[:, None] * _of_runs(r.run, count),
                  precision=lambda shape: frame.load**2 / shape[0] ** 2,
                  title="differences between runs")
         )  # fmt: skip
@@ -515,6 +541,21 @@ def _of_input(name: str, frame: Frame) -> list[Term]:
              columns=lambda r, _: frame.load * r.velocity * (r.inputs[name] - frame.means[name]),
              title=f"viscous friction that changes with the {name}"),
     ]  # fmt: skip
+
+
+def _of_runs(run: NDArray[np.intp], count: int) -> Array:
+    """Return columns (n, r) of the runs, whose mean is that of the law: 0 for any run."""
+    own = run[:, None] == np.arange(count)
+    return np.where(run[:, None] < 0, 0.0, own - 1.0 / count)
+
+
+def _shuffled(rows: Rows) -> bool:
+    """Return whether the order of measuring is another than that of speeds, loads and runs."""
+    logs = np.log(rows.speed + 1e-9 * rows.speed.max())
+    known = [np.ones(len(rows.order)), rows.velocity, logs, np.log(rows.load), rows.run]
+    x = np.column_stack([*known, rows.direction, *rows.inputs.values()])
+    left = rows.order - x @ np.linalg.lstsq(x, rows.order, rcond=None)[0]
+    return bool(len(left) > x.shape[1] + 2 and np.var(left) > SHUFFLED * np.var(rows.order))
 
 
 def _course(order: Array, settling: float) -> Array:

@@ -41,7 +41,7 @@ class ObserverCode(ObjectCode):
 
     @override
     def text(self) -> str:
-        parts = (observer.looked_up, observer.strained, observer.observe)
+        parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
         own = signature_of(observer.observe)
         return f"{translated([function_of(one) for one in parts])}\n{exported('observe', own)}"
 

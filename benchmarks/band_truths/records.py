@@ -1,0 +1,220 @@
+"""Records of an axis under control with a known truth: those of `axis_records`, and further ones.
+
+Further ones are made by the same integrator with more in the rig, or by what is wrong with the
+record: its scale, its sign, its noise, its clock. Each has a second record of the same rig.
+"""
+
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from scipy.signal import lfilter
+
+from benchmarks.axis_records import (
+    FAULTS,
+    FURTHER,
+    RATE,
+    ROOM,
+    TRUTHS,
+    AxisRecord,
+    Plant,
+    Truth,
+    record,
+)
+from benchmarks.band_truths.rig import (
+    KINETIC,
+    STATIC,
+    VISCOUS,
+    Array,
+    Points,
+    Random,
+    Rig,
+    asked_over,
+)
+from stickslip import Axis, Measurement
+
+SECONDS = 12.0
+Change: TypeAlias = Callable[[AxisRecord, Random], AxisRecord]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wrong:
+    """A rig or record that has more to it than `axis_records` knows."""
+
+    truth: Truth
+    change: Change = lambda one, _random: one
+    mechanism: Axis | None = None
+    free: bool = True
+    """Whether the inertia is looked for."""
+    named: frozenset[str] = frozenset()
+    steady: bool = True
+    """Whether there is a steady curve to compare with."""
+    scatter: float = 0.0
+    """Relative change of friction from record to record."""
+    inside: bool = False
+
+
+def _truth(kinds: str = "level viscous", **plant: float) -> Truth:
+    return Truth("further", kinds, Plant(**({"viscous": 0.3} | plant)))  # type: ignore[arg-type]
+
+
+def _grown(one: AxisRecord, random: Random) -> AxisRecord:
+    speed = np.abs(np.gradient(one.true_position, one.t))
+    return replace(one, force=one.force + 0.15 * speed * random.normal(size=len(one.t)))
+
+
+def _scaled(one: AxisRecord, _random: Random) -> AxisRecord:
+    return replace(one, q=1.05 * one.q)
+
+
+def _flipped(one: AxisRecord, _random: Random) -> AxisRecord:
+    late = one.t > 0.5 * one.t[-1]
+    return replace(one, force=np.where(late, -one.force, one.force))
+
+
+def _reversed(one: AxisRecord, _random: Random) -> AxisRecord:
+    return replace(one, force=-one.force)
+
+
+def _rung(one: AxisRecord, _random: Random) -> AxisRecord:
+    """The holder of the force sensor rings at 82 Hz."""
+    w, damping, h = 2.0 * np.pi * 82.0, 0.03, 1.0 / RATE
+    # exact for a force that is held between samples
+    root = w * np.sqrt(1.0 - damping**2)
+    keep, turn = np.exp(-damping * w * h), root * h
+    a = np.array([1.0, -2.0 * keep * np.cos(turn), keep**2])
+    part = keep * np.sin(turn) * damping * w / root
+    b = np.array([0.0, 1.0 - keep * np.cos(turn) - part,
+                  keep**2 + part - keep * np.cos(turn)])  # fmt: skip
+    return replace(one, force=np.asarray(lfilter(b, a, one.force)))
+
+
+WRONG: Mapping[str, Wrong] = {
+    "load exponent": Wrong(truth=_truth(
+        "level load viscous", forward=0.0, backward=0.0, by_load=0.8, load_exponent=0.67)),
+    "noise grows": Wrong(truth=_truth(), change=_grown, named=frozenset({"noise"})),
+    "stiffness 40 % wrong": Wrong(
+        truth=_truth(spring=1.0), mechanism=Axis(inertia=0.026, stiffness=1.4),
+        named=frozenset({"spring"})),
+    "encoder scale": Wrong(
+        truth=_truth(), change=_scaled, mechanism=Axis(inertia=0.02), free=False,
+        named=frozenset({"mass", "position scale", "force gain", "scale"}), steady=False),
+    "sign flipped midway": Wrong(
+        truth=_truth(), change=_flipped, named=frozenset({"sign"}), steady=False),
+    "sign": Wrong(truth=_truth(), change=_reversed, named=frozenset({"sign"}), steady=False),
+    "time at rest": Wrong(
+        truth=_truth("level rest viscous", growth=0.12), named=frozenset({"rest", "static"})),
+    "hose": Wrong(
+        truth=_truth(hose=4.0, relaxation=0.4), named=frozenset({"hose", "spring", "memory"})),
+    "lag of friction": Wrong(truth=_truth(
+        "level stribeck viscous", step_forward=0.5, step_backward=0.5, lag=0.03),
+        named=frozenset({"memory", "lag"})),
+    "dead zone": Wrong(truth=_truth(dead=0.3), named=frozenset({"dead zone", "backlash"})),
+    "known slope": Wrong(
+        truth=_truth(offset=0.4), mechanism=Axis(inertia=0.026, offset=0.4), inside=True),
+    "running-in": Wrong(
+        truth=_truth(drift=-0.35), named=frozenset({"drift", "running-in"}), steady=False),
+    "scatter of runs": Wrong(truth=_truth(), scatter=0.06, inside=True),
+    "ringing at 82 Hz": Wrong(
+        truth=_truth(), change=_rung, named=frozenset({"ringing", "delay", "resonance"})),
+    "low inertia": Wrong(truth=_truth(inertia=0.001), inside=True),
+    "falls with speed": Wrong(truth=_truth(
+        "level stribeck", viscous=0.0, step_forward=0.7, step_backward=0.7,
+        stribeck_velocity=1.5)),
+    "lorentz": Wrong(truth=_truth(
+        "lorentz", step_forward=0.5, step_backward=0.5, lorentz=1.0)),
+    "frictionless": Wrong(
+        truth=_truth("", forward=0.0, backward=0.0, viscous=0.0), inside=True),
+}  # fmt: skip
+NAMES = {"level_dir": "level_direction", "viscous_dir": "viscous_direction",
+         "stribeck_dir": "stribeck_direction", "quadratic": "drag",
+         "temperature": "level*temperature"}  # fmt: skip
+"""Terms, where `axis_records` calls them otherwise."""
+SOUND = [one for one in (*TRUTHS, *FURTHER) if one.name != "quiet"]
+ALLOWED = {
+    "delay": {"delay", "lag"}, "saturation": {"saturation", "clipping"}, "backlash": {"backlash"},
+    "spring": {"spring"}, "drift": {"drift"}, "flexible": {"flexible", "resonance"},
+}  # fmt: skip
+
+
+def drawn(number: int, seed: int) -> Rig:
+    """Return a record: sound rigs, and in turn with them faulty and further ones."""
+    half = number // 2
+    if number % 2 == 0:
+        truth = SOUND[half % len(SOUND)]
+        return _rig(truth.name, truth, Wrong(truth=truth, inside=True), seed * 1000 + number)
+    faulty = [(one.name, Wrong(truth=one, named=frozenset(ALLOWED[one.fault]),
+                               steady=one.fault not in {"drift", "spring"}))
+              for one in FAULTS]  # fmt: skip
+    name, wrong = [*WRONG.items(), *faulty][half % (len(WRONG) + len(faulty))]
+    return _rig(name, wrong.truth, wrong, seed * 1000 + number)
+
+
+def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
+    random = np.random.default_rng([64, seed, zlib.crc32(name.encode())])
+    first = wrong.change(record(truth, 2 * seed, SECONDS), random)
+    again = truth
+    if wrong.scatter:
+        p, by = truth.plant, 1.0 + wrong.scatter * float(random.choice([-1.0, 1.0]))
+        scaled = {name: by * getattr(p, name) for name in ("forward", "backward", "viscous")}
+        again = replace(truth, plant=replace(p, **scaled))
+    second = wrong.change(record(again, 2 * seed + 1, SECONDS), random)
+    p = truth.plant
+    top = float(np.max(np.abs(np.gradient(first.true_position, first.t))))
+    asked, beyond = asked_over(0.02 * top, 0.9 * top, both=True)
+    asked, beyond = (_with(random, p, points) for points in (asked, beyond))
+    level = (p.forward + p.backward) / 2.0
+    known = wrong.mechanism.offset if wrong.mechanism else 0.0
+    parameters = {"inertia": p.inertia} if wrong.steady and wrong.free else {}
+    if wrong.inside and p.forward == p.backward and not (p.by_load or p.by_temperature):
+        if p.viscous_backward is None and p.exponent == 1.0:
+            parameters[VISCOUS] = p.viscous
+        if not (p.second or p.length or p.step_forward):
+            parameters[KINETIC] = level
+        elif p.step_forward and p.step_forward == p.step_backward:
+            parameters |= {KINETIC: level, STATIC: level + p.step_forward}
+    family = frozenset(NAMES.get(one, one) for one in truth.kinds.split())
+    return Rig(
+        kind="records", truth=name, inside=wrong.inside, measurement=_measured(first),
+        mechanism=wrong.mechanism or Axis(inertia=1.3 * p.inertia),
+        unknown=("mechanism.inertia",) if wrong.free else (),
+        family=family if wrong.inside else None, faults=wrong.named,
+        curves=(lambda q: steady(p, q) - known,) if wrong.steady else (),
+        noise=lambda q: np.full(len(q), p.force_noise), asked=asked, beyond=beyond,
+        parameters={k: v for k, v in parameters.items() if v}, second=_measured(second),
+    )  # fmt: skip
+
+
+def _with(random: Random, p: Plant, q: Points) -> Points:
+    load = random.uniform(0.6, 1.8, len(q)) if p.by_load else None
+    inputs = {"temperature": ROOM + random.uniform(2.0, 13.0, len(q))} if p.by_temperature else {}
+    return Points(velocity=q.velocity, load=load, inputs=inputs)
+
+
+def _measured(one: AxisRecord) -> Measurement:
+    known = dict(one.covariates)
+    load = known.pop("load", 1.0)
+    return Measurement(
+        time=one.t, position=one.q, force=one.force, load=load, inputs=known, turning=True
+    )
+
+
+def steady(p: Plant, q: Points) -> Array:
+    """Return steady friction [N m] of an axis at points (n,), without what its place adds."""
+    v = q.velocity
+    u, ahead = np.abs(v), v > 0.0
+    fall = np.exp(-((u / p.stribeck_velocity) ** p.stribeck_exponent))
+    if p.lorentz:
+        fall = 1.0 / (1.0 + (u / p.stribeck_velocity) ** 2)
+    level = np.where(ahead, p.forward + p.step_forward * fall, p.backward + p.step_backward * fall)
+    if p.by_load and q.load is not None:
+        level = level + p.by_load * q.load**p.load_exponent
+    if p.by_temperature and q.inputs:
+        level = level * (1.0 + p.by_temperature * (q.inputs["temperature"] - ROOM))
+    if p.second:
+        level = level + p.second
+    back = p.viscous if p.viscous_backward is None else p.viscous_backward
+    viscous = np.where(ahead, p.viscous, back) * u**p.exponent
+    return np.where(ahead, 1.0, -1.0) * (level + viscous) + p.offset

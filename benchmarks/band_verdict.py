@@ -1,0 +1,85 @@
+"""What the study of bands asks of a verdict: the one place that knows the public API."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.band_truths.rig import Array, Points, Rig
+from stickslip import Measurement, select
+
+ROUTES = {"tables": None}
+"""Routes of kinds; all others are judged by their force balance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """A fault that is named."""
+
+    kind: str
+
+
+def judged(rig: Rig) -> "Judged":
+    """Return the verdict on a rig."""
+    return Judged(rig)
+
+
+class Judged:
+    """The verdict of `select`."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.verdict = self._selected()
+        judgement = self.verdict.judgement
+        # the route of records marks the family of laws with a memory, and always has an inertia
+        self.family = tuple(x for x in self.verdict.family if x != "inertia")
+        self.set = [tuple(x for x in one if x != "inertia") for one in self.verdict.set]
+        self.gain = judgement.comparison.curve_gain
+        self.parameters = self.verdict.parameters
+        terms = judgement.problem.terms
+        self.faults = [
+            Fault(kind=one.term) for one in self.verdict.causes if terms[one.term].role == "fault"
+        ]
+
+    def _selected(self, validate: Measurement | None = None) -> Any:
+        rig = self.rig
+        return select(
+            rig.mechanism,
+            None,
+            rig.measurement,
+            vary=["friction.*", *rig.unknown] if rig.unknown else None,
+            route=ROUTES.get(rig.kind, "balance"),  # type: ignore[arg-type]
+            validate=validate,
+        )
+
+    def band(self, points: Points, *, all_along: bool = False) -> Any:
+        """Return low, median, high [N] of the steady friction at points (n,)."""
+        return self.verdict.band(
+            points.velocity, points.load, points.inputs or None, all_along=all_along
+        )
+
+    def readings(self, points: Points, level: float) -> Any:
+        """Return low, median, high [N] of new readings at points (n,)."""
+        return self.verdict.readings(
+            points.velocity, points.load, points.inputs or None, level=level
+        )
+
+    def predicted(self, points: Points) -> Array | None:
+        """Return friction [N] by the named law at points (n,)."""
+        return np.asarray(
+            self.verdict.named_curve(points.velocity, points.load, points.inputs or None)
+        )
+
+    def inside(self, record: Measurement) -> float:
+        """Return the share of the readings of another record within their band."""
+        return float(self._selected(record).inside)
+
+    def advised(self) -> Points | None:
+        """Return where readings are proposed."""
+        places = np.array(self.verdict.places)
+        if not len(places):
+            return None
+        problem = self.verdict.judgement.problem
+        rows = problem.at(places)
+        loaded = getattr(problem, "loaded", False)
+        return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)

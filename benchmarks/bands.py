@@ -1,0 +1,382 @@
+"""Bands of verdicts against known truths: the numbers of issue 59, by one command.
+
+``python -m benchmarks.bands --seed 1 --count 120 --kinds tables -o bands.jsonl`` draws rigs by
+seed and number, judges each through the public API and appends a line to the file; what the file
+has is not judged again. Then it prints target, measured, and whether that is met. ``--details``
+adds the measured numbers by kind of truth and every false statement. Rigs are those of
+`benchmarks.band_truths`, which share no code with the judge.
+
+Measured of a rig: whether the band holds the true steady friction point by point, all along, and
+beyond the measured speeds; its half-width over the noise; how many new readings lie in the bands of
+readings; whether the named law is the true one, or predicts as well (root mean square error at most
+1.25 times that of the true structure fitted by least squares, or half the noise); whether the set
+holds the true family; intervals whichever law; and after the advised readings, drawn from the
+truth, whether the mean width has halved or one family is left.
+
+*False statements*: a bounded interval "whichever law" that misses its true value by more than half
+its width; a named fault that is not there; a law that is alone in its set, wrong, and off by more
+than the noise; a band that misses the truth by more than two noises anywhere.
+"""
+
+import argparse
+import ast
+import json
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tools.structure import lines_of_code
+
+from benchmarks.band_truths import decays, maps, records, tables
+from benchmarks.band_truths.rig import VISCOUS, Array, Points, Rig
+from benchmarks.band_verdict import Judged, judged
+from stickslip.errors import StickslipError
+
+RESULTS = "bands.jsonl"
+KINDS: Mapping[str, Callable[[int, int], Rig]] = {
+    "tables": tables.drawn,
+    "maps": maps.drawn,
+    "records": records.drawn,
+    "decays": decays.drawn,
+}
+LEVELS = (0.95, 0.80, 0.50)
+NEW = 20
+"""New readings of each rig."""
+SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0}
+"""Processor time that a verdict of each kind may take [s]."""
+JUDGE = ("identify", "kinds", "identification", "evidence", "selection")
+"""Packages of the judge."""
+FAULTS = {"drift"}
+"""Terms that are faults."""
+PLAIN = {0, 1, 2}
+"""Numbers that are no thresholds."""
+Row = Mapping[str, Any]
+
+
+def rated(rig: Rig, seed: int) -> dict[str, Any]:
+    """Return what a verdict on a rig is worth."""
+    row: dict[str, Any] = {
+        "kind": rig.kind, "truth": rig.truth, "inside": rig.inside, "false": [],
+    }  # fmt: skip
+    began = time.process_time()
+    try:
+        verdict = judged(rig)
+        row["seconds"] = time.process_time() - began
+    except StickslipError as error:
+        # a refusal is right where something is wrong that no band can hold
+        row |= {"refused": str(error), "seconds": time.process_time() - began}
+        if rig.inside:
+            row["false"] = [f"refused: {error}"]
+        return row
+    except Exception as error:  # a verdict that breaks is a result
+        said = f"broke: {type(error).__name__}: {error}"
+        return row | {"false": [said], "seconds": time.process_time() - began}
+    row |= {"named": "+".join(verdict.family), "set": len(verdict.set), "gain": verdict.gain}
+    if rig.curves and rig.asked is not None:
+        row |= _covered(rig, rig.asked, verdict, seed)
+    if rig.family is not None:
+        named = _named(verdict.family)
+        row["right"] = named == rig.family
+        row["good"] = row["right"] or row.get("equal", False)
+        row["in_set"] = any(_named(one) == rig.family for one in verdict.set)
+    accused = {one.kind for one in verdict.faults}
+    row["accused"] = sorted(accused - rig.faults)
+    row["found"] = bool(accused & rig.faults) if rig.faults else None
+    row["intervals"] = _intervals(rig, verdict)
+    if rig.second is not None:
+        row["second"] = verdict.inside(rig.second)
+    if rig.more is not None and rig.curves and rig.asked is not None:
+        row |= _advised(rig, verdict, seed)
+    row["false"] = list(_false(rig, row))
+    return row
+
+
+def _named(family: Sequence[str]) -> frozenset[str]:
+    """Return the terms of a family without its faults, which are judged apart."""
+    return frozenset(family) - FAULTS
+
+
+def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, Any]:
+    """Return how the band compares with the true curve, and new readings with theirs."""
+    assert rig.noise is not None
+    noise = np.maximum(rig.noise(asked), 1e-300)
+    true = [curve(asked) for curve in rig.curves]
+    point, whole = verdict.band(asked), verdict.band(asked, all_along=True)
+    out = [np.maximum(point.low - one, one - point.high) / noise for one in true]
+    random = np.random.default_rng([61, seed])
+    pick = random.choice(len(asked), min(NEW, len(asked)), replace=False)
+    some, of = asked[np.sort(pick)], random.integers(len(rig.curves))
+    new = rig.curves[of](some) + rig.noise(some) * random.normal(size=len(some))
+    found: dict[str, Any] = {
+        "point": float(np.mean([one <= 1e-9 for one in out])),
+        "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),
+        "width": float(np.mean((point.high - point.low) / 2.0 / noise)),
+        "out": float(np.max(out)),
+        "new": [_share(verdict.readings(some, level), new) for level in LEVELS],
+    }
+    if rig.beyond is not None:
+        far = verdict.band(rig.beyond)
+        over = [curve(rig.beyond) for curve in rig.curves]
+        found["beyond"] = float(np.mean([(far.low <= y) & (y <= far.high) for y in over]))
+    law = verdict.predicted(asked)
+    if law is not None:
+        error = min(float(np.sqrt(np.mean(((law - one) / noise) ** 2))) for one in true)
+        found["error"] = error
+        best = 0.0
+        if rig.fitted is not None:
+            best = float(np.sqrt(np.mean(((rig.fitted(asked) - true[0]) / noise) ** 2)))
+            found["best"] = best
+        found["equal"] = error <= max(1.25 * best, 0.5)
+    return found
+
+
+def _share(band: Any, values: Array) -> float:
+    return float(np.mean((band.low <= values) & (values <= band.high)))
+
+
+def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:
+    """Return the intervals of parameters whose true value is known."""
+    found = []
+    for one in verdict.parameters:
+        true = rig.parameters.get(one.path.rpartition(".")[2])
+        other = ("power" in verdict.family) != ("power" in (rig.family or ()))
+        if true is None or (other and one.path.endswith(VISCOUS)):
+            continue  # of another power of the speed
+        low, high = float(one.low_any), float(one.high_any)
+        bounded = math.isfinite(low) and math.isfinite(high)
+        half = max((high - low) / 2.0, 1e-300)
+        miss = max(low - true, true - high, 0.0) / half if bounded else 0.0
+        found.append({
+            "path": one.path, "bounded": bounded, "any": low <= true <= high, "miss": miss,
+            "law": bool(one.low <= true <= one.high), "width": half / abs(true or 1.0),
+        })  # fmt: skip
+    return found
+
+
+def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
+    """Return whether the advised readings shrink the band by half, or leave one family."""
+    assert rig.more is not None
+    assert rig.asked is not None
+    places = verdict.advised()
+    if places is None:
+        return {}
+    try:
+        after = judged(rig.more(places, seed))
+    except Exception:  # counted as advice that did not help
+        return {"advice": False}
+    before, now = (one.band(rig.asked) for one in (verdict, after))
+    shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
+    return {
+        "asked": len(places), "shrink": shrink, "advice": shrink <= 0.5 or len(after.set) == 1,
+    }  # fmt: skip
+
+
+def _false(rig: Rig, row: Row) -> Iterator[str]:
+    """Yield the false statements of a verdict."""
+    for one in row["intervals"]:
+        if one["miss"] > 0.5:
+            yield f"{one['path']} misses its interval by {one['miss']:.1f} half-widths"
+    for kind in row["accused"]:
+        yield f"{kind} is named and is not there"
+    wrong = not row.get("right", False) and not row.get("equal", False)
+    if row["set"] == 1 and wrong and row.get("error", 0.0) > 1.0 and row["gain"] <= 0.0:
+        yield f"{row['named']} stands alone, and is off by {row['error']:.1f} noises"
+    if row.get("out", 0.0) > 2.0:
+        yield f"the band misses the truth by {row['out']:.1f} noises"
+
+
+def line(kind: str, seed: int, number: int) -> dict[str, Any]:
+    """Return the line of the results of one rig."""
+    of = {"seed": seed, "number": number}
+    return of | rated(KINDS[kind](number, seed), seed * 100_000 + number)
+
+
+def _mean(rows: Sequence[Row], key: str) -> float:
+    found = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.mean(found)) if found else math.nan
+
+
+def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
+    """Return the numbers of the issue: what, target, measured, met."""
+    lines: list[tuple[str, str, str, bool | None]] = []
+
+    def put(what: str, target: str, value: float, met: bool, text: str = "{:.3f}") -> None:
+        known = math.isfinite(value)
+        lines.append((what, target, text.format(value) if known else "-", met if known else None))
+
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        own = [row for row in rows if row["kind"] == kind]
+        for inside in (True, False):
+            part = [row for row in own if row["inside"] == inside]
+            where = f"{kind}, {'inside' if inside else 'outside'}"
+            point, whole, far = (_mean(part, key) for key in ("point", "all", "beyond"))
+            put(f"{where}: pointwise coverage", ".93-.99", point, 0.93 <= point <= 0.99)
+            put(f"{where}: whole curve", ">= .90", whole, whole >= 0.90)
+            put(f"{where}: beyond the range", ">= .90", far, far >= 0.90)
+            widths = [row["width"] for row in part if "width" in row]
+            most = 1.6 if inside else 2.7
+            if widths:
+                middle = float(np.median(widths))
+                target = f"<= {most}" if kind == "tables" else "(tables)"
+                put(f"{where}: width over noise, median", target, middle,
+                    middle <= most or kind != "tables", "{:.2f}")  # fmt: skip
+                put(f"{where}: width over noise, mean", "-", float(np.mean(widths)), True, "{:.2f}")
+            new = [row["new"] for row in part if "new" in row]
+            for level, share in zip(LEVELS, np.mean(new, axis=0) if new else (), strict=False):
+                put(f"{where}: new readings in the {level:.2f} band", f"{level:.2f} +- .03",
+                    float(share), abs(float(share) - level) <= 0.03)  # fmt: skip
+        second = _mean(own, "second")
+        put(f"{kind}: readings of a second record", ">= .90", second, second >= 0.90)
+        known = [row for row in own if row["inside"] and "right" in row]
+        share = _mean(known, "good")
+        put(f"{kind}: law right or predicting as well", ">= .92", share, share >= 0.92)
+        put(f"{kind}: law right", "-", _mean(known, "right"), True)
+        put(f"{kind}: truth in the set", "-", _mean(known, "in_set"), True)
+        found = _mean(own, "found")
+        put(f"{kind}: faults found", "-", found, True)
+        sound = [
+            {"accused": bool(row["accused"])} for row in own if row["inside"] and "accused" in row
+        ]
+        share = _mean(sound, "accused")
+        put(f"{kind}: sound rigs accused", "<= .02", share, share <= 0.02)
+        held = [one for row in own for one in row.get("intervals", ()) if one["bounded"]]
+        share = _mean(held, "any")
+        put(
+            f"{kind}: intervals whichever law ({len(held)})",
+            ".93-.99",
+            share,
+            0.93 <= share <= 0.99,
+        )
+        put(f"{kind}: intervals under the named law", "-", _mean(held, "law"), True)
+        share = _mean(own, "advice")
+        put(f"{kind}: advice decides or halves the band", ">= .70", share, share >= 0.70)
+        asked = [row["asked"] for row in own if "asked" in row]
+        if asked:
+            put(f"{kind}: advised readings, median", "-", float(np.median(asked)), True, "{:.0f}")
+        wrong = float(np.mean([bool(row["false"]) for row in own]))
+        put(f"{kind}: false statements ({len(own)} rigs)", "<= .02", wrong, wrong <= 0.02)
+        middle, worst = (float(f([row["seconds"] for row in own])) for f in (np.median, np.max))
+        put(f"{kind}: processor time, median [s]", f"<= {SECONDS[kind]}", middle,
+            middle <= SECONDS[kind], "{:.2f}")  # fmt: skip
+        put(f"{kind}: processor time, most [s]", "-", worst, True, "{:.2f}")
+    code, modules, constants = size()
+    put("judge: code lines", "<= 27,000", code, code <= 27_000, "{:,.0f}")
+    put("judge: modules", "-", modules, True, "{:.0f}")
+    put("judge: numeric constants", "<= 350", constants, constants <= 350, "{:.0f}")
+    return lines
+
+
+def size() -> tuple[int, int, int]:
+    """Return code lines, modules and numeric constants of the judge.
+
+    Constants are numbers that module-level names and fields of classes are set to, and that
+    something is compared with, but for those of `PLAIN`.
+    """
+    root = Path(__file__).resolve().parent.parent / "src" / "stickslip"
+    code = modules = constants = 0
+    for path in (one for part in JUDGE for one in sorted((root / part).rglob("*.py"))):
+        text = path.read_text(encoding="utf-8")
+        tree = ast.parse(text)
+        code += lines_of_code(text, tree)
+        modules += path.name != "__init__.py"
+        classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+        for body in (tree.body, *(one.body for one in classes)):
+            for node in body:
+                if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+                    constants += any(one not in PLAIN for one in _numbers(node.value))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Compare):
+                constants += sum(one not in PLAIN for one in _numbers(node))
+    return code, modules, constants
+
+
+def _numbers(tree: ast.AST) -> list[float]:
+    return [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, int | float)
+        and not isinstance(node.value, bool)
+    ]
+
+
+def printed(lines: Sequence[tuple[str, str, str, bool | None]]) -> str:
+    """Return the table as text."""
+    said = {True: "met", False: "NOT MET", None: "-"}
+    return "\n".join(
+        f"{what:52} {target:>12} {value:>9}  {said[met] if target[0] not in '-(' else ''}".rstrip()
+        for what, target, value, met in lines
+    )
+
+
+def details(rows: Sequence[Row]) -> str:
+    """Return the numbers by kind of truth, and every false statement."""
+    text = []
+    keys = ("point", "all", "width", "beyond", "error", "good", "right", "in_set", "advice")
+    text.append(f"{'':34}" + "".join(f"{key:>8}" for key in ("count", *keys, "new .5", "false")))
+    for kind, truth in sorted({(row["kind"], row["truth"]) for row in rows}):
+        own = [row for row in rows if (row["kind"], row["truth"]) == (kind, truth)]
+        new = [row["new"][-1] for row in own if "new" in row]
+        numbers = [len(own), *(_mean(own, key) for key in keys)]
+        numbers += [np.mean(new) if new else math.nan, np.mean([bool(r["false"]) for r in own])]
+        mark = "" if own[0]["inside"] else "*"
+        text.append(f"{kind:8}{truth + mark:26}" + "".join(f"{one:8.2f}" for one in numbers))
+    for row in rows:
+        text += [f"{row['kind']} {row['number']} ({row['truth']}): {one}" for one in row["false"]]
+    return "\n".join(text)
+
+
+def known(path: Path) -> list[dict[str, Any]]:
+    """Return the lines of a file of results; a line that was not ended is left out."""
+    rows = []
+    for text in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        try:
+            rows.append(json.loads(text))
+        except json.JSONDecodeError:
+            continue
+    return rows
+
+
+def run(kinds: Sequence[str], seed: int, count: int, path: Path, jobs: int) -> list[dict[str, Any]]:
+    """Judge what the file does not have, append it, and return the lines asked for."""
+    wanted = [(kind, seed, number) for kind in kinds for number in range(count)]
+    rows = {(one["kind"], one["seed"], one["number"]): one for one in known(path)}
+    missing = [one for one in wanted if one not in rows]
+    with path.open("a", encoding="utf-8") as file:
+        for row in _lines(missing, jobs):
+            file.write(json.dumps(row) + "\n")
+            file.flush()
+            rows[row["kind"], row["seed"], row["number"]] = row
+    return [rows[one] for one in wanted]
+
+
+def _lines(missing: Sequence[tuple[str, int, int]], jobs: int) -> Iterator[dict[str, Any]]:
+    if jobs == 1:
+        yield from (line(*one) for one in missing)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        yield from pool.map(line, *zip(*missing, strict=True)) if missing else ()
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Judge rigs and print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.bands")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=120, help="rigs of each kind")
+    parser.add_argument("--kinds", nargs="+", choices=[*KINDS], default=[*KINDS])
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--details", action="store_true")
+    parser.add_argument("-o", "--results", type=Path, default=Path(RESULTS))
+    given = parser.parse_args(arguments)
+    rows = run(given.kinds, given.seed, given.count, given.results, given.jobs)
+    print(printed(summary(rows)))
+    if given.details:
+        print(details(rows))
+
+
+if __name__ == "__main__":
+    main()
