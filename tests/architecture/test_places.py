@@ -94,7 +94,15 @@ noise = np.random.default_rng(0).normal(0.0, 0.02, v.size)
 table = Measurement(velocity=v, friction=[truth.force(x, load=1.0) for x in v] + noise)
 found = fit(Axis(inertia=1.0), "toy-law", table)
 assert all(e.low < getattr(truth, e.path.rpartition(".")[2], 0.0) < e.high for e in found.estimates)
-verdict = select(Axis(inertia=1.0), ["coulomb", "toy-law"], table)
+try:
+    select(Axis(inertia=1.0), ["coulomb", "toy-law"], table)
+except ValueError as error:
+    assert "no sum of parts" in str(error)
+time = np.linspace(0.0, 12.0, 400)
+v = np.sin(2.0 * time)
+friction = [truth.force(x, load=1.0) for x in v] + noise
+record = Measurement(time=time, velocity=v, friction=friction)
+verdict = select(Axis(inertia=1.0), ["coulomb", "toy-law"], record)
 assert verdict.best.name == "toy-law", verdict
 """
     assert "toy-law" in run(tree, "-c", use + MODELS)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stickslip import Axis, Measurement, RecordSettings, select
 from stickslip.cli.console import plain, show_table
-from stickslip.documents import json_text
+from stickslip.documents import document, json_text
 from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
@@ -108,9 +108,11 @@ def test_one_verdict_has_one_held_out_error(capsys):
     from stickslip.report import render
     from stickslip.report.core.documents import Origin
 
-    speed = np.linspace(-0.3, 0.3, 120)
+    time = np.linspace(0.0, 12.0, 240, endpoint=False)
+    speed = 0.3 * np.sin(2.0 * time + 0.3)
     noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))
-    record = Measurement(velocity=speed, friction=0.3 * np.sign(speed) + 0.5 * speed + noise)
+    friction = 0.3 * np.sign(speed) + 0.5 * speed + noise
+    record = Measurement(time=time, velocity=speed, friction=friction)
     verdict = select(
         Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], record, settings=RecordSettings(starts=1)
     )
@@ -121,7 +123,9 @@ def test_one_verdict_has_one_held_out_error(capsys):
     page = seen_on(render(verdict_page(verdict, Origin(title="Axis", data="", file="axis.toml"))))
     assert page.count(number) >= 3  # first paragraph, fact, table
     assert f"Held-out error: {told}" in page
-    assert f"Held-out error: {told}" in str(json.loads(json_text(verdict.to_dict())))
+    assert f"Held-out error: {told}" in str(
+        json.loads(json_text(document("select", verdict.to_dict())))
+    )
     capsys.readouterr()
     show_verdict(verdict)
     terminal = " ".join(capsys.readouterr().out.split())

@@ -1,6 +1,7 @@
 """Tables of friction: the law, the band, and the intervals, against truths that are known."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.laws import compose
+from stickslip.identify.requests import families_of
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 20)
@@ -292,3 +294,8 @@ def test_a_static_level_below_the_kinetic_one_of_its_direction_is_no_law():
 def test_a_law_with_bristles_is_refused_where_no_displacement_was_measured():
     with pytest.raises(InputError, match="does not tell its memory: give friction and position"):
         select(AXIS, ["coulomb", "lugre"], table(stribeck))
+
+
+def test_a_law_that_is_no_sum_of_parts_is_refused_with_what_can_be_compared():
+    with pytest.raises(InputError, match=r"no sum of parts.* Compared can be level, viscous"):
+        families_of([SimpleNamespace(title="Own", composition=None)], ["level", "viscous"])

@@ -51,6 +51,16 @@ LAW = Coulomb(kinetic_coefficient=0.25)
 DAHL = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0)
 V = np.linspace(-1.0, 1.0, 400)
 TABLE = Measurement(velocity=V, friction=2.0 * np.sign(V) + 0.5 * V + 0.1 * np.cos(50.0 * V))
+TIME = np.linspace(0.0, 12.0, 240, endpoint=False)
+SPEED = np.sin(2.0 * TIME + 0.3)
+RUBBED = Measurement(
+    time=TIME,
+    position=-0.5 * np.cos(2.0 * TIME + 0.3),
+    velocity=SPEED,
+    friction=2.0 * np.sign(SPEED)
+    + 0.5 * SPEED
+    + 0.1 * np.random.default_rng(0).normal(size=TIME.size),
+)
 
 
 def velocity_map() -> VelocityMap:
@@ -84,7 +94,8 @@ def results():
         "validation": validate(BLOCK, LAW, Measurement(travel=0.20), known, count=20),
         "record fit": fit(Axis(inertia=1.0), CoulombViscous, table),
         "travel fit": fit(BLOCK, Coulomb, Measurement(travel=0.20, uncertainty=0.005)),
-        "record verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], table),
+        "record verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], RUBBED),
+        "table verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], TABLE),
         "travel verdict": select(
             BLOCK, ["coulomb", "viscous"], Measurement(travel=0.20, uncertainty=0.005)
         ),
@@ -99,7 +110,7 @@ def results():
 
 KINDS = (
     "run", "ensemble", "band", "validation", "record fit", "travel fit", "record verdict",
-    "travel verdict", "map", "bifurcation", "basins", "loop",
+    "table verdict", "travel verdict", "map", "bifurcation", "basins", "loop",
 )  # fmt: skip
 
 

@@ -94,6 +94,8 @@ from stickslip.identification.series.applied_force import goes_straight as goes_
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
+from stickslip.identification.series.inverse_dynamics import mass_of as mass_of
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
 from stickslip.identification.series.start_values import Scales as Scales
 from stickslip.identification.series.start_values import law_unknowns as law_unknowns

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.formatting import number, scale_of
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.problem import Array
-from stickslip.plots import C1, C3, DATA, on_axes
+from stickslip.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
     from stickslip.plots import Draw
 
-SIZE = (880, 360)
-"""Size of the plot [CSS px]."""
 DECADES = 30.0
 """Ratio of the fastest to the slowest speed from which the axis is logarithmic."""
 ALIKE = 0.05
@@ -120,5 +118,5 @@ def _loads(load: Array) -> list[float]:
 
 def plot_band(what: BandDrawing, ax: "Target" = None) -> "Drawing":
     """Plot what was measured, the band of friction, and the law that is named."""
-    axes: Axes = on_axes(draw_band(what), ax, SIZE)
+    axes: Axes = on_axes(draw_band(what), ax, MAP_SIZES["wide"])
     return axes

@@ -37,7 +37,7 @@ from stickslip.identify.kinds.records import Record, RecordsProblem, mean_freque
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
-from stickslip.solver.compile.observer_code import observe
+from stickslip.solver import observe
 
 BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
 """Bandwidths of the observer that are tried, over the largest at which a law holds ..."""

@@ -35,6 +35,12 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, ...
     """
     kind = law_type(law) if isinstance(law, str) else law
+    if kind.composition is None:
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, as it is no sum of"
+            f" parts: use stickslip.fit for its parameters. Compared can be {', '.join(known)} and"
+            " sums of these."
+        )
     found: set[str] = set()
     parts = [str(one) for one in kind.composition.parts()]
     both = any(part.startswith("both_ways") for part in parts)

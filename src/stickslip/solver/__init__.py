@@ -35,6 +35,7 @@ INSIDE = {
     "gather": "drive_schedule",
     "notice": "compile.modules",
     "object_files": "compile.modules",
+    "observe": "compile.observer_code",
     "path_units": "base",
     "reasons": "reducers",
     "run_ensemble": "ensembles",

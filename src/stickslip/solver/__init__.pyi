@@ -11,6 +11,7 @@ from stickslip.solver.block_diagram import BreakAway as _BreakAway
 from stickslip.solver.block_diagram import SoftConstraint as _SoftConstraint
 from stickslip.solver.compile.modules import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
+from stickslip.solver.compile.observer_code import observe as observe
 from stickslip.solver.compile.precompile import Progress as Progress
 from stickslip.solver.compile.precompile import WarmUp as WarmUp
 from stickslip.solver.compile.precompile import warm_up as warm_up

@@ -46,8 +46,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identification.series.applied_force import applied_force
-from stickslip.identification.series.inverse_dynamics import known_forces, mass_of
+from stickslip.identification import applied_force, known_forces, mass_of
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
