@@ -50,6 +50,7 @@ AXIS = Axis(inertia=5.0)
 DRIVEN = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
 TRAVEL = Measurement(travel=0.20, uncertainty=0.005)
 T = np.arange(300) / 150
+TABLE = Measurement(velocity=np.linspace(0.1, 1.0, 8), friction=2.0 + np.linspace(0.1, 1.0, 8) ** 2)
 FEET = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
 BY_INVERSE = {"route": "inverse-dynamics"}
 
@@ -120,6 +121,8 @@ MADE = {
     "travel verdict": lambda: select(BLOCK, ["coulomb", "viscous"], TRAVEL),
     "record fit": lambda: fit(AXIS, CoulombViscous, series(), **BY_INVERSE),
     "record verdict": lambda: select(AXIS, ["coulomb", "coulomb-viscous"], series(), **BY_INVERSE),
+    "band verdict": lambda: select(AXIS, None, TABLE),
+    "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
     "comparison": lambda: compare_trials(
         AXIS, CoulombViscous, Measurement(trials=(series(0), series(1))), **BY_INVERSE
     ),
@@ -157,7 +160,8 @@ SLOW = {
 """Those that take seconds."""
 
 NUMBERS_ONLY = {
-    "rig", "certificate", "event", "status", "output", "limit cycle", "estimate", "finding",
+    "rig", "certificate", "prediction band", "event", "status", "output", "limit cycle",
+    "estimate", "finding",
     "settings",
 }  # fmt: skip
 """Kinds without rows."""

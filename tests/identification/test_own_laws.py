@@ -192,11 +192,10 @@ def test_several_travels_give_a_law_of_ones_own_back():
         assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=0.02)
 
 
-@pytest.mark.parametrize("seen", ["table", pytest.param("driven", marks=pytest.mark.slow)])
-def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(seen, request):
-    record = request.getfixturevalue(seen)
-    rig = Axis(inertia=1.0 if seen == "table" else 4.0)
-    verdict = select(rig, [CoulombViscous, Weakening], record, settings=RecordSettings(starts=1))
+@pytest.mark.slow
+def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(driven):
+    rig, settings = Axis(inertia=4.0), RecordSettings(starts=1)
+    verdict = select(rig, [CoulombViscous, Weakening], driven, settings=settings)
     assert verdict.best is not None
     assert verdict.best.name == "weakening"
 

@@ -34,7 +34,17 @@ class Draw:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PredictionBand:
-    """Limits of curves at rows (n,)."""
+    """Limits of curves at rows (n,).
+
+    Parameters
+    ----------
+    low : array (n,)
+        Lower limits [N] or [N m].
+    median : array (n,)
+        Medians.
+    high : array (n,)
+        Upper limits.
+    """
 
     low: Array
     median: Array

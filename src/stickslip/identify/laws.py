@@ -57,6 +57,25 @@ class Composition:
         return {**own, **self.rig}
 
 
+TITLES: Mapping[str, str] = {
+    "level": "level",
+    "viscous": "viscous friction",
+    "saturating": "viscous friction that saturates",
+    "level_direction": "level that differs by direction",
+    "viscous_direction": "viscous friction that differs by direction",
+    "stribeck": "static surplus that fades (Stribeck)",
+    "stribeck_direction": "static surplus that differs by direction",
+    "power": "power of the speed",
+    "drag": "drag with the square of the speed",
+    "offset": "constant offset",
+    "curve": "curve as measured",
+}
+"""What terms are called that several kinds of measurements have."""
+CHANGING: Mapping[str, str] = {
+    "level": "level that changes with the {}",
+    "viscous": "viscous friction that changes with the {}",
+}
+"""The same of terms that change with an input of the contact."""
 FLOWS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "viscous": ("viscous_coefficient", ()),
     "power": ("viscous_coefficient", ("viscous_exponent",)),

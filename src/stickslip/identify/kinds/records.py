@@ -48,7 +48,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identification import applied_force, known_forces, mass_of
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
+from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
@@ -823,6 +823,7 @@ class RecordsProblem(Problem):
         normal: float = 1.0,
         inertia_path: str = "mechanism.inertia",
     ) -> None:
+        self._made_of = records, like, band, normal, inertia_path
         self.records: list[Record] = (
             _by_best_sensor(records) if like is None else _alike(records, like.records[0])
         )
@@ -858,6 +859,11 @@ class RecordsProblem(Problem):
             )
         ]  # fmt: skip
         self.spread = _spread(self) if like is None else like.spread
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what makes it again in another process: its terms are functions."""
+        return _made, self._made_of, {"only": self.only}
 
     @override
     def price(self, size: float) -> float:
@@ -993,6 +999,16 @@ class RecordsProblem(Problem):
             one = np.reshape(self.terms[name].columns(self._rest, shape), (1, -1))
             self._widths[name, shape] = one.shape[1]
         return self._widths[name, shape]
+
+
+def _made(
+    records: Sequence[Record],
+    like: RecordsProblem | None,
+    band: float,
+    normal: float,
+    inertia_path: str,
+) -> RecordsProblem:
+    return RecordsProblem(records, like=like, band=band, normal=normal, inertia_path=inertia_path)
 
 
 def readings(
@@ -1329,34 +1345,34 @@ def _terms(  # noqa: C901  # a vocabulary is a list
     terms = [
         Term(name="level", role="law", columns=on_state(
                 lambda r, s: np.ones(len(r.velocity)) if not s else r.load ** (s[0] - 1.0)),
-             shapes=of_memory(*loads), steps=(*step, 1.15), nonnegative=True, title="level",
+             shapes=of_memory(*loads), steps=(*step, 1.15), nonnegative=True, title=TITLES["level"],
              rank=0, **on_memory),
         Term(name="viscous", role="law", columns=law(lambda r, _: r.velocity),
-             title="viscous friction", rank=1),
+             title=TITLES["viscous"], rank=1),
         Term(name="offset", role="rig", columns=law(lambda r, _: np.ones(len(r.velocity))),
-             title="constant offset", rank=2),
+             title=TITLES["offset"], rank=2),
         Term(name="stribeck", role="law",
              columns=on_state(lambda r, s: np.exp(-(np.abs(r.velocity) / s[0]) ** s[1])),
              shapes=of_memory(*falls), steps=(*step, faster, 1.0), nonnegative=True, needs=base,
-             title="static surplus that fades (Stribeck)", rank=4, **on_memory),
+             title=TITLES["stribeck"], rank=4, **on_memory),
         Term(name="viscous_direction", role="law", columns=law(lambda r, _: np.abs(r.velocity)),
              needs=frozenset({"viscous", "power", "drag"}),
-             title="viscous friction that differs by direction", rank=5),
+             title=TITLES["viscous_direction"], rank=5),
         Term(name="level_direction", role="law", needs=base,
              columns=lambda r, s: r.seen(np.abs(r.state(*s)) * r.load), steps=step,
              shapes=[one for one in memories if one[0] > 0.0],
-             title="level that differs by direction", rank=5, **on_memory),
+             title=TITLES["level_direction"], rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
-             title="drag with the square of the speed", rank=6),
+             title=TITLES["drag"], rank=6),
         Term(name="power", role="law",
              columns=law(lambda r, s: np.sign(r.velocity) * np.abs(r.velocity) ** s[0]),
              shapes=[(p,) for p in (0.33, 0.5, 0.67, 0.8, 1.5)], steps=(1.25,), nonnegative=True,
-             excludes=(flows | {"viscous"}) - {"power"}, title="power of the speed", rank=7),
+             excludes=(flows | {"viscous"}) - {"power"}, title=TITLES["power"], rank=7),
         Term(name="stribeck_direction", role="law", needs=frozenset({"stribeck"}),
              columns=law(lambda r, s: np.exp(-(np.abs(r.velocity) / s[0]) ** s[1])),
              shapes=falls, steps=(faster, 1.0),
-             title="static surplus that differs by direction", rank=8),
+             title=TITLES["stribeck_direction"], rank=8),
         Term(name="second", role="law", needs=frozenset({"level", "curve"}),
              columns=law(lambda r, s: r.state(*s) * r.load),
              shapes=[(float(x), n) for x in lengths for n in (0.0, 1.0)], steps=(ratio, 1.0),
@@ -1383,7 +1399,7 @@ def _terms(  # noqa: C901  # a vocabulary is a list
              title="force that bends with the place"),
         Term(name="curve", role="curve", columns=curve, shapes=(), cost=5,
              precision=lambda shape: shape[3] * np.tile(frame.bending, 1 + int(shape[2])),
-             title="curve as measured", **on_memory),
+             title=TITLES["curve"], **on_memory),
     ]  # fmt: skip
     if waves and level_waves:
         terms += [
@@ -1405,10 +1421,10 @@ def _terms(  # noqa: C901  # a vocabulary is a list
         terms += [
             Term(name=f"level*{name}", role="law", needs=base, shapes=of_memory(()), steps=step,
                  columns=on_state(lambda r, _, name=name: r.input(name)),  # type: ignore[misc]
-                 title=f"level that changes with the {name}", rank=10, **on_memory),
+                 title=CHANGING["level"].format(name), rank=10, **on_memory),
             Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=11,
                  columns=law(lambda r, _, name=name: r.velocity * r.input(name)),  # type: ignore[misc]
-                 title=f"viscous friction that changes with the {name}"),
+                 title=CHANGING["viscous"].format(name)),
         ]  # fmt: skip
     if any(one.mechanism is not None for one in problem.records):
         terms.append(

@@ -20,7 +20,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import stretches_of
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
+from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import Array, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.mechanisms import Mechanism
 
@@ -178,6 +178,11 @@ class TableProblem(Problem):
         self.references = [
             (("curve", (bend, a, side)),) for bend in BENDING for a in loads for side in sides
         ]
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what makes it again in another process: its terms are functions."""
+        return TableProblem, (self.rows, self.response), {"only": self.only}
 
     @override
     def scales(self, fitted: Array) -> Sequence[Array]:
@@ -363,7 +368,7 @@ def _apart(logs: Array) -> Array:
     Examples
     --------
     >>> _apart(np.log([1.0, 1.001, 2.0, 2.001])).round(4).tolist()
-    [0.0005, 0.6936]
+    [0.0005, 0.6934]
     """
     known = np.sort(logs)
     groups = np.split(known, np.flatnonzero(np.diff(known) > ALIKE) + 1)
@@ -434,36 +439,36 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     terms = [
         Term(
             name="level", columns=law(lambda u, _: np.ones(len(u)), 0, 1.0), shapes=loads,
-            steps=(load_ratio,), same_shape=0, title="level", rank=0, **part,
+            steps=(load_ratio,), same_shape=0, title=TITLES["level"], rank=0, **part,
         ),
         Term(
             name="viscous", columns=law(lambda u, _: u, 0, 0.0), shapes=loads,
-            steps=(load_ratio,), same_shape=0, title="viscous friction", rank=1, **part,
+            steps=(load_ratio,), same_shape=0, title=TITLES["viscous"], rank=1, **part,
         ),
         Term(
             name="stribeck",
             columns=law(lambda u, s: np.exp(-((u / s[0]) ** s[1])), 2, 1.0),
             shapes=[(*fall, *a) for fall in falls for a in loads], steps=(ratio, 1.0, load_ratio),
-            same_shape=2, role="law", title="static surplus that fades (Stribeck)", rank=2,
+            same_shape=2, role="law", title=TITLES["stribeck"], rank=2,
         ),
         Term(
             name="drag", columns=law(lambda u, _: u**2, 0, 0.0), shapes=loads,
             steps=(load_ratio,), same_shape=0, excludes=flows - {"drag"},
-            title="drag with the square of the speed", rank=4, **part,
+            title=TITLES["drag"], rank=4, **part,
         ),
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
             steps=(1.25, load_ratio), ranges=(EXPONENTS, (0.0, math.inf)), same_shape=1,
             excludes=(flows | {"viscous"}) - {"power"},
-            title="power of the speed", rank=5, **part,
+            title=TITLES["power"], rank=5, **part,
         ),
         Term(
             name="saturating", columns=law(lambda u, s: s[0] * np.arctan(u / s[0]), 1, 0.0),
             shapes=[(float(v), *a) for v in saturations for a in loads],
             steps=(float(saturations[1] / saturations[0]), load_ratio), same_shape=1,
             excludes=(flows | {"viscous"}) - {"saturating"}, rank=13,
-            title="viscous friction that saturates", **part,
+            title=TITLES["saturating"], **part,
         ),
         Term(
             name="logarithmic",
@@ -483,23 +488,23 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             precision=lambda shape: shape[0]
             * frame.load**2  # of a force, as the noise is
             * np.tile(frame.bending, (1 + int(shape[2])) * (1 + (shape[1] == BOTH))),
-            title="curve as measured", cost=2,
+            title=TITLES["curve"], cost=2,
         ),
     ]  # fmt: skip
     if both_ways(rows):
         terms += [
             Term(name="offset", role="rig", columns=lambda r, _: np.ones(len(r.load)),
-                 title="constant offset", rank=3),
+                 title=TITLES["offset"], rank=3),
             Term(name="level_direction", role="law", needs=frozenset({"level"}),
-                 columns=lambda r, _: r.load, title="level that differs by direction", rank=7),
+                 columns=lambda r, _: r.load, title=TITLES["level_direction"], rank=7),
             Term(name="viscous_direction", role="law", needs=frozenset({"viscous"}),
                  columns=lambda r, _: frame.load * r.speed,
-                 title="viscous friction that differs by direction", rank=8),
+                 title=TITLES["viscous_direction"], rank=8),
             Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2,
                  excludes=frozenset({"stribeck"}), shapes=falls, steps=(ratio, 1.0),
                  columns=lambda r, s: (r.load * np.exp(-((r.speed / s[0]) ** s[1])))[:, None]
                  * np.column_stack([r.direction, np.ones(len(r.load))]),
-                 title="static surplus that differs by direction", rank=9),
+                 title=TITLES["stribeck_direction"], rank=9),
         ]  # fmt: skip
         if not loaded:  # under one load they are the same column
             terms = [one for one in terms if one.name != "level_direction"]
@@ -536,10 +541,10 @@ def _of_input(name: str, frame: Frame) -> list[Term]:
     return [
         Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11,
              columns=lambda r, _: r.direction * r.load * (r.inputs[name] - frame.means[name]),
-             title=f"level that changes with the {name}"),
+             title=CHANGING["level"].format(name)),
         Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12,
              columns=lambda r, _: frame.load * r.velocity * (r.inputs[name] - frame.means[name]),
-             title=f"viscous friction that changes with the {name}"),
+             title=CHANGING["viscous"].format(name)),
     ]  # fmt: skip
 
 

@@ -331,7 +331,8 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     -------
     matplotlib.axes.Axes
         Held-out errors with their standard errors, the law to use in blue. Where travels rank
-        nothing, what laws predict at other settings, as `plot_separation`.
+        nothing, what laws predict at other settings, as `plot_separation`; of tables, the band of
+        friction over the velocity.
 
     Raises
     ------
@@ -347,7 +348,7 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.1 * np.cos(50.0 * v))
     >>> verdict = select(Axis(inertia=1.0), ["coulomb", "viscous"], table)
     >>> plot_verdict(verdict, Figure()).get_xlabel()
-    'held-out error, N'
+    'velocity, m/s'
     """
     check_type("verdict", verdict, Verdict)
     return verdict.plot(ax)
