@@ -34,20 +34,6 @@ class Proposal:
 def propose(asked: Array, offered: Array, noise: Array) -> Proposal:
     """Return the readings that narrow the band.
 
-    Parameters
-    ----------
-    asked : array (d, n)
-        Drawn curves where the band matters.
-    offered : array (d, m)
-        The same draws at places that can be measured.
-    noise : array (m,)
-        Standard deviation of a reading there.
-
-    Returns
-    -------
-    Proposal
-        The readings and their expected effect.
-
     Examples
     --------
     >>> rng = np.random.default_rng(0)

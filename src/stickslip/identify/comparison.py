@@ -119,15 +119,16 @@ def compare(search: Search) -> Comparison:
 
 
 def _is_identified(search: Search, structure: Structure) -> bool:
-    """Return whether the faults of a structure stand above their errors."""
+    """Return whether the parts and faults of a structure stand above their errors."""
     fit, at = search.regression.fit(structure), 0
     error = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
     for column in structure:
         size = search.regression.columns.of(column).shape[1]
         own = slice(at, at + size)
         at += size
-        fault = search.problem.terms[column[0]].role == "fault"
-        if fault and np.all(np.abs(fit.coefficients[own]) < THRESHOLDS.identified * error[own]):
+        role = search.problem.terms[column[0]].role
+        times = {"law": THRESHOLDS.identified_part, "fault": THRESHOLDS.identified}.get(role, 0.0)
+        if np.all(np.abs(fit.coefficients[own]) < times * error[own]):
             return False
     return True
 

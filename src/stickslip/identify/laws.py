@@ -100,27 +100,6 @@ def compose(
 ) -> Composition:
     """Return the law that terms are together.
 
-    Parameters
-    ----------
-    terms : mapping of str to (shape, array (d, size))
-        By name, the shape without exponents of the load, and the coefficients of each draw in units
-        of the law's parameters. Terms that are no part of a law are left out.
-    means : mapping of str to float
-        Inputs of the contact at which the coefficients hold; changes with them are straight lines.
-    count : int
-        Number of draws.
-    memory : str
-        Bristles around the level, such as ``"dahl"``.
-    memory_values : mapping of str to array (d,), optional
-        Their parameters.
-    memory_fixed : collection of str
-        Those that were not fitted.
-
-    Returns
-    -------
-    Composition
-        Without a text if no law of `stickslip.friction` has these values.
-
     Examples
     --------
     >>> terms = {"level": ((), np.array([[2.0]])), "viscous": ((), np.array([[0.5]]))}

@@ -20,11 +20,6 @@ BOTH_WAYS: Mapping[str, str] = {
 def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[str]) -> Family:
     """Return the terms of a law among those that a measurement can tell.
 
-    Raises
-    ------
-    InputError
-        If a part of the law is none of the terms.
-
     Examples
     --------
     >>> terms = ["level", "viscous", "stribeck"]

@@ -31,31 +31,7 @@ def select_table(
     validate: Measurement | None = None,
     route: str = "force-map",
 ) -> BandVerdict:
-    """Judge a table of friction: which law, and what friction is whichever law holds.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; its load holds where none was measured.
-    measurement : Measurement
-        Velocity and friction of each reading, perhaps with loads and inputs; trials are runs.
-    laws : mapping or sequence of laws, types or names, optional
-        The laws to compare; all sums of the vocabulary if not given.
-    validate : Measurement, optional
-        A second table: how many of its readings lie in the band of readings.
-    route : str
-        Name of the route in documents.
-
-    Returns
-    -------
-    BandVerdict
-        The verdict.
-
-    Raises
-    ------
-    InputError
-        If the table cannot decide, or a law is not of the vocabulary of tables.
-    """
+    """Judge a table of friction: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate)
     problem = TableProblem.of(mechanism, measurement)
     if laws is not None:
@@ -110,33 +86,7 @@ def select_record(
     validate: Measurement | None = None,
     route: str = "balance",
 ) -> BandVerdict:
-    """Judge records of one coordinate: which law, and what friction is whichever law holds.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; its inertia holds unless it varies.
-    measurement : Measurement
-        Position or velocity and force in time, friction in time, or a motion without a drive.
-    laws : mapping or sequence of laws, types or names, optional
-        The laws to compare; all sums of the vocabulary if not given.
-    vary : sequence of str
-        Full path of the inertia, if that is to be found.
-    validate : Measurement, optional
-        A second record: how many of its readings lie in the band of readings.
-    route : str
-        Name of the route in documents.
-
-    Returns
-    -------
-    BandVerdict
-        The verdict.
-
-    Raises
-    ------
-    InputError
-        If the record cannot decide, or a law is not of the vocabulary of records.
-    """
+    """Judge records of one coordinate: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate, unknown=vary)
     held = "force" in measurement.quantities()
     normal, unit = load_of(mechanism), {"find_inertia": bool(vary), "held": held}

@@ -33,15 +33,7 @@ class Spans:
 
 
 def same_span(regression: BlockRegression, structure: Structure) -> Spans:
-    """Return the terms of a vocabulary that a structure is not told apart from.
-
-    Parameters
-    ----------
-    regression : BlockRegression
-        With the weights of the rows.
-    structure : Structure
-        The terms with their shapes.
-    """
+    """Return the terms of a vocabulary that a structure is not told apart from."""
     problem, w = regression.problem, regression.weights[:, None]
 
     def columns(column: Column) -> Array:

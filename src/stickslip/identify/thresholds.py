@@ -37,6 +37,8 @@ class Thresholds:
     """Draws of laws from which bands are read."""
     level: float = 0.98
     """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
+    identified_part: float = 2.0
+    """Standard errors above which a part of a law has to stand to be named."""
     identified: float = 3.0
     """Standard errors above which a fault has to stand to be named."""
     price: float = 2.0

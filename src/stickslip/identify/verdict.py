@@ -146,6 +146,7 @@ class BandVerdict(Verdict[LawCandidate]):
     checks: Checks
     """What is doubtful about the measurement."""
     route_name: str
+    """Route that made it."""
     second: Measurement | None = None
     """The second measurement, which no fit has seen; None without one."""
     inside: float = float("nan")
@@ -178,9 +179,21 @@ class BandVerdict(Verdict[LawCandidate]):
         load: Array | float | None = None,
         inputs: Mapping[str, Array | float] | None = None,
     ) -> Array:
-        """Return the friction of the named law at velocities (n,), with its constant offset.
+        """Return the friction of the named law, with its constant offset.
 
-        Parameters are those of `band`.
+        Parameters
+        ----------
+        velocity : array_like (n,)
+            Slip velocities [m/s] or [rad/s].
+        load : array_like (n,), optional
+            Normal force [N]; the mean of the measurement if not given.
+        inputs : mapping of str to array_like (n,), optional
+            Temperature and other inputs of the contact; their means if not given.
+
+        Returns
+        -------
+        array (n,)
+            Friction [N] or [N m].
         """
         judgement = self.judgement
         fit = judgement.ensemble.fit(judgement.estimated)
@@ -276,9 +289,23 @@ class BandVerdict(Verdict[LawCandidate]):
         *,
         level: float = 0.95,
     ) -> PredictionBand:
-        """Return the band of new readings at velocities: friction and the noise of a reading.
+        """Return the band of new readings: friction and the noise of a reading.
 
-        Parameters are those of `band`.
+        Parameters
+        ----------
+        velocity : array_like (n,)
+            Slip velocities [m/s] or [rad/s].
+        load : array_like (n,), optional
+            Normal force [N]; the mean of the measurement if not given.
+        inputs : mapping of str to array_like (n,), optional
+            Temperature and other inputs of the contact; their means if not given.
+        level : float
+            Probability with which a reading at each velocity lies in the band.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [N] or [N m].
         """
         rows = self.judgement.problem.at(velocity, load, inputs)
         low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level

@@ -167,22 +167,6 @@ def records_of(
 ) -> list[Record]:
     """Return the records of a measurement between its gaps, with the known forces of a mechanism.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of one coordinate; its spring, incline, gravity and damping are known forces.
-    measurement : Measurement
-        In time: position or velocity; the force, friction, or neither where it moves freely.
-    find_inertia : bool
-        Whether the inertia is to be found, and not that of the mechanism.
-    held : bool
-        Whether forces hold until the next sample.
-
-    Raises
-    ------
-    InputError
-        If the measurement is no motion in time of one coordinate, or is too short.
-
     Examples
     --------
     >>> from stickslip import Axis
@@ -1014,19 +998,7 @@ def _made(
 def readings(
     ensemble: Ensemble, residual: Array, other: RecordsProblem, level: float = 0.95
 ) -> PredictionBand:
-    """Return the band of the response of other records: what laws predict, and the noise.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Of the problem that was fitted.
-    residual : array (n,)
-        What its best law left of the rows while they were held out [N].
-    other : RecordsProblem
-        Other records, by `RecordsProblem.of`.
-    level : float
-        Share of the readings that are to lie inside.
-    """
+    """Return the band of the response of other records: what laws predict, and the noise."""
     problem = ensemble.problem
     speed = np.abs(problem.rows.seen(problem.rows.velocity))
     order = np.argsort(speed)
