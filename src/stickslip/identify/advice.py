@@ -16,8 +16,8 @@ from stickslip.identify.problem import Array
 
 HALF = 0.5
 """Width over today's at which enough is measured."""
-MOST = 16
-"""Readings that are proposed at most."""
+MOST = 4
+"""Readings that are proposed at most, over those that were taken."""
 
 
 @final
@@ -31,7 +31,7 @@ class Proposal:
     """Expected width of the band after them, over today's."""
 
 
-def propose(asked: Array, offered: Array, noise: Array) -> Proposal:
+def propose(asked: Array, offered: Array, noise: Array, taken: int = 16) -> Proposal:
     """Return the readings that narrow the band.
 
     Examples
@@ -48,7 +48,7 @@ def propose(asked: Array, offered: Array, noise: Array) -> Proposal:
     count = asked.shape[1]
     start = _width(covariance, count)
     places: list[int] = []
-    while start > 0.0 and len(places) < MOST and _width(covariance, count) > HALF * start:
+    while start > 0.0 and len(places) < MOST * taken and _width(covariance, count) > HALF * start:
         own = np.diag(covariance)[count:] + noise**2 + 1e-300
         gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
         best = int(np.argmax(gains))

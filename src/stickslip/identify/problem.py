@@ -149,6 +149,10 @@ class Problem(ABC):
         """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
 
     @abstractmethod
+    def asked(self) -> Any:
+        """Return the rows, with their `velocity`, over which the band is stated."""
+
+    @abstractmethod
     def curve_rows(self) -> tuple[Array, Any, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
 

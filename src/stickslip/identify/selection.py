@@ -47,7 +47,9 @@ def select_table(
     curves = judgement.ensemble.curves(asked)
     band = band_of(curves)
     offered = problem.offered()
-    proposal = propose(curves, judgement.ensemble.curves(offered), judgement.noise(offered))
+    proposal = propose(
+        curves, judgement.ensemble.curves(offered), judgement.noise(offered), len(problem.response)
+    )
     places = tuple(float(offered.velocity[k]) for k in proposal.places)
     inside = math.nan
     if validate is not None:

@@ -67,6 +67,7 @@ class LawFit(Fit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
 
     judgement: Judgement
+    measurement: Measurement
     structure: Structure
     largest_speed: float
     """Largest speed that was measured [m/s] or [rad/s]."""
@@ -82,6 +83,18 @@ class LawFit(Fit[FrictionLaw]):
             levels=levels_at(self.mechanism),
             largest_speed=self.largest_speed,
         )
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.identify.figures import plot_band  # loads matplotlib
+
+        judgement = self.judgement
+        rows = judgement.problem.asked()
+        band = band_of(judgement.ensemble.curves(rows))
+        drawing = drawing_of(
+            judgement, self.measurement, self.law.title, speeds=rows.velocity, band=band
+        )
+        return plot_band(drawing, ax)
 
     @override
     def __str__(self) -> str:
@@ -387,13 +400,6 @@ class BandVerdict(Verdict[LawCandidate]):
             "inside_second": None if self.second is None else self.inside,
         }
 
-    def _drawn_title(self) -> str:
-        """Return the name of the law in the figure, with the load at which it is drawn."""
-        problem = self.judgement.problem
-        load = problem.curve_rows()[2]
-        varies = getattr(problem, "loaded", False)
-        return f"{self.closest.title} at {number(abs(load))} N" if varies else self.closest.title
-
     @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -402,23 +408,46 @@ class BandVerdict(Verdict[LawCandidate]):
 
     def drawing(self) -> "BandDrawing":
         """Return what the figure of the verdict shows."""
-        from stickslip.identify.figures import BandDrawing  # loads matplotlib
-
-        judgement = self.judgement
-        estimated = judgement.estimated
-        points = judgement.problem.points(estimated, judgement.ensemble.fit(estimated).coefficients)
-        return BandDrawing(
-            velocity=points.velocity,
-            friction=points.friction,
-            load=points.load,
-            weights=judgement.regression.weights[points.rows],
+        return drawing_of(
+            self.judgement,
+            self.measurement,
+            self.closest.title,
             speeds=self.speeds,
             band=self.friction,
-            law=self.named_curve(self.speeds),
-            title=self._drawn_title(),
             places=self.places,
-            units=(self.measurement.unit("velocity"), self.measurement.unit("friction")),
         )
+
+
+def drawing_of(
+    judgement: Judgement,
+    measurement: Measurement,
+    title: str,
+    *,
+    speeds: Array,
+    band: PredictionBand,
+    places: Sequence[float] = (),
+) -> "BandDrawing":
+    """Return what a figure shows of a judged measurement."""
+    from stickslip.identify.figures import BandDrawing  # loads matplotlib
+
+    problem, estimated = judgement.problem, judgement.estimated
+    fit = judgement.ensemble.fit(estimated)
+    points = problem.points(estimated, fit.coefficients)
+    if float(np.ptp(points.load)) > 0.0:
+        title = f"{title} at {number(abs(problem.curve_rows()[2]))} N"
+    law = judgement.ensemble.predicted(estimated, fit.coefficients, problem.at(speeds))
+    return BandDrawing(
+        velocity=points.velocity,
+        friction=points.friction,
+        load=points.load,
+        weights=judgement.regression.weights[points.rows],
+        speeds=speeds,
+        band=band,
+        law=law,
+        title=title,
+        places=tuple(places),
+        units=(measurement.unit("velocity"), measurement.unit("friction")),
+    )
 
 
 def verdict_on(
@@ -559,6 +588,7 @@ def fit_of(
         estimates=estimates,
         remarks=tuple(remarks),
         judgement=judgement,
+        measurement=measurement,
         structure=structure,
         largest_speed=largest_speed,
         correlation=correlation,

@@ -34,6 +34,8 @@ from stickslip.selection import friction_of, in_sentence
 
 BESIDE = ("rig", "run", "fault")
 """Roles of terms beside a law."""
+PLACES = 5
+"""Places of measurement that a sentence names at most."""
 NAMED = 3
 """Laws that a sentence names at most."""
 
@@ -210,6 +212,9 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     parts = [
         place if count == 1 else f"{place} ({count} readings)" for place, count in counts.items()
     ]
+    if len(parts) > PLACES:
+        more = len(parts) - PLACES + 1
+        parts = [*parts[: PLACES - 1], f"{more} more velocities ({len(places)} readings in all)"]
     return (
         f"Measure at {joined(parts)}: the band is then expected to be"
         f" {percent(proposal.shrinks)} as wide."

@@ -919,6 +919,7 @@ class RecordsProblem(Problem):
         load = np.ones(len(rows))
         return Points(velocity=velocity[rows], friction=friction[rows], load=load, rows=rows)
 
+    @override
     def asked(self) -> Steady:
         """Return the rows over which the band is stated: the directions that were moved in."""
         v = self.rows.seen(self.rows.velocity)

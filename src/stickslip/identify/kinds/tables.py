@@ -236,6 +236,7 @@ class TableProblem(Problem):
             rows=np.arange(len(self.response)),
         )
 
+    @override
     def asked(self) -> Rows:
         """Return the rows over which the band is stated: each measured direction, at mean load."""
         v = self.rows.velocity
