@@ -152,7 +152,12 @@ class Judgement:
         """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
         if not self.intervals:
             return np.zeros((0, 0))
-        table = np.array([self.named_values[one.path] for one in self.intervals])
+        paths = [one.path for one in self.intervals]
+        parts = [self.values([draw]) for draw in self.named_draws()]
+        # shapes of a family may lack a parameter: Hersey's number has no exponent of the load
+        table = np.hstack(
+            [[part[path] for path in paths] for part in parts if part.keys() >= {*paths}]
+        )
         spread = np.std(table, axis=1)
         safe = np.where(spread > 0.0, spread, 1.0)
         centred = (table - table.mean(axis=1, keepdims=True)) / safe[:, None]

@@ -176,7 +176,9 @@ class Search:
             for structure in itertools.product(*grids):
                 together = {name: (name, shape) for name, shape in (*beside, *structure)}
                 whole = [tuple(sorted(structure)), tuple(sorted(together.values()))]
-                tried += [one for one in whole if self.problem.allowed(one)]
+                tried += [
+                    one for one in whole if self.problem.allowed(one) and self._is_determined(one)
+                ]
         self.regression.losses(tried)
 
     def _neighbours(self, structure: Structure, *, replacing: bool) -> Iterator[Structure]:

@@ -21,7 +21,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import stretches_of
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
-from stickslip.identify.problem import Array, Mask, Points, Problem, Shape, Structure, Term
+from stickslip.identify.problem import Array, Family, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.mechanisms import Mechanism
 
 LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
@@ -134,7 +134,7 @@ class TableProblem(Problem):
 
     independent = True
     softness = 2.0
-    usual = (
+    usual: Sequence[Family] = (
         ("level",),
         ("level", "viscous"),
         ("level", "stribeck"),
@@ -173,6 +173,17 @@ class TableProblem(Problem):
         self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
         self.stretches = np.argmax(np.array(self.blocks), axis=0)
         self.terms = _terms(rows, self.frame, loaded=self.loaded)
+        # friction that changes with an input is as usual as one with a flow, or a sum of three
+        # terms that only passes through the readings is searched before it
+        changing = [(f"level*{x}", f"viscous*{x}") for x in rows.inputs]
+        self.usual = [
+            *type(self).usual,
+            *(
+                tuple(sorted({"level", "viscous", *some}))
+                for level, viscous in changing
+                for some in ((level,), (viscous,), (level, viscous))
+            ),
+        ]
         loads = (*LOAD_EXPONENTS, BOTH, HERSEY) if self.loaded else (1.0,)
         sides = (0.0, 1.0) if both_ways(rows) else (0.0,)
         self.references = [
