@@ -202,10 +202,3 @@ def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> P
         times *= THRESHOLDS.all_along
         low, high = median - times * (median - low), median + times * (high - median)
     return PredictionBand(low=low, median=median, high=high)
-
-
-def mean_width(curves: Array, weights: Array | None = None) -> float:
-    """Return the mean over rows of four standard deviations of curves (d, n), by weights (d,)."""
-    w = np.ones(len(curves)) / len(curves) if weights is None else weights
-    mean = w @ curves
-    return float(np.mean(4.0 * np.sqrt(np.maximum(w @ curves**2 - mean**2, 0.0))))

@@ -7,7 +7,7 @@ from typing import final
 @final
 @dataclass(frozen=True, kw_only=True)
 class Thresholds:
-    """Numbers that decide; studies are in ``benchmarks/bands.py`` and decision 0139."""
+    """Numbers that decide; studies are in ``benchmarks/bands.py`` and decisions 0140 and 0141."""
 
     freedom: float = 4.0
     """Degrees of freedom of Student's t in the score: no single block decides (study: shares)."""

@@ -593,12 +593,3 @@ def _hats(logs: Array, knots: Array) -> Array:
         hats[:, edge] += share
         hats[:, inner] -= share
     return np.asarray(hats)
-
-
-def structure_text(structure: Structure) -> str:
-    """Return a structure for logs, such as ``"level + stribeck(0.012, 2)"``."""
-    parts = [
-        name + (f"({', '.join(f'{x:.3g}' for x in shape)})" if shape else "")
-        for name, shape in structure
-    ]
-    return " + ".join(parts) or "nothing"
