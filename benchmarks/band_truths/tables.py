@@ -110,8 +110,9 @@ def _drag(random: Random, level: float, top: float) -> Truth:
 def _saturating(random: Random, level: float, top: float) -> Truth:
     speed = top * factor(0.1, 0.5, random)
     values = np.array([level, level / speed * random.uniform(1.0, 2.0), speed])
-    return Truth(model=_plain(lambda c, u: c[0] + c[1] * u / (1.0 + u / abs(c[2]))), values=values,
-                 names=(KINETIC,), family=frozenset({"level", "saturating"}))  # fmt: skip
+    model = _plain(lambda c, u: c[0] + c[1] * abs(c[2]) * np.arctan(u / abs(c[2])))
+    return Truth(model=model, values=values, names=(KINETIC, VISCOUS),
+                 family=frozenset({"level", "saturating"}))  # fmt: skip
 
 
 def _tanh(random: Random, level: float, top: float) -> Truth:
@@ -142,7 +143,7 @@ def _two_falls(random: Random, level: float, top: float) -> Truth:
         fall = np.exp(-((u / abs(c[2])) ** 2))
         return one.model(c[:4], p) + c[4] + c[5] * fall
 
-    family = {"level", "viscous", "stribeck", "offset", "stribeck_direction"}
+    family = {"level", "viscous", "stribeck_sides", "offset"}
     return Truth(model=model, values=values, family=frozenset(family))
 
 
@@ -242,6 +243,12 @@ def _eyring(random: Random, level: float, top: float) -> Callable[[Array], Array
     return lambda u: level * np.arcsinh(u / s) / math.asinh(top / s)
 
 
+def _rational(random: Random, level: float, top: float) -> Callable[[Array], Array]:
+    s = top * factor(0.1, 0.5, random)
+    rise = random.uniform(1.0, 2.0)
+    return lambda u: level * (1.0 + rise * (u / s) / (1.0 + u / s))
+
+
 def _mixed(random: Random, level: float, top: float) -> Callable[[Array], Array]:
     s, steep = top * factor(0.05, 0.4, random), random.uniform(1.0, 4.0)
     n, film = random.uniform(0.4, 1.0), random.uniform(0.4, 1.2)
@@ -329,6 +336,7 @@ OUTSIDE: Mapping[str, tuple[Maker, str]] = {
     "lorentz": (_outside(_lorentz), ""),
     "eyring": (_outside(_eyring), ""),
     "mixed film": (_outside(_mixed), ""),
+    "rational": (_outside(_rational), ""),
     "hersey": (_hersey, "loads"),
     "running-in": (_viscous, "running-in"),
     "drift": (_viscous, "drift"),

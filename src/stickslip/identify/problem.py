@@ -74,6 +74,8 @@ class Term:
     """Place in the order from usual to unusual."""
     cost: int = 1
     """Parameters that the coefficients count."""
+    contrasts: int = 0
+    """Those of them that differences between rows of a block tell: directions, temperatures."""
 
     def parameters(self, shape: Shape) -> int:
         """Return the number of parameters: coefficients, and entries of the shape that are fitted.

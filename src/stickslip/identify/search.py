@@ -144,9 +144,10 @@ class Search:
         """
         problem, blocks = self.problem, len(self.problem.blocks)
         laws = tuple(one for one in structure if problem.terms[one[0]].role == "law")
-        most = max(2, min(2 * blocks // 3, blocks - 3))
+        contrasts = sum(problem.terms[name].contrasts for name, _ in laws)
+        most = max(2, min(2 * blocks // 3, blocks - 2))
         return (
-            problem.parameters(laws) <= most
+            problem.parameters(laws) - contrasts <= most
             and problem.parameters(structure) <= len(problem.response) - 3
         )
 

@@ -507,12 +507,12 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         terms += [
             Term(name="offset", role="rig", columns=lambda r, _: np.ones(len(r.load)),
                  title=TITLES["offset"], rank=3),
-            Term(name="level_direction", role="law", needs=frozenset({"level"}),
+            Term(name="level_direction", role="law", needs=frozenset({"level"}), contrasts=1,
                  columns=lambda r, _: r.load, title=TITLES["level_direction"], rank=7),
-            Term(name="viscous_direction", role="law", needs=frozenset({"viscous"}),
+            Term(name="viscous_direction", role="law", needs=frozenset({"viscous"}), contrasts=1,
                  columns=lambda r, _: frame.load * r.speed,
                  title=TITLES["viscous_direction"], rank=8),
-            Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2,
+            Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2, contrasts=1,
                  excludes=frozenset({"stribeck"}), shapes=falls, steps=(ratio, 1.0),
                  columns=lambda r, s: (r.load * np.exp(-((r.speed / s[0]) ** s[1])))[:, None]
                  * np.column_stack([r.direction, np.ones(len(r.load))]),
@@ -551,10 +551,10 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
 def _of_input(name: str, frame: Frame) -> list[Term]:
     """Return terms of the vocabulary that change with an input of the contact."""
     return [
-        Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11,
+        Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11, contrasts=1,
              columns=lambda r, _: r.direction * r.load * (r.inputs[name] - frame.means[name]),
              title=CHANGING["level"].format(name)),
-        Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12,
+        Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12, contrasts=1,
              columns=lambda r, _: frame.load * r.velocity * (r.inputs[name] - frame.means[name]),
              title=CHANGING["viscous"].format(name)),
     ]  # fmt: skip
