@@ -7,16 +7,10 @@ over the draws (pseudo-BMA+, Yao, Vehtari, Simpson, Gelman 2018). :math:`\pi_S` 
 the same prior, spread evenly over the logarithms of its shapes. The curve as measured, which is no
 law, has at least the share `Thresholds.curve_share`.
 
-A family is named by its *evidence*: the mean of the log share, which blocks tell, and of the log
-likelihood of the :math:`n` independent rows, which fewer rows tell apart better, less a price for
-each of its :math:`k` parameters and its place in the order from usual to unusual,
-
-.. math:: E = \tfrac12 \log p - \tfrac{n}{4} \log \sum_i (w_i e_i)^2 - 2\,k - 0.1\,\mathrm{rank}.
-
-The named family has the most; those within `Thresholds.tie` of it are *not told apart* from it
-(of 450 tables, the one law of a set without others was right 125 times of 126). On dense records
-everything is significant: there a family is not told apart either whose held-out error is within
-`Thresholds.material` of the best, and the name is that of the fewest parameters among these.
+The named family has the most *evidence* (`stickslip.identify.evidence`); those whose odds against
+it are less than `Thresholds.odds` are *not told apart* from it. On
+dense records everything is significant: there the name is that of the family whose held-out error
+is the least when each parameter has to save a share of it (`Thresholds.material`).
 """
 
 import math
@@ -26,9 +20,14 @@ from typing import final
 
 import numpy as np
 
+from stickslip.identify.evidence import evidence_of, priors_of
 from stickslip.identify.problem import Array, Family, Mask, Structure
-from stickslip.identify.search import Search, block_scores
+from stickslip.identify.search import DIGITS, Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
+
+
+LEAST = 1e-12
+"""Stands for the share of a structure that has none."""
 
 
 @final
@@ -75,8 +74,10 @@ def compare(search: Search) -> Comparison:
     losses = np.array([search.regression.losses_of[one] for one in structures])
     scores = block_scores(losses)
     laws = np.array([problem.is_law(one) for one in structures])
-    shares = stacked_shares(scores, _priors(search, structures, families))
+    priors = priors_of(search.regression, structures)
+    shares = stacked_shares(scores, priors)
     curve_share = float(shares[~laws].sum())
+    shares = _with_likelihood(search, shares, priors, laws)
     shares = with_curve(shares, laws)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
@@ -89,14 +90,10 @@ def compare(search: Search) -> Comparison:
                  for i in np.flatnonzero(laws).tolist()}  # fmt: skip
         named = min(value, key=lambda i: (value[i], problem.rank(structures[i]), i))
         best_of[families[named]] = named
-    evidence = _evidence(search, structures, families, [*best_of.values()], shares)
+    evidence = evidence_of(search.regression, structures, best_of)
     if problem.independent:
-        ranked = sorted(evidence, key=lambda i: (-round(evidence[i], 9), i))
-        named = next((i for i in ranked if _is_identified(search, structures[i])), ranked[0])
-    # few rows tell little: the evidence of k parameters from n rows is that much surer
-    rows = len(problem.response)
-    spare = max(rows - problem.parameters(structures[named]) - 1, 0.5)
-    least = evidence[named] - THRESHOLDS.tie * (rows / spare)
+        named = min(evidence, key=lambda i: (-round(evidence[i], DIGITS), i))
+    least = evidence[named] - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
@@ -118,54 +115,10 @@ def compare(search: Search) -> Comparison:
     )
 
 
-def _is_identified(search: Search, structure: Structure) -> bool:
-    """Return whether the parts and faults of a structure stand above their errors."""
-    fit, at = search.regression.fit(structure), 0
-    error = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
-    for column in structure:
-        size = search.regression.columns.of(column).shape[1]
-        own = slice(at, at + size)
-        at += size
-        role = search.problem.terms[column[0]].role
-        times = {"law": THRESHOLDS.identified_part, "fault": THRESHOLDS.identified}.get(role, 0.0)
-        if np.all(np.abs(fit.coefficients[own]) < times * error[own]):
-            return False
-    return True
-
-
 def _paired(difference: Array) -> float:
     """Return the mean of differences by block (b,) over its standard error."""
     error = float(np.std(difference, ddof=1)) / math.sqrt(len(difference))
     return float(np.mean(difference)) / (error + 1e-9)
-
-
-def _evidence(
-    search: Search,
-    structures: Sequence[Structure],
-    families: Sequence[Family],
-    best: Sequence[int],
-    shares: Array,
-) -> dict[int, float]:
-    """Return the evidence of families, by the place of their best structures."""
-    problem, regression = search.problem, search.regression
-    share: dict[Family, float] = {}
-    for own, p in zip(families, shares, strict=True):
-        share[own] = share.get(own, 0.0) + float(p)
-    # rows of a stretch are not independent: each stretch counts
-    rows = len(problem.response)
-    count = rows if problem.independent else int(problem.stretches.max()) + 1
-    found = {}
-    for i in best:
-        one = structures[i]
-        left = regression.weights * (problem.response - regression.fit(one).fitted)
-        likelihood = -0.5 * count * math.log(float(left @ left) / rows + 1e-30)
-        found[i] = (
-            0.5 * math.log(share[families[i]] + THRESHOLDS.least_share)
-            + 0.5 * likelihood
-            - THRESHOLDS.price * problem.parameters(one)
-            - THRESHOLDS.unusual * problem.rank(one)
-        )
-    return found
 
 
 def stacked_shares(scores: Array, priors: Array) -> Array:
@@ -175,6 +128,19 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
     z = -0.5 * count * (scores @ draws.T) + np.log(priors)[:, None]
     e = np.exp(z - z.max(axis=0))
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
+
+
+def _with_likelihood(search: Search, shares: Array, priors: Array, laws: Mask) -> Array:
+    """Return the geometric mean of shares of laws (s,) and their posterior probabilities."""
+    problem, structures = search.problem, search.structures
+    own = np.flatnonzero(laws)
+    log = search.regression.marginal([structures[i] for i in own]) + np.log(priors[own])
+    log -= THRESHOLDS.unusual * np.array([problem.rank(structures[i]) for i in own])
+    mean = 0.5 * (np.log(shares[own] + LEAST) + log - log.max())
+    both = np.exp(mean - mean.max())
+    found = shares.copy()
+    found[own] = shares[own].sum() * both / both.sum()
+    return found
 
 
 def with_curve(shares: Array, laws: Mask) -> Array:
@@ -187,41 +153,6 @@ def with_curve(shares: Array, laws: Mask) -> Array:
     first = np.flatnonzero(~laws)[0]  # structures are in the order of their scores
     shares[first] = least
     return shares
-
-
-def _priors(search: Search, structures: Sequence[Structure], families: Sequence[Family]) -> Array:
-    """Return prior weights (s,): alike for all families, even over the logarithms of shapes."""
-    problem = search.problem
-    members: dict[Family, list[int]] = {}
-    for i, own in enumerate(families):
-        members.setdefault(own, []).append(i)
-    priors = np.ones(len(structures))
-    for rows in members.values():
-        for k, (name, _) in enumerate(structures[rows[0]]):
-            for entry, step in enumerate(problem.terms[name].steps):
-                if step == 1.0:
-                    continue
-                # shapes without an entry have its usual value, and those of 0 no memory
-                having = [i for i in rows if any(structures[i][k][1][entry : entry + 1])]
-                if having:
-                    values = np.log(np.abs([structures[i][k][1][entry] for i in having]))
-                    priors[having] *= _spacing(values, math.log(step)) / math.log(step)
-        priors[rows] /= priors[rows].sum()
-    # half the number of blocks times the difference of scores that such a share of the error makes
-    nats = search.regression.price * len(problem.blocks)
-    count = np.array([problem.parameters(one) for one in structures])
-    return np.asarray(priors * np.exp(-nats * (count - count.min())))
-
-
-def _spacing(values: Array, step: float) -> Array:
-    """Return for each value half the distance between those that are next to it."""
-    known, at = np.unique(np.round(values, 12), return_inverse=True)
-    if len(known) < 2:
-        return np.full(len(values), step)
-    gap = np.diff(known)
-    side = np.full(1, min(step, float(gap.max())))
-    ends = np.concatenate([side, gap, side])
-    return np.asarray(0.5 * (ends[:-1] + ends[1:])[at])
 
 
 def family_members(comparison: Comparison, family: Family) -> Mapping[Structure, float]:

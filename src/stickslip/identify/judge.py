@@ -127,7 +127,7 @@ class Judgement:
     def intervals(self) -> tuple[Interval, ...]:
         """Intervals of the parameters of the named law."""
         own, every = self.named_values, self.values(self.ensemble.draws())
-        tail = 0.5 * (1.0 - THRESHOLDS.level)
+        tail = 0.5 * (1.0 - THRESHOLDS.interval)
         found = []
         for path, x in self.composition.paths().items():
             low, high = np.quantile(own[path], (tail, 1.0 - tail)).tolist()

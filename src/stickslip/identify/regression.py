@@ -13,6 +13,19 @@ coefficients without block :math:`b` and its held-out loss are
 and no row is touched again. :math:`P` holds the inverse variances of random effects; elsewhere it
 is a ridge of 1e-7 of the diagonal, which only ends the solution where columns are the same.
 All structures with the same number of columns are solved together.
+
+The *marginal likelihood* of a structure needs the same matrices. With coefficients of columns of
+unit size drawn from :math:`N(0, \bar y^2)`, :math:`\bar y` the root mean square of the response
+(random effects from their own spread), :math:`T` their variances, :math:`\lambda, q` the
+eigenvalues and vectors of :math:`T^{1/2} G T^{1/2}` and :math:`z = q^T T^{1/2} h`,
+
+.. math::
+   \log p(y | S, \sigma) = -\tfrac12 \Big[ (n - k) \log \sigma^2
+   + \sum_i \log (\sigma^2 + \lambda_i)
+   + \frac{1}{\sigma^2} \Big( y^T y - \sum_i \frac{z_i^2}{\sigma^2 + \lambda_i} \Big) \Big],
+
+averaged over the scale :math:`\sigma` of the noise, even in its logarithm (`SCALES`). What a
+structure could have fitted besides counts against it: no price of parameters is needed.
 """
 
 import math
@@ -29,6 +42,10 @@ RIDGE = 1e-7
 """Ridge over the diagonal of a Gram matrix: alike columns share their coefficient."""
 NOTHING = 1e-300
 """Added where 0 would be divided by."""
+SCALES = np.geomspace(3e-4, 1.0, 30)
+"""Scales of the noise over the size of the response, for the marginal likelihood."""
+SLOPES = (0.5, 1.0)
+"""Powers of the force or the speed with which the scatter may grow."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -142,6 +159,56 @@ class BlockRegression:
             physical = self.physical(structure, full[i] / self._size[columns[i]])
             self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
 
+    def marginal(self, structures: Sequence[Structure]) -> Array:
+        """Return the logarithms of the marginal likelihoods of structures (s,)."""
+        by_size: dict[int, list[int]] = {}
+        for i, structure in enumerate(structures):
+            by_size.setdefault(len(self.index(structure)), []).append(i)
+        found = np.empty(len(structures))
+        for size, own in by_size.items():
+            for start in range(0, len(own), TOGETHER):
+                part = own[start : start + TOGETHER]
+                columns = np.array([self.index(structures[i]) for i in part], dtype=np.intp)
+                found[part] = self._marginal(columns.reshape(len(part), size))
+        return found
+
+    def _marginal(self, columns: NDArray[np.intp]) -> Array:
+        """Return the logarithms of the marginal likelihoods of columns (s, k)."""
+        problem = self.problem
+        # rows of a stretch are not independent: each stretch counts once
+        rows = len(problem.response)
+        count = rows if problem.independent else int(problem.stretches.max()) + 1
+        part = count / rows
+        weighted = self.weights * problem.response
+        spread = float(np.sqrt(np.mean(problem.response**2))) + NOTHING
+        penalty = self._penalty[columns]
+        t = np.where(penalty > 0.0, 1.0 / np.sqrt(penalty + NOTHING), spread)
+        gram = part * self._total[columns[:, :, None], columns[:, None, :]]
+        values, vectors = np.linalg.eigh(gram * t[:, :, None] * t[:, None, :])
+        z = np.einsum("skl,sk->sl", vectors, part * t * self._moment[columns])
+        squared = part * float(weighted @ weighted)
+
+        def log(scales: Array) -> Array:
+            """Return the logarithm of the likelihood at scales of the noise (s, g)."""
+            sums = np.maximum(values, 0.0)[..., None] + scales[:, None] ** 2
+            squares = squared - np.sum(z[..., None] ** 2 / sums, axis=1)
+            return np.asarray(
+                -(count - columns.shape[1]) * np.log(scales)
+                - 0.5 * np.log(sums).sum(axis=1)
+                - 0.5 * np.maximum(squares, 0.0) / scales**2
+            )
+
+        size = spread * float(np.median(self.weights))
+        coarse = np.tile(SCALES * size, (len(columns), 1))
+        # many rows tell the scale to less than a step of the grid
+        peak = np.take_along_axis(coarse, log(coarse).argmax(axis=1)[:, None], axis=1)
+        step = SCALES[1] / SCALES[0]
+        scales = np.sort(np.hstack([coarse, peak * step ** np.linspace(-0.95, 0.95, 21)]), axis=1)
+        each = log(scales)
+        most = each.max(axis=1)
+        density = np.exp(each - most[:, None])
+        return np.asarray(most + np.log(np.trapezoid(density, np.log(scales), axis=1)))
+
     def physical(self, structure: Structure, coefficients: Array) -> bool:
         """Return whether all coefficients are within their limits; a measured curve has none."""
         if not self.problem.is_law(structure):
@@ -254,10 +321,12 @@ def _inverse(matrix: Array) -> Array:
     return np.asarray(inverse / np.outer(size, size))
 
 
-def noise_weights(regression: BlockRegression, structure: Structure) -> tuple[Array, Array]:
+def noise_weights(
+    regression: BlockRegression, structure: Structure, *, even: bool = False
+) -> tuple[Array, Array]:
     """Return weights (n,) by the scatter of what a structure leaves, and standardised residuals.
 
-    The scatter is constant, or a power of what it may grow with where that is beyond doubt. Rows
+    The scatter is constant, or a power of what it may grow with where odds are that it does. Rows
     beyond `Thresholds.outlier` standard deviations lose weight. The mean square of weighted
     residuals is 1.
     """
@@ -266,19 +335,16 @@ def noise_weights(regression: BlockRegression, structure: Structure) -> tuple[Ar
     fitted = regression.fit(structure).fitted
     # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
     residual = np.sqrt(np.abs(held_out * (problem.response - fitted)))
-    base = residual + 0.2 * np.median(residual) + NOTHING
-    trend, best = np.zeros(len(base)), 0.0
-    for scale in problem.scales(fitted):
+    trend, best = np.zeros(len(residual)), math.log(THRESHOLDS.odds)
+    for scale in () if even else problem.scales(fitted):
         z = np.log(scale) - np.mean(np.log(scale))
-        e = np.log(base) - np.mean(np.log(base))
-        squares = float(z @ z)
-        if squares < 1e-9:
-            continue
-        slope = float(z @ e) / squares
-        left = float(np.sum((e - slope * z) ** 2))
-        times = abs(slope) / (math.sqrt(left / max(len(z) - 2, 1) / squares) + NOTHING)
-        if times > max(THRESHOLDS.scale_trend, best):
-            trend, best = slope * z, times
+        for slope in SLOPES:
+            # by the likelihood of Laplace's distribution, which outliers do not decide
+            now = len(z) * math.log(
+                (np.mean(residual) + NOTHING) / (np.mean(residual * np.exp(-slope * z)) + NOTHING)
+            )
+            if now > best:
+                trend, best = slope * z, now
     deviation = np.exp(trend)
     u = residual / deviation
     typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))

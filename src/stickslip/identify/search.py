@@ -18,7 +18,8 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.problem import Array, Column, Family, Problem, Structure
+from stickslip.identify.evidence import evidence_of
+from stickslip.identify.problem import Array, Column, Family, Problem, Shape, Structure
 from stickslip.identify.regression import BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -72,7 +73,8 @@ class Search:
         weights = regression.weights
         for k in range(THRESHOLDS.weighings):
             last = weights
-            weights, self.residual = noise_weights(regression if k else first, best)
+            # errors of a curve between the readings are no scatter
+            weights, self.residual = noise_weights(regression if k else first, best, even=k == 0)
             if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
                 break
             regression.weigh(weights)
@@ -80,8 +82,20 @@ class Search:
             best = self._climb()
             self._add_usual(best)
             self._refine()
-            best = min(self.structures, key=self._priced)
+            best = self._likely()
         return self
+
+    def _likely(self) -> Structure:
+        """Return the structure by whose residuals the rows are weighed."""
+        if not self.problem.independent:
+            return min(self.structures, key=self._priced)
+        structures = self.structures
+        best_of: dict[Family, int] = {}
+        for i, structure in enumerate(structures):
+            if self.problem.is_law(structure):
+                best_of.setdefault(self.problem.family(structure), i)
+        evidence = evidence_of(self.regression, structures, best_of)
+        return structures[min(evidence, key=lambda i: (-round(evidence[i], DIGITS), i))]
 
     @property
     def structures(self) -> list[Structure]:
@@ -137,18 +151,19 @@ class Search:
         self.regression.losses([*curves, *problem.references])
         return min(self.structures, key=self._order)
 
-    def _is_determined(self, structure: Structure) -> bool:
+    def _is_determined(self, structure: Structure, *, usual: bool = False) -> bool:
         """Return whether blocks and rows are more than parameters by enough.
 
-        With fewer, one of a hundred shapes is always exact by chance.
+        With fewer, one of a hundred shapes is always exact by chance; usual laws may be exact.
         """
         problem, blocks = self.problem, len(self.problem.blocks)
         laws = tuple(one for one in structure if problem.terms[one[0]].role == "law")
         contrasts = sum(problem.terms[name].contrasts for name, _ in laws)
-        most = max(2, min(2 * blocks // 3, blocks - 2))
+        most = blocks - 1 if usual else max(2, min(2 * blocks // 3, blocks - 2))
+        spare = 1 if usual else 3
         return (
             problem.parameters(laws) - contrasts <= most
-            and problem.parameters(structure) <= len(problem.response) - 3
+            and problem.parameters(structure) <= len(problem.response) - spare
         )
 
     def _begin(self) -> list[Structure]:
@@ -178,7 +193,9 @@ class Search:
                 together = {name: (name, shape) for name, shape in (*beside, *structure)}
                 whole = [tuple(sorted(structure)), tuple(sorted(together.values()))]
                 tried += [
-                    one for one in whole if self.problem.allowed(one) and self._is_determined(one)
+                    one
+                    for one in whole
+                    if self.problem.allowed(one) and self._is_determined(one, usual=True)
                 ]
         self.regression.losses(tried)
 
@@ -195,11 +212,18 @@ class Search:
     def _refine(self) -> None:
         """Halve the grid around the best shapes of the best families."""
         for k in range(THRESHOLDS.refinements):
-            best_of: dict[Family, Structure] = {}
+            best_of: dict[Family, dict[Shape, Structure]] = {}
             for structure in sorted(self.structures, key=self._priced):
                 if self.problem.is_law(structure):
-                    best_of.setdefault(self.problem.family(structure), structure)
-            top = [*best_of.values()][: THRESHOLDS.families]
+                    forms = best_of.setdefault(self.problem.family(structure), {})
+                    forms.setdefault(self._fixed(structure), structure)
+            # a coarse grid hides usual laws whose readings are better than its steps
+            top = [
+                structure
+                for place, forms in enumerate(best_of.values())
+                if place < THRESHOLDS.families or self._is_usual(next(iter(forms.values())))
+                for structure in forms.values()
+            ]
             # what is named beside a law has to be needed with the best shapes of the law alone
             plain = [self._law_of(structure) for structure in top]
             around = [
@@ -210,6 +234,22 @@ class Search:
             around = [one for one in around if self.problem.allowed(one)]
             self.regression.add(column for one in around for column in one)
             self.regression.losses(around)
+
+    def _fixed(self, structure: Structure) -> Shape:
+        """Return the entries of shapes that are not refined, such as the power of a Stribeck term."""
+        terms = self.problem.terms
+        return tuple(
+            value
+            for name, shape in structure
+            for value, step in zip(shape, terms[name].steps, strict=False)
+            if step == 1.0
+        )
+
+    def _is_usual(self, structure: Structure) -> bool:
+        """Return whether the law of a structure is a usual one, whatever stands beside it."""
+        terms = self.problem.terms
+        law = {name for name, _ in structure if terms[name].role not in ("run", "fault")}
+        return law in [set(family) for family in self.problem.usual]
 
     def _law_of(self, structure: Structure) -> Structure:
         """Return the best shapes that the law of a structure has without faults beside it."""

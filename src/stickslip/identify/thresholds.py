@@ -27,30 +27,24 @@ class Thresholds:
     """Searches by weights that follow from the residuals of the best structure before ..."""
     weighed: float = 0.05
     """... until no weight changes by more than this share."""
-    scale_trend: float = 2.5
-    """Standard errors from which the scatter is taken to grow with the force or the speed."""
-    curve_share: float = 0.2
-    """Least share of the measured curve in the ensemble (.1: band too narrow outside)."""
+    curve_share: float = 0.1
+    """Least share of the measured curve in the ensemble (study: widths)."""
     draws: int = 400
     """Dirichlet draws of the Bayesian bootstrap of blocks."""
     ensemble: int = 800
     """Draws of laws from which bands are read."""
-    level: float = 0.98
+    level: float = 0.97
     """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
-    identified_part: float = 2.0
-    """Standard errors above which a part of a law has to stand to be named."""
-    identified: float = 3.0
-    """Standard errors above which a fault has to stand to be named."""
+    interval: float = 0.98
+    """Quantiles between which an interval of a parameter that is stated as 95 % lies."""
     price: float = 2.0
-    """Evidence that a parameter costs ..."""
-    unusual: float = 0.1
-    """... and each place in the order of terms from usual to unusual (study: names)."""
-    least_share: float = 1e-9
-    """Stands for the share of a family that has none."""
+    """Evidence that a parameter has to save where the search goes on from a structure."""
+    unusual: float = 0.25
+    """Evidence that each place in the order of terms from usual to unusual costs (study: names)."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
-    tie: float = 2.5
-    """Difference of evidence up to which families are not told apart (odds of 20; study: names)."""
+    odds: float = 20.0
+    """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
     same_span: float = 0.01

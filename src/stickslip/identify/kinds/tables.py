@@ -140,6 +140,9 @@ class TableProblem(Problem):
         ("level", "stribeck"),
         ("level", "stribeck", "viscous"),
         ("level", "power"),
+        ("level", "saturating"),
+        ("level", "power", "stribeck"),
+        ("drag", "level", "viscous"),
         ("level", "drag"),
         ("power",),
         ("viscous",),
@@ -324,7 +327,10 @@ class TableProblem(Problem):
         for segment in segments:
             path, count = segment.path, len(segment.friction)
             v = path.velocity
-            run = _sweeps(v) if len(segments) == 1 else np.full(count, segment.record)
+            # sweeps under other loads or temperatures differ by these
+            same = not any(np.ptp(x) > 0.0 for x in (path.load, *path.inputs.values()))
+            one = len(segments) == 1 and same
+            run = _sweeps(v) if one else np.full(count, segment.record)
             parts.append(
                 Rows(
                     velocity=v,
@@ -461,7 +467,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             name="stribeck",
             columns=law(lambda u, s: np.exp(-((u / s[0]) ** s[1])), 2, 1.0),
             shapes=[(*fall, *a) for fall in falls for a in loads], steps=(ratio, 1.0, load_ratio),
-            same_shape=2, role="law", title=TITLES["stribeck"], rank=2,
+            same_shape=2, needs=frozenset({"level"}), title=TITLES["stribeck"], rank=2, **part,
         ),
         Term(
             name="drag", columns=law(lambda u, _: u**2, 0, 0.0), shapes=loads,
@@ -522,7 +528,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             terms = [one for one in terms if one.name != "level_direction"]
     if loaded:
         terms.append(
-            Term(name="hersey", role="law", shapes=falls, steps=(ratio, 1.0), rank=6,
+            Term(name="hersey", role="law", nonnegative=True, shapes=falls, steps=(ratio, 1.0), rank=6,
                  columns=lambda r, s: weight(r, 1.0)
                  * np.exp(-((r.speed * frame.load / r.load / s[0]) ** s[1])),
                  excludes=frozenset({"stribeck", "stribeck_sides"}), needs=frozenset({"level"}),
@@ -540,7 +546,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     if rows.run.max() > 0:
         count = int(rows.run.max()) + 1
         terms.append(
-            Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=15,
+            Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=3,
                  columns=lambda r, _: weight(r, 1.0)[:, None] * _of_runs(r.run, count),
                  precision=lambda shape: frame.load**2 / shape[0] ** 2,
                  title="differences between runs")
