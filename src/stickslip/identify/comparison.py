@@ -131,28 +131,30 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
 
 
 def _with_likelihood(search: Search, shares: Array, priors: Array, laws: Mask) -> Array:
-    """Return the geometric mean of shares of laws (s,) and their posterior probabilities."""
+    """Return the geometric means of shares (s,) and posterior probabilities.
+
+    Laws and measured curves keep what they have together: no likelihood tells whether any law is
+    true, held-out blocks do.
+    """
     problem, structures = search.problem, search.structures
-    own = np.flatnonzero(laws)
-    log = search.regression.marginal([structures[i] for i in own]) + np.log(priors[own])
-    log -= THRESHOLDS.unusual * np.array([problem.rank(structures[i]) for i in own])
-    mean = 0.5 * (np.log(shares[own] + LEAST) + log - log.max())
-    both = np.exp(mean - mean.max())
-    found = shares.copy()
-    found[own] = shares[own].sum() * both / both.sum()
-    return found
+    log = search.regression.marginal(structures) + np.log(priors)
+    log -= THRESHOLDS.unusual * np.array([problem.rank(one) for one in structures])
+    mean = 0.5 * (np.log(shares + LEAST) + log)
+    both = np.zeros(len(shares))
+    for own in (laws, ~laws):
+        each = np.exp(mean[own] - mean[own].max())
+        both[own] = shares[own].sum() * each / each.sum()
+    return both
 
 
 def with_curve(shares: Array, laws: Mask) -> Array:
-    """Return shares of which the measured curve has at least `Thresholds.curve_share`."""
+    """Return shares of which the measured curves have at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
     own = float(shares[~laws].sum())
     if own >= least:
         return shares
-    shares = np.where(laws, shares * (1.0 - least) / max(float(shares[laws].sum()), 1e-300), 0.0)
-    first = np.flatnonzero(~laws)[0]  # structures are in the order of their scores
-    shares[first] = least
-    return shares
+    times = np.where(laws, (1.0 - least) / max(1.0 - own, LEAST), least / max(own, LEAST**2))
+    return np.asarray(shares * times)
 
 
 def family_members(comparison: Comparison, family: Family) -> Mapping[Structure, float]:

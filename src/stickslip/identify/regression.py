@@ -352,7 +352,7 @@ def noise_weights(
     robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
-    rank = min(problem.parameters(structure) + 2, len(e) - 2)
+    rank = min(problem.parameters(structure), len(e) - 2)
     count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
     # a fit without residuals still has the rounding of its numbers
     least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
