@@ -25,7 +25,6 @@ from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import DIGITS, Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 
-
 LEAST = 1e-12
 """Stands for the share of a structure that has none."""
 

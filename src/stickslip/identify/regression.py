@@ -59,6 +59,8 @@ class BlockRegression:
         self.columns = Columns(problem, problem.rows)
         self.losses_of: dict[Structure, Array] = {}
         self.weights = np.ones(len(problem.response))
+        self.price = 0.0
+        """What a parameter costs, as a share of the held-out error."""
         self._at: dict[Column, NDArray[np.intp]] = {}
         self._size = np.zeros(0)
         self._precision = np.zeros(0)
@@ -90,6 +92,7 @@ class BlockRegression:
         """Set the weights of the rows (n,), which makes the Gram matrices."""
         self.weights, self.losses_of, self._weighed = weights, {}, True
         y = self.problem.response * weights
+        self.price = self.problem.price(float(np.sqrt(np.mean(y**2))))
         self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
         self._weighted = np.zeros((len(y), 0))
         self._total, self._moment = np.zeros((0, 0)), np.zeros(0)
@@ -111,12 +114,6 @@ class BlockRegression:
         near = self._near
         self._inside = _extended(self._inside, a, y, self.problem.blocks)
         self._near = self._inside if same else _extended(near, a, y, self.problem.excluded)
-
-    @property
-    def price(self) -> float:
-        """Return what a parameter costs, as a share of the held-out error."""
-        weighted = self.weights * self.problem.response
-        return self.problem.price(float(np.sqrt(np.mean(weighted**2))))
 
     def index(self, structure: Structure) -> NDArray[np.intp]:
         """Return the columns of a structure."""

@@ -101,7 +101,7 @@ class Search:
     def structures(self) -> list[Structure]:
         """Structures with physical coefficients that were met, the best first."""
         known = self.regression.losses_of
-        found = [one for one, losses in known.items() if math.isfinite(float(losses.sum()))]
+        found = [one for one, losses in known.items() if math.isfinite(losses[0])]
         return sorted(found, key=self._order)
 
     def scores(self, structure: Structure) -> Array:
@@ -122,8 +122,8 @@ class Search:
     def _priced(self, structure: Structure) -> tuple[float, Structure]:
         """Return half the score plus what parameters cost: rich laws follow the noise."""
         price = self.regression.price or THRESHOLDS.price / len(self.problem.blocks)
-        price *= self.problem.parameters(structure)
-        return round(0.5 * self.mean_score(structure) + price, DIGITS), structure
+        price *= self._order(structure)[1]
+        return round(0.5 * self._order(structure)[0] + price, DIGITS), structure
 
     def _climb(self) -> Structure:
         """Return the best structure that additions, removals and swaps of terms lead to."""
@@ -225,7 +225,7 @@ class Search:
                 for structure in forms.values()
             ]
             # what is named beside a law has to be needed with the best shapes of the law alone
-            plain = [self._law_of(structure) for structure in top]
+            plain = self._laws_of(top)
             around = [
                 one
                 for structure in dict.fromkeys([*top, *plain])
@@ -236,7 +236,7 @@ class Search:
             self.regression.losses(around)
 
     def _fixed(self, structure: Structure) -> Shape:
-        """Return the entries of shapes that are not refined, such as the power of a Stribeck term."""
+        """Return the entries of shapes that are not refined, such as a Stribeck exponent."""
         terms = self.problem.terms
         return tuple(
             value
@@ -251,14 +251,18 @@ class Search:
         law = {name for name, _ in structure if terms[name].role not in ("run", "fault")}
         return law in [set(family) for family in self.problem.usual]
 
-    def _law_of(self, structure: Structure) -> Structure:
-        """Return the best shapes that the law of a structure has without faults beside it."""
-        terms = self.problem.terms
-        plain = tuple(one for one in structure if terms[one[0]].role != "fault")
-        family = self.problem.family(plain)
-        self.regression.losses([plain])
-        known = (one for one in self.structures if self.problem.family(one) == family)
-        return next(known, plain)
+    def _laws_of(self, structures: Sequence[Structure]) -> list[Structure]:
+        """Return the best shapes that the laws of structures have without faults beside them."""
+        terms, family = self.problem.terms, self.problem.family
+        plain = dict.fromkeys(
+            tuple(column for column in structure if terms[column[0]].role != "fault")
+            for structure in structures
+        )
+        self.regression.losses(plain)
+        best_of: dict[Family, Structure] = {}
+        for structure in self.structures:
+            best_of.setdefault(family(structure), structure)
+        return [best_of.get(family(structure), structure) for structure in plain]
 
     def _between(self, structure: Structure, share: float) -> Iterator[Structure]:
         """Yield a structure with shapes a part of a step away, alone and together."""

@@ -7,7 +7,6 @@ at the speeds, between them and beyond them, its bending penalised: a smoothing 
 opens the band between the readings and beyond them; or its steps, where friction jumps.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -540,7 +539,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             terms = [one for one in terms if one.name != "level_direction"]
     if loaded:
         terms.append(
-            Term(name="hersey", role="law", nonnegative=True, shapes=falls, steps=(ratio, 1.0), rank=6,
+            Term(name="hersey", shapes=falls, steps=(ratio, 1.0), rank=6, **part,
                  columns=lambda r, s: weight(r, 1.0)
                  * np.exp(-((r.speed * frame.load / r.load / s[0]) ** s[1])),
                  excludes=frozenset({"stribeck", "stribeck_sides"}), needs=frozenset({"level"}),
