@@ -217,12 +217,15 @@ class Search:
                 if self.problem.is_law(structure):
                     forms = best_of.setdefault(self.problem.family(structure), {})
                     forms.setdefault(self._fixed(structure), structure)
-            # a coarse grid hides usual laws whose readings are better than its steps
+            # a coarse grid hides usual laws whose readings are better than its steps; rows of a
+            # record are so many that the best of the coarse grid are the best
+            every = self.problem.independent
             top = [
                 structure
                 for place, forms in enumerate(best_of.values())
-                if place < THRESHOLDS.families or self._is_usual(next(iter(forms.values())))
-                for structure in forms.values()
+                if place < THRESHOLDS.families
+                or (every and self._is_usual(next(iter(forms.values()))))
+                for structure in (forms.values() if every else [next(iter(forms.values()))])
             ]
             # what is named beside a law has to be needed with the best shapes of the law alone
             plain = self._laws_of(top)
