@@ -75,8 +75,8 @@ def compare(search: Search) -> Comparison:
     laws = np.array([problem.is_law(one) for one in structures])
     priors = priors_of(search.regression, structures)
     shares = stacked_shares(scores, priors)
+    shares = _with_likelihood(search, shares, priors)
     curve_share = float(shares[~laws].sum())
-    shares = _with_likelihood(search, shares, priors, laws)
     shares = with_curve(shares, laws)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
@@ -129,21 +129,14 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
 
 
-def _with_likelihood(search: Search, shares: Array, priors: Array, laws: Mask) -> Array:
-    """Return the geometric means of shares (s,) and posterior probabilities.
-
-    Laws and measured curves keep what they have together: no likelihood tells whether any law is
-    true, held-out blocks do.
-    """
+def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:
+    """Return the geometric means of shares (s,) and posterior probabilities, in sum 1."""
     problem, structures = search.problem, search.structures
     log = search.regression.marginal(structures) + np.log(priors)
     log -= THRESHOLDS.unusual * np.array([problem.rank(one) for one in structures])
     mean = 0.5 * (np.log(shares + LEAST) + log)
-    both = np.zeros(len(shares))
-    for own in (laws, ~laws):
-        each = np.exp(mean[own] - mean[own].max())
-        both[own] = shares[own].sum() * each / each.sum()
-    return both
+    both = np.exp(mean - mean.max())
+    return np.asarray(both / both.sum())
 
 
 def with_curve(shares: Array, laws: Mask) -> Array:
