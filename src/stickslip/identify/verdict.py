@@ -21,6 +21,7 @@ from stickslip.identification import (
 )
 from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
@@ -37,6 +38,7 @@ from stickslip.identify.wording import (
     no_law,
     outlier_sentence,
     parameter_sentence,
+    pattern_sentence,
     second_sentence,
     title_of,
 )
@@ -245,6 +247,11 @@ class BandVerdict(Verdict[LawCandidate]):
     def causes(self) -> tuple[Cause, ...]:
         """Properties of the rig and faults beside the law, with the share that they explain."""
         return self.judgement.causes
+
+    @property
+    def patterns(self) -> tuple[Pattern, ...]:
+        """What the residuals of the named law follow, and their scatter, stated or not."""
+        return self.judgement.patterns
 
     @property
     def explained(self) -> bool:
@@ -499,6 +506,7 @@ def verdict_on(
     sizes = {one.path: one for one in every}
     doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
+    doubts += [pattern_sentence(one) for one in judgement.patterns if one.stated]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:

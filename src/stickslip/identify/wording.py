@@ -1,9 +1,9 @@
 """Every sentence of a verdict, in one place: the law, the band, and what narrows it.
 
-There are ten kinds: which law; how well friction is known; each parameter; laws that are not told
-apart; a cause beside the law, with the share it explains; readings far from the others; what the
-order of the readings hides; what a second measurement says; what other measurements would differ
-by; what to measure next.
+There are eleven kinds: which law; how well friction is known; each parameter; laws that are not
+told apart; a cause beside the law, with the share it explains; a feature that what is left follows;
+readings far from the others; what the order of the readings hides; what a second measurement says;
+what other measurements would differ by; what to measure next.
 """
 
 import itertools
@@ -27,6 +27,7 @@ from stickslip.friction import law as law_class
 from stickslip.identification import Estimate
 from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Judgement
 from stickslip.identify.problem import Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -171,6 +172,21 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+
+
+def pattern_sentence(pattern: Pattern) -> str:
+    """Return which feature what the law leaves follows; a feature is no cause."""
+    share = percent(pattern.share)
+    if pattern.scatter:
+        return (
+            f"The scatter about the law follows the {pattern.feature}, which predicts {share} of it"
+            " where it is held out: readings are better known in some places than in others."
+        )
+    return (
+        f"What the law leaves follows the {pattern.feature}, which predicts {share} of its squares"
+        f" where they are held out, {percent(pattern.of_force)} of the force: something acts that"
+        " is not in the law."
+    )
 
 
 def group_sentence(titles: Sequence[str], words: Words) -> str:

@@ -1,0 +1,96 @@
+"""What the rows of a record may be told apart by: signals, and what they derive from the motion."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.identify.problem import SIDE, Array, Mask
+
+if TYPE_CHECKING:
+    from stickslip.identify.kinds.records import Along, Steady
+
+WAVES = 12
+"""Waves over the range of the places at most."""
+
+
+def features_along(rows: "Along") -> Mapping[str, Array]:
+    """Return the features of the rows of records (n,), of places (n, d)."""
+    per_record: dict[str, list[Array]] = {}
+    cuts = np.cumsum([len(one.time) for one in rows.records])[:-1]
+    pieces = [np.split(x, cuts) for x in (rows.direction, rows.path, rows.velocity)]
+    for k, record in enumerate(rows.records):
+        side, path, velocity = (one[k] for one in pieces)
+        found = _since(record.time, side, path, np.abs(velocity) < rows.frame.low)
+        for name, x in found.items():
+            per_record.setdefault(name, []).append(x)
+    seen = rows.seen(rows.velocity)
+    features = {
+        SIDE: _at_rows(rows, rows.direction),
+        "speed": np.abs(seen),
+        "logarithm of the speed": np.log(np.maximum(np.abs(seen), rows.frame.low)),
+        "time": _at_rows(rows, rows.clock),
+        "place": _waves(_at_rows(rows, rows.place) / rows.frame.span),
+        "acceleration": rows.acceleration,
+        "jerk": rows.seen(rows.velocity, slope=2),
+        "load": rows.seen(rows.load),
+        **{name: rows.seen(rows.input(name)) for name in rows.frame.inputs},
+    }
+    return features | {
+        name: _at_rows(rows, np.concatenate(parts)) for name, parts in per_record.items()
+    }
+
+
+def features_in_steady_motion(rows: "Steady") -> Mapping[str, Array]:
+    """Return the features of steady motion (n,): turns and rests are long ago."""
+    velocity, zero = rows.velocity, np.zeros(len(rows.velocity))
+    unknown, long_ago = zero + np.nan, zero + 1e300
+    return {
+        SIDE: np.sign(velocity),
+        "speed": np.abs(velocity),
+        "logarithm of the speed": np.log(np.maximum(np.abs(velocity), rows.frame.low)),
+        "time": unknown,
+        "place": np.full((len(zero), 1 + 2 * WAVES), np.nan),
+        "acceleration": zero,
+        "jerk": zero,
+        "load": rows.load,
+        **{name: rows.input(name) for name in rows.frame.inputs},
+        "way": unknown,
+        "time since the last turn": long_ago,
+        "way since the last turn": long_ago,
+        "length of the last stroke": unknown,
+        "time since the last rest": long_ago,
+        "length of the last rest": unknown,
+    }
+
+
+def _at_rows(rows: "Along", x: Array) -> Array:
+    """Return the values of a full column (n,) at the rows, without the filter."""
+    cuts = np.cumsum([len(one.time) for one in rows.records])[:-1]
+    parts = zip(np.split(x, cuts), rows.filters, strict=True)
+    return rows.rows_of([one[:: filt.every] for one, filt in parts])
+
+
+def _waves(place: Array) -> Array:
+    """Return the place (n,) over its range, and waves of it (n, 1 + 2 w)."""
+    angle = 2.0 * np.pi * place[:, None] * np.arange(1, WAVES + 1)
+    return np.hstack([place[:, None], np.sin(angle), np.cos(angle)])
+
+
+def _since(time: Array, side: Array, path: Array, resting: Mask) -> dict[str, Array]:
+    """Return what has passed since turns and rests along a record (n,)."""
+    at = np.arange(len(time))
+    turned = np.concatenate([[True], side[1:] != side[:-1]])
+    turn = np.maximum.accumulate(np.where(turned, at, 0))
+    before = np.maximum.accumulate(np.where(turned, turn[np.maximum(at - 1, 0)], 0))
+    still = np.concatenate([[True], resting[1:]])
+    rest = np.maximum.accumulate(np.where(still, at, 0))
+    moving = np.maximum.accumulate(np.where(~still, at, 0))
+    return {
+        "way": np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path)))]),
+        "time since the last turn": time - time[turn],
+        "way since the last turn": np.abs(path - path[turn]),
+        "length of the last stroke": np.abs(path[turn] - path[before]),
+        "time since the last rest": time - time[rest],
+        "length of the last rest": time[rest] - time[moving[rest]],
+    }
