@@ -1,8 +1,10 @@
 """The verdict: a law, a band that holds whichever law does, and what would narrow it."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -373,11 +375,18 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @override
     def _details(self) -> Mapping[str, Any]:
+        problem, comparison = self.judgement.problem, self.judgement.ensemble.comparison
+        shares, of = comparison.shares, comparison.structures
         return {
-            "law_sentence": self.words.verdict.replace("$", ""),
-            "band_sentence": self.words.lede.replace("$", ""),
             "explained": self.explained,
             "set": [list(one) for one in self.set],
+            "curve_share": min(
+                sum(
+                    p for p, one in zip(shares.tolist(), of, strict=True) if not problem.is_law(one)
+                ),
+                1.0,
+            ),
+            "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
             "band": {
                 "velocity": self.speeds.tolist(),
                 "low": self.friction.low.tolist(),
@@ -397,15 +406,51 @@ class BandVerdict(Verdict[LawCandidate]):
                 for one in self.parameters
             ],
             "causes": [
-                {"term": one.term, "title": one.title, "share": one.share, "left": one.left}
+                {
+                    "term": one.term,
+                    "role": problem.terms[one.term].role,
+                    "title": one.title,
+                    "share": one.share,
+                    "left": one.left,
+                }
                 for one in self.causes
             ],
+            "patterns": [
+                {
+                    "of": "scatter" if one.scatter else "residuals",
+                    "feature": one.feature,
+                    "share": one.share,
+                    "of_force": one.of_force,
+                    "p": one.p,
+                    "stated": one.stated,
+                }
+                for one in self.patterns
+            ],
             "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()}
-            if self.judgement.problem.independent
+            if problem.independent
             else {},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None if self.second is None else self.inside,
         }
+
+    @staticmethod
+    def schema() -> Mapping[str, Any]:
+        """Return the JSON schema of `to_dict`, and of ``verdict.json`` with its heading.
+
+        Returns
+        -------
+        mapping
+            JSON schema of draft 2020-12.
+
+        Examples
+        --------
+        >>> from stickslip.results import BandVerdict
+        >>> BandVerdict.schema()["properties"]["units"]["required"]
+        ['velocity', 'friction']
+        """
+        text = files("stickslip.identify").joinpath("verdict.schema.json").read_text("utf-8")
+        found: Mapping[str, Any] = json.loads(text)
+        return found
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
