@@ -95,7 +95,9 @@ def draw_band(what: BandDrawing) -> "Draw":
         axes.grid(axis="y")
         axes.set_xlabel(f"velocity, {unit}")
         axes.set_ylabel(f"friction, {force_unit}")
-        axes.legend(loc="best", fontsize="small" if narrow else None, frameon=False)
+        # above the axes, where no reading lies beneath it
+        look = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+        axes.legend(ncols=1 if narrow else 3, fontsize="small" if narrow else None, **look)
 
     return draw
 

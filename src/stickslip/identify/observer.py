@@ -639,7 +639,7 @@ class Observer:
             named=same[0] if same else best,
             curve=curve[0] if curve else comparison.curve,
         )
-        refined = replace(self.ensemble, comparison=found, twinned=False, _fits={})
+        refined = Ensemble(self.ensemble.regression, found, seed=self.ensemble.seed, twinned=False)
         refined._fits.update(fits)
         return refined
 

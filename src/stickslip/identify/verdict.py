@@ -256,6 +256,13 @@ class BandVerdict(Verdict[LawCandidate]):
         return self.judgement.patterns
 
     @property
+    def curve_share(self) -> float:
+        """Share of the curve as measured, which is no law, in the band."""
+        problem, comparison = self.judgement.problem, self.judgement.ensemble.comparison
+        both = zip(comparison.structures, comparison.shares.tolist(), strict=True)
+        return min(math.fsum(p for one, p in both if not problem.is_law(one)), 1.0)
+
+    @property
     def explained(self) -> bool:
         """Whether a law predicts as well as the measured curve."""
         return not no_law(self.judgement)
@@ -375,17 +382,11 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @override
     def _details(self) -> Mapping[str, Any]:
-        problem, comparison = self.judgement.problem, self.judgement.ensemble.comparison
-        shares, of = comparison.shares, comparison.structures
+        problem = self.judgement.problem
         return {
             "explained": self.explained,
             "set": [list(one) for one in self.set],
-            "curve_share": min(
-                sum(
-                    p for p, one in zip(shares.tolist(), of, strict=True) if not problem.is_law(one)
-                ),
-                1.0,
-            ),
+            "curve_share": self.curve_share,
             "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
             "band": {
                 "velocity": self.speeds.tolist(),
@@ -551,7 +552,7 @@ def verdict_on(
     sizes = {one.path: one for one in every}
     doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
-    doubts += [pattern_sentence(one) for one in judgement.patterns if one.stated]
+    doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
@@ -559,7 +560,8 @@ def verdict_on(
     doubts += [*remarks, UNMEASURED]
     advice = []
     if proposal.places and proposal.shrinks < WORTH:
-        advice.append(advice_sentence(proposal, place_text))
+        by_speed = np.argsort(places, kind="stable")
+        advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
     return BandVerdict(
         mechanism=mechanism,
         measurement=measurement,

@@ -38,7 +38,9 @@ BESIDE = ("rig", "run", "fault")
 PLACES = 5
 """Places of measurement that a sentence names at most."""
 NAMED = 3
-"""Laws that a sentence names at most."""
+"""Terms, readings and places that a sentence names at most."""
+RIVALS = 2
+"""Laws that are named beside the one to use; of more, the first and their number."""
 
 
 @final
@@ -98,26 +100,37 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
     title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
-    titles = dict.fromkeys(title_of(judgement, one) for one in comparison.set)
-    others = [in_sentence(one) for one in titles if one != title]
+    others = _others(judgement, title, own)
     if no_law(judgement):
         return (
             f"No law explains the {words.measured}: a curve over the speed predicts held-out"
-            f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
-            " the closest."
+            f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]}"
+            f"{own} is the closest."
         )
     if not comparison.named:
         return f"No friction stands above the noise of the {words.measured}."
     said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."
-    more = [*others[:NAMED], f"{len(others) - NAMED} more"] if len(others) > NAMED else others
+    more = others if len(others) <= RIVALS else [others[0], f"{len(others) - 1} more"]
     these = (
         f"these {words.measured} do"
         if words.measured.endswith("s")
         else (f"this {words.measured} does")
     )
     return f"{said}; {these} not tell it from {joined(more)}."
+
+
+def _others(judgement: Judgement, title: str, own: str) -> list[str]:
+    """Return laws that are not told apart, with what stands beside them where that is other."""
+    found = dict[str, None]()
+    for one in judgement.comparison.set[1:]:
+        beside = beside_of(judgement, one)
+        other = in_sentence(title_of(judgement, one))
+        if beside != own or other == in_sentence(title):
+            other += beside or " alone"
+        found[other] = None
+    return [*found]
 
 
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
@@ -157,7 +170,7 @@ def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
     said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {friction_of(title)} holds"
     if (other.low, other.high) != (estimate.low, estimate.high):
-        said += f", {interval(other.low, other.high)} whichever law does"
+        said += f", {interval(other.low, other.high)} over all laws that have it"
     return f"{said}."
 
 
@@ -174,18 +187,17 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
 
 
-def pattern_sentence(pattern: Pattern) -> str:
+def pattern_sentence(pattern: Pattern, words: Words) -> str:
     """Return which feature what the law leaves follows; a feature is no cause."""
     share = percent(pattern.share)
     if pattern.scatter:
         return (
-            f"The scatter about the law follows the {pattern.feature}, which predicts {share} of it"
-            " where it is held out: readings are better known in some places than in others."
+            f"The scatter about the law follows the {pattern.feature}, which explains {share} of"
+            f" its logarithm in held-out {words.held_out}."
         )
     return (
-        f"What the law leaves follows the {pattern.feature}, which predicts {share} of its squares"
-        f" where they are held out, {percent(pattern.of_force)} of the force: something acts that"
-        " is not in the law."
+        f"What the law leaves follows the {pattern.feature}: {share} of the squared error of"
+        f" held-out {words.held_out}, {percent(pattern.of_force)} of the force."
     )
 
 
@@ -221,19 +233,20 @@ OTHERS = (
 
 
 def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
-    """Return what to measure next, and what it is expected to gain."""
+    """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}
     for place in places:
         counts[place] = counts.get(place, 0) + 1
-    parts = [
-        place if count == 1 else f"{place} ({count} readings)" for place, count in counts.items()
-    ]
-    if len(parts) > PLACES:
-        more = len(parts) - PLACES + 1
-        parts = [*parts[: PLACES - 1], f"{more} more velocities ({len(places)} readings in all)"]
+    expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
+    if len(counts) <= PLACES:
+        named = [place if n == 1 else f"{place} ({n} readings)" for place, n in counts.items()]
+        return f"Measure at {joined(named)}: {expected}."
+    most = sorted(counts, key=lambda place: -counts[place])[:NAMED]
+    named = [f"{place} ({counts[place]})" for place in counts if place in most]
+    first, *_, last = counts
     return (
-        f"Measure at {joined(parts)}: the band is then expected to be"
-        f" {percent(proposal.shrinks)} as wide."
+        f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
+        f" them at {joined(named)}: {expected}."
     )
 
 
