@@ -1,7 +1,8 @@
 r"""What a law leaves: which recorded feature it follows, by one cross-validated learner.
 
-Let :math:`z` be the held-out residuals of a structure over their scatter, at most `MOST` either
-way. For each feature :math:`f` that a problem offers (`Problem.features`) and the fitted force,
+Let :math:`z` be the held-out residuals of a structure over their scatter, at most
+`Thresholds.outlying` either way. For each feature :math:`f` that a problem offers
+(`Problem.features`), and for the fitted force,
 
 1. the columns :math:`B = [h(f), s\,h(f)]`, with hats :math:`h` at quantiles of the feature and the
    direction of motion :math:`s`, predict :math:`z` by ridge regression, each block of the problem
@@ -40,8 +41,6 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 REHEARSALS = 99
 """Records without a pattern with which what is left is compared."""
-MOST = 5.0
-"""Residuals over their scatter are bounded by this."""
 LEAST_SQUARE = 0.05
 """Added to squares before their logarithm: the smallest say nothing of the scatter."""
 KNOTS = (3, 6)
@@ -54,10 +53,8 @@ MOST_ROWS = 2000
 """Rows of dense records that are looked at, about."""
 MOMENTS = 16
 """Measured rows whose time and place stand for those of asked rows."""
-ALIKE = 1e-6
-"""Difference up to which shares are the same, and the first feature names them."""
-EXACT = 1e-6
-"""Held-out error over the response below which what is left is rounding."""
+ROUNDING = 1e-6
+"""Differences of shares, and a held-out error over the response, that say nothing."""
 
 
 @final
@@ -243,8 +240,8 @@ class Explorer:
     @property
     def _scaled(self) -> Array:
         """What is left, held out, over its scatter, at the rows that are looked at (n,)."""
-        z = self.held_out * self.regression.weights
-        return np.asarray(np.clip(z, -MOST, MOST)[self._every])
+        z, most = self.held_out * self.regression.weights, THRESHOLDS.outlying
+        return np.asarray(np.clip(z, -most, most)[self._every])
 
     def learned(self) -> Learned | None:
         """Return what features predict of what is left; None where they predict nothing."""
@@ -285,9 +282,10 @@ class Explorer:
         problem = self.regression.problem
         error = float(np.sqrt(np.mean(self.held_out**2)))
         size = float(np.sqrt(np.mean(problem.response**2)))
-        if not self.curves or error <= EXACT * size:
+        if not self.curves or error <= ROUNDING * size:
             return ()
-        z = np.clip(self._rehearsed()[self._every], -MOST, MOST)
+        most = THRESHOLDS.outlying
+        z = np.clip(self._rehearsed()[self._every], -most, most)
         z = np.column_stack([self._scaled, z])
         every = range(len(self.curves))
         shares = [
@@ -297,11 +295,11 @@ class Explorer:
             ),
         ]
         top = [one.max(axis=0) for one in shares]
-        chance = np.array([np.mean(one >= one[:, None] - ALIKE, axis=1) for one in top])
+        chance = np.array([np.mean(one >= one[:, None] - ROUNDING, axis=1) for one in top])
         least = chance.min(axis=0)
         found = []
         for scatter, own in enumerate(shares):
-            best = int(np.argmax(own[:, 0] >= top[scatter][0] - ALIKE))
+            best = int(np.argmax(own[:, 0] >= top[scatter][0] - ROUNDING))
             share = float(top[scatter][0])
             off = 0.0 if scatter else float(np.sqrt(max(share, 0.0))) * error / size
             found.append(

@@ -38,9 +38,7 @@ BESIDE = ("rig", "run", "fault")
 PLACES = 5
 """Places of measurement that a sentence names at most."""
 NAMED = 3
-"""Terms, readings and places that a sentence names at most."""
-RIVALS = 2
-"""Laws that are named beside the one to use; of more, the first and their number."""
+"""Laws, terms, readings and places that a sentence names at most."""
 
 
 @final
@@ -112,7 +110,7 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     said = f"Use {friction_of(title)}{own}"
     if not others:
         return f"{said}."
-    more = others if len(others) <= RIVALS else [others[0], f"{len(others) - 1} more"]
+    more = others if len(others) < NAMED else [others[0], f"{len(others) - 1} more"]
     these = (
         f"these {words.measured} do"
         if words.measured.endswith("s")

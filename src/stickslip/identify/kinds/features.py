@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
 WAVES = 12
 """Waves over the range of the places at most."""
+TURN, BEYOND, STROKE = (
+    "time since the last turn", "way since the last turn", "length of the last stroke",
+)  # fmt: skip
+REST, PAUSE = "time since the last rest", "length of the last rest"
 
 
 def features_along(rows: "Along") -> Mapping[str, Array]:
@@ -56,11 +60,11 @@ def features_in_steady_motion(rows: "Steady") -> Mapping[str, Array]:
         "load": rows.load,
         **{name: rows.input(name) for name in rows.frame.inputs},
         "way": unknown,
-        "time since the last turn": long_ago,
-        "way since the last turn": long_ago,
-        "length of the last stroke": unknown,
-        "time since the last rest": long_ago,
-        "length of the last rest": unknown,
+        TURN: long_ago,
+        BEYOND: long_ago,
+        STROKE: unknown,
+        REST: long_ago,
+        PAUSE: unknown,
     }
 
 
@@ -88,9 +92,9 @@ def _since(time: Array, side: Array, path: Array, resting: Mask) -> dict[str, Ar
     moving = np.maximum.accumulate(np.where(~still, at, 0))
     return {
         "way": np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path)))]),
-        "time since the last turn": time - time[turn],
-        "way since the last turn": np.abs(path - path[turn]),
-        "length of the last stroke": np.abs(path[turn] - path[before]),
-        "time since the last rest": time - time[rest],
-        "length of the last rest": time[rest] - time[moving[rest]],
+        TURN: time - time[turn],
+        BEYOND: np.abs(path - path[turn]),
+        STROKE: np.abs(path[turn] - path[before]),
+        REST: time - time[rest],
+        PAUSE: time[rest] - time[moving[rest]],
     }
