@@ -8,7 +8,8 @@ Let :math:`z` be the held-out residuals of a structure over their scatter, at mo
    direction of motion :math:`s`, predict :math:`z` by ridge regression, each block of the problem
    from the others. The *share* is what they take off the squares of :math:`z`; the feature with the
    largest names what is left;
-2. :math:`h(f)` alone predict :math:`\log(z^2 + 0.05)` likewise: the scatter;
+2. on dense records, :math:`h(f)` alone predict :math:`\log(z^2 + 0.05)` likewise: the scatter, of
+   which the few rows of a table tell no more than `Problem.scales`;
 3. `REHEARSALS` records are made of the fit and stretches of what it leaves, drawn anew with random
    signs, which hold nothing that follows a feature. The structure predicts them held out, and the
    learner looks for features. Of both largest shares the less likely decides, so that the two
@@ -288,12 +289,10 @@ class Explorer:
         z = np.clip(self._rehearsed()[self._every], -most, most)
         z = np.column_stack([self._scaled, z])
         every = range(len(self.curves))
-        shares = [
-            self.shares(z, [self._columns([k]) for k in every]),
-            self.shares(
-                np.log(z**2 + LEAST_SQUARE), [self._columns([k], plain=True) for k in every]
-            ),
-        ]
+        shares = [self.shares(z, [self._columns([k]) for k in every])]
+        if not problem.independent:
+            plain = [self._columns([k], plain=True) for k in every]
+            shares.append(self.shares(np.log(z**2 + LEAST_SQUARE), plain))
         top = [one.max(axis=0) for one in shares]
         chance = np.array([np.mean(one >= one[:, None] - ROUNDING, axis=1) for one in top])
         least = chance.min(axis=0)
