@@ -1,14 +1,11 @@
 """What the rows of a record may be told apart by: signals, and what they derive from the motion."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from stickslip.identify.problem import SIDE, Array, Mask
-
-if TYPE_CHECKING:
-    from stickslip.identify.kinds.records import Along, Steady
 
 WAVES = 12
 """Waves over the range of the places at most."""
@@ -18,8 +15,8 @@ TURN, BEYOND, STROKE = (
 REST, PAUSE = "time since the last rest", "length of the last rest"
 
 
-def features_along(rows: "Along") -> Mapping[str, Array]:
-    """Return the features of the rows of records (n,), of places (n, d)."""
+def features_along(rows: Any) -> Mapping[str, Array]:
+    """Return the features of the rows of records, `Along`: (n,), of places (n, d)."""
     per_record: dict[str, list[Array]] = {}
     cuts = np.cumsum([len(one.time) for one in rows.records])[:-1]
     pieces = [np.split(x, cuts) for x in (rows.direction, rows.path, rows.velocity)]
@@ -45,8 +42,8 @@ def features_along(rows: "Along") -> Mapping[str, Array]:
     }
 
 
-def features_in_steady_motion(rows: "Steady") -> Mapping[str, Array]:
-    """Return the features of steady motion (n,): turns and rests are long ago."""
+def features_in_steady_motion(rows: Any) -> Mapping[str, Array]:
+    """Return the features of rows in steady motion, `Steady` (n,): the last turn is long ago."""
     velocity, zero = rows.velocity, np.zeros(len(rows.velocity))
     unknown, long_ago = zero + np.nan, zero + 1e300
     return {
@@ -68,11 +65,12 @@ def features_in_steady_motion(rows: "Steady") -> Mapping[str, Array]:
     }
 
 
-def _at_rows(rows: "Along", x: Array) -> Array:
+def _at_rows(rows: Any, x: Array) -> Array:
     """Return the values of a full column (n,) at the rows, without the filter."""
     cuts = np.cumsum([len(one.time) for one in rows.records])[:-1]
     parts = zip(np.split(x, cuts), rows.filters, strict=True)
-    return rows.rows_of([one[:: filt.every] for one, filt in parts])
+    found: Array = rows.rows_of([one[:: filt.every] for one, filt in parts])
+    return found
 
 
 def _waves(place: Array) -> Array:
