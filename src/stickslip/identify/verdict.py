@@ -41,6 +41,7 @@ from stickslip.identify.wording import (
     outlier_sentence,
     parameter_sentence,
     pattern_sentence,
+    phrase_of,
     second_sentence,
     title_of,
 )
@@ -544,11 +545,11 @@ def verdict_on(
     )
     first = candidates[0]
     assert first.fit is not None
-    title = title_of(judgement, comparison.named)
+    phrase = phrase_of(judgement, comparison.named)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
-    said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
+    said = [parameter_sentence(a, b, phrase) for a, b in zip(own, every, strict=True)]
     sizes = {one.path: one for one in every}
     doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]

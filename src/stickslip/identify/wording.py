@@ -50,6 +50,8 @@ class Words:
     """What was measured, such as ``"readings"``."""
     held_out: str
     """What is predicted from the others, such as ``"speeds"``."""
+    response: str
+    """What is predicted of these: ``"friction"``, or the ``"force"`` of a balance."""
     force_unit: str
     speed_unit: str
 
@@ -71,6 +73,14 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
     return title
+
+
+def phrase_of(judgement: Judgement, structure: Structure) -> str:
+    """Return the friction of a structure as one says it; terms that are no law as they are."""
+    title = title_of(judgement, structure)
+    fit = judgement.ensemble.fit(structure)
+    composed = judgement.problem.composition(structure, fit.coefficients[None])
+    return friction_of(title) if composed.text else in_sentence(title)
 
 
 def beside_of(judgement: Judgement, structure: Structure) -> str:
@@ -97,17 +107,17 @@ def no_law(judgement: Judgement) -> bool:
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
-    title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
-    others = _others(judgement, title, own)
+    named, own = comparison.named, beside_of(judgement, comparison.named)
+    phrase = phrase_of(judgement, named)
+    others = _others(judgement, title_of(judgement, named), own)
     if no_law(judgement):
         return (
             f"No law explains the {words.measured}: a curve over the speed predicts held-out"
-            f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]}"
-            f"{own} is the closest."
+            f" {words.held_out} better. {capital(phrase)}{own} is the closest."
         )
     if not comparison.named:
         return f"No friction stands above the noise of the {words.measured}."
-    said = f"Use {friction_of(title)}{own}"
+    said = f"Use {phrase}{own}"
     if not others:
         return f"{said}."
     more = others if len(others) < NAMED else [others[0], f"{len(others) - 1} more"]
@@ -155,18 +165,18 @@ def error_sentence(judgement: Judgement, words: Words) -> str:
     """Return how well the named law predicts what is held out."""
     error = judgement.held_out_error(judgement.named)
     size = float(np.sqrt(np.mean(judgement.problem.response**2)))
-    share = f", {percent(error / size)} of the friction" if size > 0.0 else ""
+    share = f", {percent(error / size)} of the {words.response}" if size > 0.0 else ""
     return (
         f"The law predicts held-out {words.held_out} to"
         f" {quantity(error, words.force_unit, 2)}{share} (root mean square)."
     )
 
 
-def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
+def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     """Return an interval under the named law, and whichever law of the set has the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
-    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {friction_of(title)} holds"
+    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {phrase} holds"
     if (other.low, other.high) != (estimate.low, estimate.high):
         said += f", {interval(other.low, other.high)} over all laws that have it"
     return f"{said}."
@@ -195,7 +205,8 @@ def pattern_sentence(pattern: Pattern, words: Words) -> str:
         )
     return (
         f"What the law leaves follows the {pattern.feature}: {share} of the squared error of"
-        f" held-out {words.held_out}, {percent(pattern.of_force)} of the force."
+        f" held-out {words.held_out}, {percent(pattern.of_force)} of the"
+        f" {words.response}."
     )
 
 
