@@ -1,16 +1,26 @@
 """Sentences of a verdict: what a reader has to tell apart is told apart."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
+from stickslip.identification import Estimate
 from stickslip.identify.advice import Proposal
 from stickslip.identify.explorer import Pattern
+from stickslip.identify.judge import Cause
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.page import laws_section, remarks_section, verdict_sections
-from stickslip.identify.wording import Words, advice_sentence, pattern_sentence, phrase_of
+from stickslip.identify.wording import (
+    Words,
+    advice_sentence,
+    cause_sentence,
+    pattern_sentence,
+    phrase_of,
+)
+from stickslip.quantities import Quantity
 from stickslip.report import MOST, Origin
 
 WORDS = Words(
@@ -90,3 +100,16 @@ def test_terms_that_are_no_law_are_said_as_they_are(text, phrase):
     )
     found = phrase_of(judgement, (("level", ()), ("level_direction", ())))
     assert found == (f"{phrase} friction" if text else phrase)
+
+
+def test_a_size_without_an_interval_has_none():
+    delay = Quantity("t_d", "s")
+    cause = Cause(term="delay", title="delay of the force", share=0.4, left=0.01)
+    one = Estimate(
+        path="delay", quantity=delay, value=-0.00436, low=-0.00436, high=-0.00436, interval="95 %"
+    )
+    assert cause_sentence(cause, one, WORDS).startswith(
+        "Delay of the force: t_d = −0.0044 s: it takes 40 % off"
+    )
+    known = replace(one, low=-0.005, high=-0.004)
+    assert "−0.0050 to −0.0040" in cause_sentence(cause, known, WORDS)

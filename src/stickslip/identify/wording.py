@@ -184,7 +184,7 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
 
 def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     """Return a property of the rig or a fault, with the share that it explains."""
-    what = capital(cause.title) + (f": {size}" if size else "")
+    what = capital(cause.title) + (f": {_sized(size)}" if size else "")
     if size is not None and size.low <= 0.0 <= size.high:
         return f"{what}, consistent with zero."
     if cause.left > 0.5:
@@ -193,6 +193,13 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+
+
+def _sized(size: Estimate) -> str:
+    """Return an estimate with its interval, where there is one: some shapes are of a grid."""
+    if size.low < size.high:
+        return str(size)
+    return f"{size.quantity.symbol} = {with_unit(number(size.value, 2), size.quantity.unit)}"
 
 
 def pattern_sentence(pattern: Pattern, words: Words) -> str:
