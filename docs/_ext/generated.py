@@ -14,6 +14,7 @@ from sphinx.util.docutils import SphinxDirective
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
 from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
+from stickslip.identify import BandVerdict
 from stickslip.kinds.registry import kinds
 from stickslip.quantities import fields_of
 
@@ -263,6 +264,43 @@ def quantity_text(description: str) -> str:
     return f"{symbol(name)} [{rest}" if bracket else description
 
 
+def verdict_file() -> Iterator[str]:
+    """All parts of the document of a verdict with a band, read off its schema."""
+    schema = BandVerdict.schema()
+    parts = {"": schema, **{f" of `{key}`": one for key, one in nested(schema["properties"])}}
+    parts |= {f": {name}": one for name, one in schema["$defs"].items() if "properties" in one}
+    for where, part in parts.items():
+        yield from (f"## {'Parts' if where else 'The document'}{where}", "")
+        rows = ((f"`{key}`", typed(one), said(one)) for key, one in part["properties"].items())
+        yield from table(("key", "value", "meaning"), rows)
+
+
+def nested(properties: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Parts that have parts of their own, but for those whose keys are paths."""
+    for key, one in properties.items():
+        if "properties" in one and one.get("additionalProperties") is False:
+            yield key, one
+
+
+def typed(about: dict[str, Any]) -> str:
+    """What stands there, in words."""
+    if "enum" in about or "const" in about:
+        return " or ".join(f"`{one}`" for one in about.get("enum", [about.get("const")]))
+    if "$ref" in about:
+        name = about["$ref"].rpartition("/")[2]
+        return {"share": "number from 0 to 1", "numbers": "list of numbers"}.get(name, name)
+    if "items" in about:
+        return f"list: {typed(about['items'])}"
+    kinds = about["type"] if isinstance(about["type"], list) else [about["type"]]
+    return " or ".join({"string": "text"}.get(one, one) for one in kinds)
+
+
+def said(about: dict[str, Any]) -> str:
+    """The meaning of a part, as its description states it."""
+    text: str = about.get("description", "")
+    return text
+
+
 def route_table() -> Iterator[str]:
     """All kinds of measurement in one table, in the order in which they are tried."""
     rows = (
@@ -287,6 +325,7 @@ CONTENT = {
     "commands": commands,
     "rig-file": rig_file,
     "routes": route_table,
+    "verdict-file": verdict_file,
 }
 
 

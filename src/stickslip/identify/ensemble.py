@@ -16,6 +16,7 @@ from typing import Any, final
 import numpy as np
 
 from stickslip.identify.comparison import Comparison
+from stickslip.identify.explorer import Learned
 from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structure
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
@@ -61,6 +62,8 @@ class Ensemble:
     seed: int = 0
     twinned: bool = True
     """Whether the same measurement prepared otherwise counts, too."""
+    learned: Learned | None = None
+    """How far friction may be off in a way that no law knows."""
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
     @property
@@ -116,7 +119,11 @@ class Ensemble:
             for k, columns in enumerate(used):
                 x = columns.matrix(draw.structure, length)
                 found.append(draw.coefficients[k :: len(used)] @ x.T)
-        return np.vstack(found)
+        curves = np.vstack(found)
+        if self.learned is None:
+            return curves
+        rng = np.random.default_rng(self.seed + 5)
+        return curves + self.learned.draws(rows, len(curves), rng)
 
     def _length(self, columns: Columns) -> int:
         return len(columns.of(self.comparison.curve[0]))

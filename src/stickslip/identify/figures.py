@@ -92,12 +92,24 @@ def draw_band(what: BandDrawing) -> "Draw":
             axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
         if logarithmic:
             axes.set_xscale("log" if v.max() > 0.0 else "symlog")
+            _label_speeds(axes)
         axes.grid(axis="y")
         axes.set_xlabel(f"velocity, {unit}")
         axes.set_ylabel(f"friction, {force_unit}")
-        axes.legend(loc="best", fontsize="small" if narrow else None, frameon=False)
+        # above the axes, where no reading lies beneath it
+        look = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+        axes.legend(ncols=1 if narrow else 3, fontsize="small" if narrow else None, **look)
 
     return draw
+
+
+def _label_speeds(axes: "Axes") -> None:
+    """Label a logarithmic axis in numbers instead of powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x)))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _directions(speeds: Array) -> "list[NDArray[np.intp]]":

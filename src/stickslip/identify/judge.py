@@ -17,9 +17,10 @@ import numpy as np
 
 from stickslip.identify.comparison import Comparison, compare, family_members
 from stickslip.identify.ensemble import Draw, Ensemble, allotted
+from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
 from stickslip.identify.problem import Array, Problem, Structure
-from stickslip.identify.regression import BlockRegression, noise_weights
+from stickslip.identify.regression import BlockRegression, noise_at, noise_weights
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -74,7 +75,8 @@ class Judgement:
         """Judge a problem."""
         search = Search(problem).run()
         comparison = compare(search)
-        ensemble = Ensemble(search.regression, comparison)
+        learned = Explorer(search.regression, comparison.structures[0]).learned()
+        ensemble = Ensemble(search.regression, comparison, learned=learned)
         return cls(problem, search.regression, comparison, ensemble)
 
     @property
@@ -191,6 +193,11 @@ class Judgement:
         return tuple(sorted(found, key=lambda one: -one.share))
 
     @cached_property
+    def patterns(self) -> tuple[Pattern, ...]:
+        """What the residuals of the named structure follow, and their scatter."""
+        return Explorer(self.regression, self.named).patterns()
+
+    @cached_property
     def outliers(self) -> Mapping[int, float]:
         """Rows that are far from the others, with how many standard deviations."""
         _, z = noise_weights(self.regression, self.named)
@@ -205,13 +212,7 @@ class Judgement:
 
     def noise(self, rows: Any) -> Array:
         """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
-        own = 1.0 / self.regression.weights
-        own = np.minimum(own, 3.0 * float(np.median(own)))
-        nearest = np.argmin(
-            np.abs(np.log(self.problem.speeds(rows))[:, None]
-                   - np.log(self.problem.speeds(self.problem.rows))[None]), axis=1
-        )  # fmt: skip
-        return np.asarray(own[nearest])
+        return noise_at(self.regression, rows)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise."""

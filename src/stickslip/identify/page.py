@@ -3,11 +3,14 @@
 from functools import partial
 from typing import Final
 
-from stickslip.formatting import interval, number, percent, with_unit
+from stickslip.formatting import NO_VALUE, capital, interval, number, percent, with_unit
 from stickslip.identify.figures import draw_band
+from stickslip.identify.laws import TITLES
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import (
+    MOST,
     Column,
     Fact,
     Figure,
@@ -16,7 +19,6 @@ from stickslip.report import (
     Name,
     Number,
     Origin,
-    Paragraph,
     Row,
     Section,
     SectionMaker,
@@ -28,6 +30,8 @@ from stickslip.report import (
 
 FACTS: Final = 3
 """Parameters in the opening at most."""
+LEAST_SHARE: Final = 0.005
+"""Shares of the band below which no number is shown."""
 
 
 def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
@@ -63,7 +67,7 @@ def facts(verdict: BandVerdict) -> list[Fact]:
     found = []
     for own, every in zip(fit.estimates, verdict.intervals, strict=True):
         value = with_unit(number(own.value), own.quantity.unit)
-        aside = f"{interval(every.low, every.high)} whichever law holds"
+        aside = f"95 %: {interval(every.low, every.high)}"
         found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
     return found[:FACTS]
 
@@ -96,11 +100,25 @@ def laws_section(verdict: BandVerdict) -> Section:
                 Name(text=one.title, aside=one.outcome),
                 str(one.count),
                 Number(value=number(scale.factor * one.held_out), unit=scale.unit),
-                percent(one.share) if one.share >= 0.005 else "below 0.5 %",
+                _share(one.share),
                 number(one.evidence, 2),
             )
         )
         for one in verdict.candidates
+    )
+    judgement = verdict.judgement
+    curve = judgement.comparison.curve
+    error = scale.factor * judgement.held_out_error(curve)
+    rows += (
+        Row(
+            cells=(
+                Name(text=capital(TITLES["curve"]), aside="no law"),
+                NO_VALUE,
+                Number(value=number(error), unit=scale.unit),
+                _share(verdict.curve_share),
+                NO_VALUE,
+            )
+        ),
     )
     columns = (
         Column(head="law"),
@@ -110,8 +128,9 @@ def laws_section(verdict: BandVerdict) -> Section:
         Column(head="evidence", numeric=True, phone="label"),
     )
     caption = (
-        "Evidence: mean of the log share and the log likelihood, less a price for each parameter;"
-        " laws within 2.5 of the named one (more of few readings) are not told apart from it."
+        f"The law with the most evidence is named: it fits with few and usual parts. Laws within"
+        f" {THRESHOLDS.tie} of it, or more where readings are few, are not told apart. The band is"
+        " made of all laws, and of the curve as measured, by how well they predict."
     )
     table = Table(columns=columns, rows=rows, caption=caption)
     count = len(verdict.set)
@@ -121,6 +140,11 @@ def laws_section(verdict: BandVerdict) -> Section:
     if not verdict.explained:
         heading = "No law predicts as well as the measured curve"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
+
+
+def _share(share: float) -> str:
+    """Return a share of the band."""
+    return percent(share) if share >= LEAST_SHARE else f"below {percent(LEAST_SHARE)}"
 
 
 def parameters_section(verdict: BandVerdict) -> Section | None:
@@ -144,21 +168,24 @@ def parameters_section(verdict: BandVerdict) -> Section | None:
         )
     columns = (
         Column(head="parameter"),
-        Column(head="if this law holds, 95 %", numeric=True),
-        Column(head="whichever law holds", numeric=True, phone="label"),
+        Column(head="95 % if this law holds", numeric=True),
+        Column(head="95 % over all laws", numeric=True, phone="label"),
     )
-    caption = "Levels are over the normal force, or forces where none is known."
+    caption = (
+        "Right: over all laws of the band that have the parameter, by their shares. Levels are over"
+        " the normal force, or forces where none is known."
+    )
     table = Table(columns=columns, rows=tuple(rows), caption=caption)
     heading = f"Parameters of {verdict.closest.title}"
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=(table,))
 
 
-def remarks_section(verdict: BandVerdict) -> Section:
-    """Return what is beside the law, what is open, and what to measure next."""
-    words = verdict.words
-    items = [KeyValue(key="Open", value=line) for line in words.cannot_tell]
-    items += [KeyValue(key="Measure", value=line) for line in words.measure_next]
-    blocks = (Paragraph(text=words.settles[0]), KeyValues(items=tuple(items)))
+def remarks_section(verdict: BandVerdict) -> Section | None:
+    """Return what is open beyond what the opening says; None without more."""
+    lines = verdict.words.cannot_tell[MOST:]
+    if not lines:
+        return None
+    items = tuple(KeyValue(key="Open", value=line) for line in lines)
     return Section(
-        id="next", nav="Next", heading="What is open, and what to measure", blocks=blocks
+        id="open", nav="Open", heading="What else is open", blocks=(KeyValues(items=items),)
     )

@@ -92,6 +92,8 @@ class Term:
         )
 
 
+SIDE = "direction"
+"""Feature that has the sign of the motion."""
 MEMORY = "memory"
 """Marks families whose law has a memory of the way."""
 
@@ -165,6 +167,13 @@ class Problem(ABC):
     @abstractmethod
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is."""
+
+    def features(self, rows: Any) -> Mapping[str, Array]:  # noqa: ARG002  # kinds that offer some use it
+        """Return what rows may be told apart by: values (n,) or columns (n, d), by name.
+
+        NaN where rows do not state it, such as the time of a steady motion. `SIDE` is among them.
+        """
+        return {}
 
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""

@@ -30,7 +30,7 @@ structure could have fitted besides counts against it: no price of parameters is
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,20 +221,28 @@ class BlockRegression:
             at += size
         return True
 
-    def held_out(self, structure: Structure) -> Array:
-        """Return the held-out residual of every row (n,); mean over the blocks that hold it."""
-        residual, count = np.zeros(len(self.weights)), np.zeros(len(self.weights))
-        columns, near = self.index(structure), self._near
+    def held_out(self, structure: Structure, response: Array | None = None) -> Array:
+        """Return the held-out residual of every row (n,); mean over the blocks that hold it.
+
+        Of other responses (n, m) than the measured one, (n, m).
+        """
+        y = self.problem.response if response is None else response
+        residual, count = np.zeros(y.shape), np.zeros(len(y))
+        columns, near = self.index(structure), self._near[0]
+        a = self._weighted[:, columns]
+        weighted = (self.weights * y.T).T
+        moment = a.T @ weighted
         for b, rows in enumerate(self.problem.blocks):
             count[rows] += 1.0
-            residual[rows] += self.problem.response[rows]
+            residual[rows] += y[rows]
             if len(columns):
                 grid = np.ix_(columns, columns)
-                left = self._total[grid] - near[0][b][grid]
+                left = self._total[grid] - near[b][grid]
                 left += np.diag(self._ridge(columns))
-                c = np.linalg.solve(left, self._moment[columns] - near[1][b][columns])
+                out = self.problem.excluded[b]
+                c = np.linalg.solve(left, moment - a[out].T @ weighted[out])
                 residual[rows] -= self._matrix[rows][:, columns] @ c
-        return residual / np.maximum(count, 1.0)
+        return np.asarray((residual.T / np.maximum(count, 1.0)).T)
 
     def _ridge(self, columns: NDArray[np.intp]) -> Array:
         diagonal = np.diag(self._total)[columns]
@@ -354,3 +362,16 @@ def noise_weights(
     # a fit without residuals still has the rounding of its numbers
     least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
     return weights / math.sqrt(float(e @ e) / count + least + NOTHING), z
+
+
+def noise_at(regression: BlockRegression, rows: Any) -> Array:
+    """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
+    problem, own = regression.problem, 1.0 / regression.weights
+    own = np.minimum(own, 3.0 * float(np.median(own)))
+    known = np.log(problem.speeds(problem.rows))
+    order = np.argsort(known, kind="stable")
+    at = np.log(problem.speeds(rows))
+    above = np.clip(np.searchsorted(known[order], at), 1, len(known) - 1)
+    near = np.where(at - known[order][above - 1] <= known[order][above] - at, above - 1, above)
+    # of rows with the same speed, the first
+    return np.asarray(own[order[np.searchsorted(known[order], known[order][near])]])

@@ -40,6 +40,7 @@ def select_table(
     words = Words(
         measured="readings",
         held_out="speeds",
+        response="friction",
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
@@ -107,6 +108,7 @@ def select_record(
     words = Words(
         measured="record",
         held_out="stretches",
+        response="force" if problem.finds_inertia else "friction",
         force_unit=measurement.unit("friction" if records[0].friction else "force"),
         speed_unit=measurement.unit("velocity"),
     )

@@ -58,6 +58,12 @@ class Thresholds:
     """... and share by which its held-out error is smaller: on a record all is significant."""
     second: float = 0.85
     """Share of readings of a second measurement in the 95 % band below which it differs."""
+    pattern_chance: float = 0.05
+    """Part of the rehearsals up to which what is left is said to follow a feature ..."""
+    pattern: float = 0.01
+    """... if that is this share of the force at least, ..."""
+    pattern_of_scatter: float = 0.15
+    """... or the scatter follows it by this share (study: what is left)."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 

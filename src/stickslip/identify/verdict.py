@@ -1,8 +1,10 @@
 """The verdict: a law, a band that holds whichever law does, and what would narrow it."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -21,6 +23,7 @@ from stickslip.identification import (
 )
 from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
@@ -37,6 +40,8 @@ from stickslip.identify.wording import (
     no_law,
     outlier_sentence,
     parameter_sentence,
+    pattern_sentence,
+    phrase_of,
     second_sentence,
     title_of,
 )
@@ -247,6 +252,18 @@ class BandVerdict(Verdict[LawCandidate]):
         return self.judgement.causes
 
     @property
+    def patterns(self) -> tuple[Pattern, ...]:
+        """What the residuals of the named law follow, and their scatter, stated or not."""
+        return self.judgement.patterns
+
+    @property
+    def curve_share(self) -> float:
+        """Share of the curve as measured, which is no law, in the band."""
+        problem, comparison = self.judgement.problem, self.judgement.ensemble.comparison
+        both = zip(comparison.structures, comparison.shares.tolist(), strict=True)
+        return min(math.fsum(p for one, p in both if not problem.is_law(one)), 1.0)
+
+    @property
     def explained(self) -> bool:
         """Whether a law predicts as well as the measured curve."""
         return not no_law(self.judgement)
@@ -366,11 +383,12 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @override
     def _details(self) -> Mapping[str, Any]:
+        problem = self.judgement.problem
         return {
-            "law_sentence": self.words.verdict.replace("$", ""),
-            "band_sentence": self.words.lede.replace("$", ""),
             "explained": self.explained,
             "set": [list(one) for one in self.set],
+            "curve_share": self.curve_share,
+            "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
             "band": {
                 "velocity": self.speeds.tolist(),
                 "low": self.friction.low.tolist(),
@@ -390,15 +408,51 @@ class BandVerdict(Verdict[LawCandidate]):
                 for one in self.parameters
             ],
             "causes": [
-                {"term": one.term, "title": one.title, "share": one.share, "left": one.left}
+                {
+                    "term": one.term,
+                    "role": problem.terms[one.term].role,
+                    "title": one.title,
+                    "share": one.share,
+                    "left": one.left,
+                }
                 for one in self.causes
             ],
+            "patterns": [
+                {
+                    "of": "scatter" if one.scatter else "residuals",
+                    "feature": one.feature,
+                    "share": one.share,
+                    "of_force": one.of_force,
+                    "p": one.p,
+                    "stated": one.stated,
+                }
+                for one in self.patterns
+            ],
             "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()}
-            if self.judgement.problem.independent
+            if problem.independent
             else {},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None if self.second is None else self.inside,
         }
+
+    @staticmethod
+    def schema() -> Mapping[str, Any]:
+        """Return the JSON schema of `to_dict`, and of ``verdict.json`` with its heading.
+
+        Returns
+        -------
+        mapping
+            JSON schema of draft 2020-12.
+
+        Examples
+        --------
+        >>> from stickslip.results import BandVerdict
+        >>> BandVerdict.schema()["properties"]["units"]["required"]
+        ['velocity', 'friction']
+        """
+        text = files("stickslip.identify").joinpath("verdict.schema.json").read_text("utf-8")
+        found: Mapping[str, Any] = json.loads(text)
+        return found
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
@@ -491,14 +545,15 @@ def verdict_on(
     )
     first = candidates[0]
     assert first.fit is not None
-    title = title_of(judgement, comparison.named)
+    phrase = phrase_of(judgement, comparison.named)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
-    said = [parameter_sentence(a, b, title) for a, b in zip(own, every, strict=True)]
+    said = [parameter_sentence(a, b, phrase) for a, b in zip(own, every, strict=True)]
     sizes = {one.path: one for one in every}
     doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
+    doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
@@ -506,7 +561,8 @@ def verdict_on(
     doubts += [*remarks, UNMEASURED]
     advice = []
     if proposal.places and proposal.shrinks < WORTH:
-        advice.append(advice_sentence(proposal, place_text))
+        by_speed = np.argsort(places, kind="stable")
+        advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
     return BandVerdict(
         mechanism=mechanism,
         measurement=measurement,

@@ -1,9 +1,9 @@
 """Every sentence of a verdict, in one place: the law, the band, and what narrows it.
 
-There are ten kinds: which law; how well friction is known; each parameter; laws that are not told
-apart; a cause beside the law, with the share it explains; readings far from the others; what the
-order of the readings hides; what a second measurement says; what other measurements would differ
-by; what to measure next.
+There are eleven kinds: which law; how well friction is known; each parameter; laws that are not
+told apart; a cause beside the law, with the share it explains; a feature that what is left follows;
+readings far from the others; what the order of the readings hides; what a second measurement says;
+what other measurements would differ by; what to measure next.
 """
 
 import itertools
@@ -27,6 +27,7 @@ from stickslip.friction import law as law_class
 from stickslip.identification import Estimate
 from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Judgement
 from stickslip.identify.problem import Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -37,7 +38,7 @@ BESIDE = ("rig", "run", "fault")
 PLACES = 5
 """Places of measurement that a sentence names at most."""
 NAMED = 3
-"""Laws that a sentence names at most."""
+"""Laws, terms, readings and places that a sentence names at most."""
 
 
 @final
@@ -49,6 +50,8 @@ class Words:
     """What was measured, such as ``"readings"``."""
     held_out: str
     """What is predicted from the others, such as ``"speeds"``."""
+    response: str
+    """What is predicted of these: ``"friction"``, or the ``"force"`` of a balance."""
     force_unit: str
     speed_unit: str
 
@@ -70,6 +73,14 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
     return title
+
+
+def phrase_of(judgement: Judgement, structure: Structure) -> str:
+    """Return the friction of a structure as one says it; terms that are no law as they are."""
+    title = title_of(judgement, structure)
+    fit = judgement.ensemble.fit(structure)
+    composed = judgement.problem.composition(structure, fit.coefficients[None])
+    return friction_of(title) if composed.text else in_sentence(title)
 
 
 def beside_of(judgement: Judgement, structure: Structure) -> str:
@@ -96,27 +107,38 @@ def no_law(judgement: Judgement) -> bool:
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
-    title, own = title_of(judgement, comparison.named), beside_of(judgement, comparison.named)
-    titles = dict.fromkeys(title_of(judgement, one) for one in comparison.set)
-    others = [in_sentence(one) for one in titles if one != title]
+    named, own = comparison.named, beside_of(judgement, comparison.named)
+    phrase = phrase_of(judgement, named)
+    others = _others(judgement, title_of(judgement, named), own)
     if no_law(judgement):
         return (
             f"No law explains the {words.measured}: a curve over the speed predicts held-out"
-            f" {words.held_out} better. {friction_of(title)[:1].upper()}{friction_of(title)[1:]} is"
-            " the closest."
+            f" {words.held_out} better. {capital(phrase)}{own} is the closest."
         )
     if not comparison.named:
         return f"No friction stands above the noise of the {words.measured}."
-    said = f"Use {friction_of(title)}{own}"
+    said = f"Use {phrase}{own}"
     if not others:
         return f"{said}."
-    more = [*others[:NAMED], f"{len(others) - NAMED} more"] if len(others) > NAMED else others
+    more = others if len(others) < NAMED else [others[0], f"{len(others) - 1} more"]
     these = (
         f"these {words.measured} do"
         if words.measured.endswith("s")
         else (f"this {words.measured} does")
     )
     return f"{said}; {these} not tell it from {joined(more)}."
+
+
+def _others(judgement: Judgement, title: str, own: str) -> list[str]:
+    """Return laws that are not told apart, with what stands beside them where that is other."""
+    found = dict[str, None]()
+    for one in judgement.comparison.set[1:]:
+        beside = beside_of(judgement, one)
+        other = in_sentence(title_of(judgement, one))
+        if beside != own or other == in_sentence(title):
+            other += beside or " alone"
+        found[other] = None
+    return [*found]
 
 
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
@@ -143,26 +165,26 @@ def error_sentence(judgement: Judgement, words: Words) -> str:
     """Return how well the named law predicts what is held out."""
     error = judgement.held_out_error(judgement.named)
     size = float(np.sqrt(np.mean(judgement.problem.response**2)))
-    share = f", {percent(error / size)} of the friction" if size > 0.0 else ""
+    share = f", {percent(error / size)} of the {words.response}" if size > 0.0 else ""
     return (
         f"The law predicts held-out {words.held_out} to"
         f" {quantity(error, words.force_unit, 2)}{share} (root mean square)."
     )
 
 
-def parameter_sentence(estimate: Estimate, other: Estimate, title: str) -> str:
+def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     """Return an interval under the named law, and whichever law of the set has the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
-    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {friction_of(title)} holds"
+    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {phrase} holds"
     if (other.low, other.high) != (estimate.low, estimate.high):
-        said += f", {interval(other.low, other.high)} whichever law does"
+        said += f", {interval(other.low, other.high)} over all laws that have it"
     return f"{said}."
 
 
 def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     """Return a property of the rig or a fault, with the share that it explains."""
-    what = capital(cause.title) + (f": {size}" if size else "")
+    what = capital(cause.title) + (f": {_sized(size)}" if size else "")
     if size is not None and size.low <= 0.0 <= size.high:
         return f"{what}, consistent with zero."
     if cause.left > 0.5:
@@ -171,6 +193,28 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+
+
+def _sized(size: Estimate) -> str:
+    """Return an estimate with its interval, where there is one: some shapes are of a grid."""
+    if size.low < size.high:
+        return str(size)
+    return f"{size.quantity.symbol} = {with_unit(number(size.value, 2), size.quantity.unit)}"
+
+
+def pattern_sentence(pattern: Pattern, words: Words) -> str:
+    """Return which feature what the law leaves follows; a feature is no cause."""
+    share = percent(pattern.share)
+    if pattern.scatter:
+        return (
+            f"The scatter about the law follows the {pattern.feature}, which explains {share} of"
+            f" its logarithm in held-out {words.held_out}."
+        )
+    return (
+        f"What the law leaves follows the {pattern.feature}: {share} of the squared error of"
+        f" held-out {words.held_out}, {percent(pattern.of_force)} of the"
+        f" {words.response}."
+    )
 
 
 def group_sentence(titles: Sequence[str], words: Words) -> str:
@@ -205,19 +249,20 @@ OTHERS = (
 
 
 def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
-    """Return what to measure next, and what it is expected to gain."""
+    """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}
     for place in places:
         counts[place] = counts.get(place, 0) + 1
-    parts = [
-        place if count == 1 else f"{place} ({count} readings)" for place, count in counts.items()
-    ]
-    if len(parts) > PLACES:
-        more = len(parts) - PLACES + 1
-        parts = [*parts[: PLACES - 1], f"{more} more velocities ({len(places)} readings in all)"]
+    expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
+    if len(counts) <= PLACES:
+        named = [place if n == 1 else f"{place} ({n} readings)" for place, n in counts.items()]
+        return f"Measure at {joined(named)}: {expected}."
+    most = sorted(counts, key=lambda place: -counts[place])[:NAMED]
+    named = [f"{place} ({counts[place]})" for place in counts if place in most]
+    first, *_, last = counts
     return (
-        f"Measure at {joined(parts)}: the band is then expected to be"
-        f" {percent(proposal.shrinks)} as wide."
+        f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
+        f" them at {joined(named)}: {expected}."
     )
 
 

@@ -48,6 +48,7 @@ INSIDE = {
     "Colour": "core.sparklines",
     "ContactsReport": "runs",
     "ERRORS": "core.sparklines",
+    "MOST": "core.blocks",
     "Origin": "core.documents",
     "PageSections": "core.documents",
     "RunReport": "runs",

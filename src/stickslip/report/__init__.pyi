@@ -11,6 +11,7 @@ from stickslip.report.core.blocks import Figure as Figure
 from stickslip.report.core.blocks import Gallery as Gallery
 from stickslip.report.core.blocks import KeyValue as KeyValue
 from stickslip.report.core.blocks import KeyValues as KeyValues
+from stickslip.report.core.blocks import MOST as MOST
 from stickslip.report.core.blocks import Math as Math
 from stickslip.report.core.blocks import Note as Note
 from stickslip.report.core.blocks import Panel as Panel

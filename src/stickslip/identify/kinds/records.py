@@ -48,6 +48,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identification import applied_force, known_forces, mass_of
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
+from stickslip.identify.kinds.features import features_along, features_in_steady_motion
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
@@ -865,6 +866,12 @@ class RecordsProblem(Problem):
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return the speed, with which noise grows."""
         return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
+
+    @override
+    def features(self, rows: Any) -> Mapping[str, Array]:
+        """Return what rows may be told apart by."""
+        steady = isinstance(rows, Steady)
+        return features_in_steady_motion(rows) if steady else features_along(rows)
 
     @cached_property
     def _twins(self) -> list["RecordsProblem"]:

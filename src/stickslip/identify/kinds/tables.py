@@ -20,7 +20,17 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import stretches_of
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
-from stickslip.identify.problem import Array, Family, Mask, Points, Problem, Shape, Structure, Term
+from stickslip.identify.problem import (
+    SIDE,
+    Array,
+    Family,
+    Mask,
+    Points,
+    Problem,
+    Shape,
+    Structure,
+    Term,
+)
 from stickslip.mechanisms import Mechanism
 
 LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
@@ -216,6 +226,18 @@ class TableProblem(Problem):
     def speeds(self, rows: Rows) -> Array:
         """Return the speeds of rows (n,)."""
         return np.maximum(rows.speed, 1e-3 * self.frame.slowest)
+
+    @override
+    def features(self, rows: Rows) -> Mapping[str, Array]:
+        """Return what readings may be told apart by; rows of any run have no order."""
+        stated = rows.run >= 0
+        return {
+            SIDE: rows.direction,
+            "speed": self.speeds(rows),
+            "load": rows.load,
+            **rows.inputs,
+            "order of the readings": np.where(stated, rows.order, np.nan),
+        }
 
     @override
     def variants(self, rows: Rows) -> Sequence[Rows]:

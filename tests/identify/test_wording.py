@@ -1,0 +1,115 @@
+"""Sentences of a verdict: what a reader has to tell apart is told apart."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Measurement, select
+from stickslip.identification import Estimate
+from stickslip.identify.advice import Proposal
+from stickslip.identify.explorer import Pattern
+from stickslip.identify.judge import Cause
+from stickslip.identify.laws import TITLES, Composition
+from stickslip.identify.page import laws_section, remarks_section, verdict_sections
+from stickslip.identify.wording import (
+    Words,
+    advice_sentence,
+    cause_sentence,
+    pattern_sentence,
+    phrase_of,
+)
+from stickslip.quantities import Quantity
+from stickslip.report import MOST, Origin
+
+WORDS = Words(
+    measured="record", held_out="stretches", response="force", force_unit="N", speed_unit="m/s"
+)
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    v = np.geomspace(0.05, 1.0, 14)
+    noise = 0.02 * np.random.default_rng(2).normal(size=14)
+    return select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+
+
+def test_few_places_are_listed_and_many_are_counted():
+    proposal = Proposal(places=(0, 0, 1), shrinks=0.5)
+    few = advice_sentence(proposal, ["1 m/s", "1 m/s", "2 m/s"])
+    assert few.startswith("Measure at 1 m/s (2 readings) and 2 m/s: ")
+    many = [f"{k} m/s" for k in range(1, 10) for _ in range(1 + (k == 4))]
+    said = advice_sentence(Proposal(places=tuple(range(10)), shrinks=0.5), many)
+    assert said.startswith("Take 10 readings at 9 velocities from 1 m/s to 9 m/s")
+    assert "4 m/s (2)" in said
+
+
+@pytest.mark.parametrize(
+    ("scatter", "said"),
+    [(False, "follows the place: 25 % of the squared error"), (True, "The scatter about the law")],
+)
+def test_a_pattern_is_said_with_its_feature_and_share(scatter, said):
+    pattern = Pattern(
+        feature="place", scatter=scatter, share=0.25, of_force=0.02, p=0.01, material=True
+    )
+    sentence = pattern_sentence(pattern, WORDS)
+    assert said in sentence
+    assert "25 %" in sentence
+    assert ("2 % of the force" in sentence) != scatter
+
+
+def test_laws_that_are_not_told_apart_have_other_names(verdict):
+    assert len(verdict.set) > 1
+    others = verdict.sentence.partition("tell it from ")[2]
+    assert others
+    assert verdict.closest.title.lower() not in {one.strip(". ") for one in others.split(",")}
+
+
+def test_the_page_says_nothing_twice(verdict):
+    origin = Origin(title="Axis", data="a table", file="axis.toml")
+    sections = [make() for make in verdict_sections(verdict, origin, "")]
+    text = [str(one.blocks) for one in sections if one is not None]
+    for line in verdict.words.cannot_tell + verdict.words.measure_next:
+        assert sum(line.replace("$", "") in part.replace("$", "") for part in text) == 1
+    long = SimpleNamespace(words=SimpleNamespace(cannot_tell=("a",) * MOST + ("b",)))
+    assert [one.value for one in remarks_section(long).blocks[0].items] == ["b"]
+
+
+def test_shares_of_the_table_of_laws_include_the_measured_curve(verdict):
+    (table,) = laws_section(verdict).blocks
+    assert len(table.rows) == len(verdict.candidates) + 1
+    assert table.rows[-1].cells[0].text == "Curve as measured"
+    assert verdict.curve_share >= 0.2
+
+
+@pytest.mark.parametrize(
+    ("text", "phrase"),
+    [("", "level + level that differs by direction"), ("level + viscous", "Coulomb + viscous")],
+)
+def test_terms_that_are_no_law_are_said_as_they_are(text, phrase):
+    def term(name):
+        return SimpleNamespace(title=TITLES[name], role="law")
+
+    judgement = SimpleNamespace(
+        ensemble=SimpleNamespace(fit=lambda _: SimpleNamespace(coefficients=np.ones(2))),
+        problem=SimpleNamespace(
+            composition=lambda *_: Composition(text=text, values={}),
+            terms={name: term(name) for name in ("level", "level_direction")},
+        ),
+    )
+    found = phrase_of(judgement, (("level", ()), ("level_direction", ())))
+    assert found == (f"{phrase} friction" if text else phrase)
+
+
+def test_a_size_without_an_interval_has_none():
+    delay = Quantity("t_d", "s")
+    cause = Cause(term="delay", title="delay of the force", share=0.4, left=0.01)
+    one = Estimate(
+        path="delay", quantity=delay, value=-0.00436, low=-0.00436, high=-0.00436, interval="95 %"
+    )
+    assert cause_sentence(cause, one, WORDS).startswith(
+        "Delay of the force: t_d = −0.0044 s: it takes 40 % off"
+    )
+    known = replace(one, low=-0.005, high=-0.004)
+    assert "−0.0050 to −0.0040" in cause_sentence(cause, known, WORDS)
