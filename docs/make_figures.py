@@ -252,11 +252,10 @@ ARROWS = (
 JUDGED = (
     (130, 40, "measurement and mechanism:\nrows, blocks, terms", False),
     (130, 130, "Search: structures by their\nheld-out losses, block by block", False),
-    (130, 220, "Weights from what the best\nstructure leaves", False),
-    (430, 40, "Scores bounded by block,\nshares by Bayesian bootstrap;\n"
-     "the measured curve has a fifth", False),
-    (430, 145, "Named: the family with the most\nevidence; not told apart: those\n"
-     "within 2.5 of it", False),
+    (130, 220, "Weights from what the most\nevident family leaves", False),
+    (430, 40, "Scores bounded by block; shares by\nbootstrap and likelihood;\n"
+     "the measured curve has a tenth", False),
+    (430, 145, "Named: the family with the most\nevidence; not told apart: odds\nof less than 20", False),
     (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
      True),
     (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),
