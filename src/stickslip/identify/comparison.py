@@ -20,7 +20,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.identify.evidence import evidence_of, priors_of
+from stickslip.identify.evidence import evidence_of, price_of, priors_of
 from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import DIGITS, Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
@@ -133,7 +133,7 @@ def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:
     """Return the geometric means of shares (s,) and posterior probabilities, in sum 1."""
     problem, structures = search.problem, search.structures
     log = search.regression.marginal(structures) + np.log(priors)
-    log -= THRESHOLDS.unusual * np.array([problem.rank(one) for one in structures])
+    log -= np.array([price_of(problem, one) for one in structures])
     mean = 0.5 * (np.log(shares + LEAST) + log)
     both = np.exp(mean - mean.max())
     return np.asarray(both / both.sum())

@@ -231,6 +231,11 @@ class Problem(ABC):
         """Return how unusual the terms of a structure are, together."""
         return sum(self.terms[name].rank for name, _ in structure)
 
+    def is_usual(self, structure: Structure) -> bool:
+        """Return whether a law is one that the field uses, whatever runs and faults do beside it."""
+        parts = {name for name, _ in structure if self.terms[name].role not in ("run", "fault")}
+        return parts in [set(family) for family in self.usual]
+
     def beside_curve(self, structure: Structure) -> Structure:
         """Return the columns of a structure that the measured curve does not stand for."""
         if self.curved is not None:

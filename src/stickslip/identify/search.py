@@ -154,7 +154,7 @@ class Search:
     def _is_determined(self, structure: Structure, *, usual: bool = False) -> bool:
         """Return whether blocks and rows are more than parameters by enough.
 
-        With fewer, one of a hundred shapes is always exact by chance; usual laws may be exact.
+        With fewer, one of a hundred shapes is always exact by chance; usual laws need less.
         """
         problem, blocks = self.problem, len(self.problem.blocks)
         laws = tuple(one for one in structure if problem.terms[one[0]].role == "law")
@@ -224,7 +224,7 @@ class Search:
                 structure
                 for place, forms in enumerate(best_of.values())
                 if place < THRESHOLDS.families
-                or (every and self._is_usual(next(iter(forms.values()))))
+                or (every and self.problem.is_usual(next(iter(forms.values()))))
                 for structure in (forms.values() if every else [next(iter(forms.values()))])
             ]
             # what is named beside a law has to be needed with the best shapes of the law alone
@@ -247,12 +247,6 @@ class Search:
             for value, step in zip(shape, terms[name].steps, strict=False)
             if step == 1.0
         )
-
-    def _is_usual(self, structure: Structure) -> bool:
-        """Return whether the law of a structure is a usual one, whatever stands beside it."""
-        terms = self.problem.terms
-        law = {name for name, _ in structure if terms[name].role not in ("run", "fault")}
-        return law in [set(family) for family in self.problem.usual]
 
     def _laws_of(self, structures: Sequence[Structure]) -> list[Structure]:
         """Return the best shapes that the laws of structures have without faults beside them."""

@@ -43,7 +43,9 @@ class Thresholds:
     """Evidence that each place in the order of terms from usual to unusual costs (study: names)."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
-    odds: float = 20.0
+    unknown: float = 2.0
+    """Evidence that a sum of terms costs which is no law that the field uses (study: names)."""
+    odds: float = 50.0
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
