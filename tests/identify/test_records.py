@@ -9,17 +9,16 @@ from stickslip import Axis, Measurement, Pendulum
 from stickslip.errors import InputError
 from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import (
+from stickslip.identify.kinds.record_signals import (
     Filter,
     Record,
-    RecordsProblem,
     bristle,
     coasting,
     followed,
     noise_of,
-    readings,
     records_of,
 )
+from stickslip.identify.kinds.records import RecordsProblem, readings
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 

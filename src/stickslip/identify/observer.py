@@ -33,7 +33,9 @@ from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import Record, RecordsProblem, mean_frequency, noise_of
+from stickslip.identify.kinds.record_frame import mean_frequency
+from stickslip.identify.kinds.record_signals import Record, noise_of
+from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer

@@ -13,7 +13,8 @@ from stickslip.identification import load_of
 from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import band_of
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.records import RecordsProblem, readings, records_of
+from stickslip.identify.kinds.record_signals import records_of
+from stickslip.identify.kinds.records import RecordsProblem, readings
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.requests import families_of
