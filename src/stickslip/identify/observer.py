@@ -444,7 +444,7 @@ class Observer:
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
-        if not self.possible:
+        if not self.possible or self.problem.free:
             return self.ensemble
         candidates = self._candidates()
         if not candidates:

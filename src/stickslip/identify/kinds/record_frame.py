@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, noise_of
+from stickslip.identify.problem import Array
 
 STRETCHES = 20
 """Stretches that records are cut into, which are left out one at a time."""
@@ -14,8 +15,19 @@ SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
 WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
+FREE = float(__import__("os").environ.get("FREE", "4"))
+"""Band of a free motion over its mean frequency: its energy is that of all harmonics."""
+ONE_WAY = 0.9
+"""Distance between the ends over the range from which a motion goes on in one direction."""
+FREE_SAMPLED = 0.35
+"""Its largest band over the sampling rate."""
 SAMPLED = 0.15
 """Largest band over the sampling rate."""
+BEND = 0.5
+"""Logarithm of speeds over which the curve bends by its prior."""
+FINE = float(__import__("os").environ.get("FINE", "0.25"))
+BEYOND = 2
+"""Knots beyond the measured speeds on either side."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
 
@@ -68,6 +80,24 @@ def alike(records: Sequence[Record], first: Record) -> list[Record]:
     return list(records)
 
 
+def free_form(records: Sequence[Record]) -> str:
+    """Return how a free motion is integrated: its momentum where it goes on, else its work."""
+    if any(np.any(one.force) or one.friction for one in records):
+        return ""
+    on = [abs(float(one.position[-1] - one.position[0])) / (np.ptp(one.position) + 1e-300)
+          for one in records]  # fmt: skip
+    return "momentum" if min(on) > ONE_WAY else "work"
+
+
+def balanced_band(records: Sequence[Record], inertia: float) -> float:
+    """Return the band [Hz] in which the force balance of a free motion shows its friction."""
+    h = max(float(np.median(np.diff(one.time))) for one in records)
+    low = min(NARROWEST * mean_frequency(records), SAMPLED / h)
+    left = Along(records, None, low)
+    allowed = 0.1 * float(np.std(left.force - inertia * left.acceleration))
+    return float(np.clip(_allowed_band(records, allowed / inertia), low, SAMPLED / h))
+
+
 def band_for(records: Sequence[Record]) -> float:
     """Return the band [Hz] in which noise of the motion costs little of the force."""
     h = max(float(np.median(np.diff(one.time))) for one in records)
@@ -79,6 +109,10 @@ def band_for(records: Sequence[Record]) -> float:
     first = records[0]
     if first.friction:
         return top
+    free = free_form(records)
+    if free:
+        least = STRETCHES / longest
+        return float(min(max(FREE * mean if free == "work" else 0.0, least), FREE_SAMPLED / h))
     trial = Along(records, None, min(20.0 * mean + low, top))
     if first.inertia is None:
         v = trial.seen(trial.velocity)
@@ -88,11 +122,38 @@ def band_for(records: Sequence[Record]) -> float:
     else:
         inertia = first.inertia
     allowed = SHARE * float(np.std(trial.force))
-    if not np.any(trial.raw):  # a free motion: friction is what is left
-        left = Along(records, None, low)
-        allowed = 0.1 * float(np.std(left.force - inertia * left.acceleration))
     band = _allowed_band(records, allowed / max(inertia, 1e-300))
     return float(np.clip(band, low, top))
+
+
+def _bending(knots: Array) -> tuple[Array, Array, Array]:
+    """Return eigenvectors (k, k) and values (k,) of the bending of a curve, and further knots (k,).
+
+    The slope of the curve walks at random over the logarithm of the speed, also beyond the speeds
+    that were measured, and there with half the stiffness.
+    """
+    beyond = BEND * np.arange(1, BEYOND + 1)
+    every = np.concatenate([knots[0] - beyond[::-1], knots, knots[-1] + beyond])
+    gaps = np.diff(every)
+    slopes = np.diff(np.eye(len(every)), axis=0) / gaps[:, None]
+    between = 0.5 * (gaps[1:] + gaps[:-1])
+    bend = np.diff(slopes, axis=0) * (BEND**1.5 / np.sqrt(between))[:, None]
+    bend[:BEYOND] *= math.sqrt(0.5)
+    bend[-BEYOND:] *= math.sqrt(0.5)
+    values, basis = np.linalg.eigh(bend.T @ bend)
+    return basis, np.where(values < 1e-8 * values.max(), 0.0, values), every
+
+
+def _unit(rows: Along) -> float:
+    """Return the standard deviation of what a force of 1 N does in a record."""
+    found = 0.0
+    for q, filt in zip(rows.ways, rows.filters, strict=True):
+        lasts = filt.step * (len(q) - 1)
+        done = float(np.sum(np.abs(np.diff(q)))) if rows.free == "work" else lasts
+        spread = done / math.sqrt(12.0)
+        # what is left of a parabola beside a line
+        found += lasts**2 / math.sqrt(720.0) if rows.moves and rows.free == "momentum" else spread
+    return found / len(rows.records) or 1.0
 
 
 def frame_of(rows: Along, band: float) -> Frame:
@@ -100,10 +161,12 @@ def frame_of(rows: Along, band: float) -> Frame:
     speed = np.abs(rows.seen(rows.velocity))
     top = float(np.quantile(speed, 0.99))
     low = max(top / 200.0, float(np.quantile(speed, 0.02)))
-    knots = np.unique(np.log(np.maximum(np.quantile(speed, np.linspace(0.02, 1.0, KNOTS)), low)))
-    bend = np.diff(np.eye(len(knots)), 2, axis=0)
-    values, basis = np.linalg.eigh(bend.T @ bend)
-    values = np.where(values < 1e-8 * values.max(), 0.0, values)
+    if rows.free:
+        knots = np.linspace(math.log(low), math.log(top), math.ceil(math.log(top / low) / FINE) + 1)
+    else:
+        quantiles = np.quantile(speed, np.linspace(0.02, 1.0, KNOTS))
+        knots = np.unique(np.log(np.maximum(quantiles, low)))
+    basis, values, knots = _bending(knots)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
     varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(
@@ -126,5 +189,5 @@ def frame_of(rows: Along, band: float) -> Frame:
         knots=knots,
         basis=basis,
         bending=values,
-        size=float(np.sqrt(np.mean(rows.force**2))) or 1.0,
+        unit=_unit(rows),
     )

@@ -29,6 +29,8 @@ MOST_ROWS = 5000
 """Rows of all records; beyond it fewer for each 1/fc, three at least."""
 STILL = 8.0
 """Range of positions within 1/fc that is rest, over their noise."""
+LEAST_ENERGY = 0.02
+"""Part of the energy that is lost from which its noise grows no less."""
 FEWEST = 60
 """Samples of a record at least."""
 CALM = 0.7
@@ -329,15 +331,17 @@ class Frame:
     """Eigenvectors of its bending (k, k)."""
     bending: Array
     """Their eigenvalues (k,)."""
-    size: float
-    """Root mean square of the response [N]."""
+    unit: float
+    """What the work or impulse of free motions is divided by: of a steady force it has its size."""
 
 
 @final
 class Along:
     """Signals along records: full columns (n,) by name, and the filter that makes rows of them."""
 
-    def __init__(self, records: Sequence[Record], frame: Frame | None, band: float) -> None:
+    def __init__(
+        self, records: Sequence[Record], frame: Frame | None, band: float, *, free: str = ""
+    ) -> None:
         self.records = [one.on(_even(one.time)) for one in records]
         total = sum(one.time[-1] - one.time[0] for one in self.records)
         per = float(np.clip(MOST_ROWS / (total * band), 0.5 * ROWS, ROWS))
@@ -349,7 +353,7 @@ class Along:
                     count=len(one.time), step=h, band=band, every=max(int(1 / (per * band * h)), 1)
                 )
             )
-        self.band, self._frame = band, frame
+        self.band, self._frame, self.free = band, frame, free
         lengths = [len(one.time) for one in self.records]
         self._cuts = np.cumsum(lengths)[:-1]
         self._kept = [self._used(k) for k in range(len(lengths))]
@@ -369,6 +373,99 @@ class Along:
         return self.rows_of(
             [f(one, **options) for f, one in zip(self.filters, pieces, strict=True)]
         )
+
+    def acting(self, x: Array) -> Array:
+        """Return what a force (n, ...) does at the rows.
+
+        As the filter shows it, or of a free motion what it has done since the start.
+        """
+        return self._centred(self._done(x)) if self.free else self.seen(x)
+
+    def _done(self, x: Array) -> list[Array]:
+        """Return the work of a force (n, ...), or its impulse, or what moves by it, every few."""
+        parts = []
+        for force, q, filt in zip(np.split(x, self._cuts), self.ways, self.filters, strict=True):
+            if self.free == "work":
+                done = _summed(force, np.diff(q))
+            else:
+                done = _summed(force, filt.step)
+                done = _summed(done, filt.step) if self.moves else done
+            parts.append(done[:: filt.every] / self.frame.unit)
+        return parts
+
+    def _centred(self, parts: Sequence[Array]) -> Array:
+        """Return rows (n, ...) less what depends on where and how the motion of a record began."""
+        found = []
+        for x, rows, basis in zip(parts, self._kept, self._begun, strict=True):
+            own = x[rows]
+            found.append(own - basis[0] @ (basis[1] @ own))
+        return np.concatenate(found)
+
+    @cached_property
+    def _begun(self) -> list[tuple[Array, Array]]:
+        """Columns (n, k) of what is open at the start of each record, and their pseudoinverse."""
+        found = []
+        for rows, energy in zip(self._kept, self._energies, strict=True):
+            n = int(rows.sum())
+            x = np.ones((n, 1))
+            if self.free == "momentum" and self.moves:
+                x = np.column_stack([x, np.linspace(-1.0, 1.0, len(rows))[rows]])
+            # noise of the energy grows as its root
+            weight = 1.0 / energy[:, None] if self.free == "work" else np.ones((n, 1))
+            found.append((x, np.linalg.pinv(x.T @ (weight * x)) @ (weight * x).T))
+        return found
+
+    @property
+    def moves(self) -> bool:
+        """Whether positions were measured, and no velocities."""
+        return self.records[0].velocity is None
+
+    @cached_property
+    def ways(self) -> list[Array]:
+        """Positions of each record as the filter shows them (n,) [m]."""
+        return [
+            filt(one.position, full=True)
+            for one, filt in zip(self.records, self.filters, strict=True)
+        ]
+
+    @cached_property
+    def _lost(self) -> list[Array]:
+        """What friction has done since the start, every few samples: as `_done` of its force."""
+        found = []
+        given = self._done(self._shown)
+        for one, filt, done, q in zip(self.records, self.filters, given, self.ways, strict=True):
+            v = filt(one.position, slope=1, full=True) if self.moves else None
+            if one.velocity is not None:
+                v = filt(one.velocity, full=True)
+            assert v is not None
+            has = 0.5 * v * v if self.free == "work" else q if self.moves else v
+            found.append(done - (one.inertia or 0.0) * has[:: filt.every] / self.frame.unit)
+        return found
+
+    @cached_property
+    def _energies(self) -> list[Array]:
+        """Energy that is left at the rows of each record, at least a part of what is lost."""
+        found = []
+        for lost, rows in zip(self._lost, self._kept, strict=True):
+            left = lost[rows].max(initial=-np.inf) - lost[rows]
+            found.append(left + LEAST_ENERGY * np.ptp(lost) + 1e-300)
+        return found
+
+    @property
+    def energy(self) -> Array:
+        """Energy that is left at the rows."""
+        return np.concatenate(self._energies)
+
+    @cached_property
+    def lost(self) -> Array:
+        """What friction has done at the rows, less what depends on the start."""
+        return self._centred(self._lost)
+
+    @cached_property
+    def _shown(self) -> Array:
+        """Known forces of the mechanism (n,) as the filter shows them [N]."""
+        parts = zip(np.split(self._known, self._cuts), self.filters, strict=True)
+        return np.concatenate([filt(x, full=True) for x, filt in parts])
 
     def _full(self, make: Callable[[Record, Filter], Array]) -> Array:
         both = zip(self.records, self.filters, strict=True)
@@ -454,9 +551,11 @@ class Along:
     @cached_property
     def mechanism(self) -> Array:
         """Known forces of the mechanism at the rows [N]."""
-        return self.seen(
-            self._full(lambda one, _: 0.0 * one.time if one.mechanism is None else one.mechanism)
-        )
+        return self.acting(self._shown) if self.free else self.seen(self._known)
+
+    @cached_property
+    def _known(self) -> Array:
+        return self._full(lambda one, _: 0.0 * one.time if one.mechanism is None else one.mechanism)
 
     @cached_property
     def raw(self) -> Array:
@@ -600,6 +699,13 @@ class Along:
         return np.asarray(np.log(np.maximum(np.abs(self.velocity), math.exp(self.frame.knots[0]))))
 
 
+def _summed(x: Array, step: Array | float) -> Array:
+    """Return integrals (n, ...) of values over steps (n - 1,)."""
+    step = np.reshape(step, (-1, *(1,) * (x.ndim - 1)))
+    done = np.cumsum(0.5 * (x[1:] + x[:-1]) * step, axis=0)
+    return np.concatenate([np.zeros_like(done[:1]), done])
+
+
 def _even(time: Array) -> Array:
     step = float(np.median(np.diff(time)))
     return np.asarray(time[0] + step * np.arange(int((time[-1] - time[0]) / step + 1e-6) + 1))
@@ -636,6 +742,8 @@ class Steady:
     def seen(self, x: Array, **options: Any) -> Array:
         """Return a column itself; nothing filters it, and its slope is 0."""
         return 0.0 * x if options.get("slope") else x
+
+    acting = seen
 
     def state(self, *_: float) -> Array:
         """Return the direction."""

@@ -27,6 +27,8 @@ LATEST = 0.1
 """Delays and lags of the force over the period of the motion, at most."""
 RINGS = 0.4
 """Largest resonance over the band."""
+FARTHER = 3.0
+"""How far the curve of a free motion may be from the law beside it, over its bending."""
 WAVES = 2
 """Wave numbers of the place that are looked at."""
 SPEEDS = 7
@@ -43,13 +45,15 @@ def screened(
     Those of the force, then those of the level: of what is left times the direction.
     """
     frame = rows.frame
+    if rows.free == "momentum":  # bristles are stretched before such a motion
+        return [(0.0, 0.0)], [], []
     lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
-    plain = [np.ones(rows.count), rows.seen(rows.velocity)]
+    plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
     plain += [rows.acceleration] if finds_inertia else []
     left: dict[Shape, tuple[float, Array]] = {}
 
     def try_(memory: Shape) -> None:
-        x = np.column_stack([*plain, rows.seen(rows.state(*memory) * rows.load)])
+        x = np.column_stack([*plain, rows.acting(rows.state(*memory) * rows.load)])
         x = x / np.sqrt(np.mean(x * x, axis=0) + 1e-300)
         gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
         e = response - x @ np.linalg.solve(gram, x.T @ response)
@@ -73,13 +77,17 @@ def screened(
         if memory not in best:
             del rows._states[memory]
     try_((0.0, 0.0))
+    if rows.free and min(left.values(), key=lambda one: one[0])[0] > PAIRED * left[0.0, 0.0][0]:
+        return [(0.0, 0.0)], [], []  # swings that fade tell little of bristles
     e = min(left.values(), key=lambda one: one[0])[1]
+    best.sort(key=lambda one: left[one][0])
+    if rows.free:  # what is left of the work is no force of a place
+        return [(0.0, 0.0), *best], [], []
     q, side = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
     most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
     numbers = np.arange(3.0 * math.pi / frame.span, most, 0.5 / frame.span)
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
-    best.sort(key=lambda one: left[one][0])
     first, second = (_peaks(numbers, turning @ one[few]) for one in (e, side * e))
     return [(0.0, 0.0), *best], first, second
 
@@ -88,7 +96,7 @@ def _of_two(
     rows: Along, response: Array, memories: Sequence[Shape], plain: Sequence[Array]
 ) -> Shape | None:
     """Return the shorter of two memories that together leave much less than the best one alone."""
-    states = [rows.seen(rows.state(*one) * rows.load) for one in memories]
+    states = [rows.acting(rows.state(*one) * rows.load) for one in memories]
     x = np.column_stack([*plain, *states])
     x = x / np.sqrt(np.mean(x * x, axis=0) + 1e-300)
     gram, moment = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1]), x.T @ response
@@ -130,6 +138,9 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     frame = rows.frame
     driven = bool(np.any(rows.raw)) and not rows.records[0].friction
     loaded = frame.load != 1.0
+    # the curve of a free motion stands beside a law, from which it goes away by a part of it
+    least = 1.0 / (FARTHER**2 * len(frame.bending)) if rows.free else 0.0
+    bending = np.maximum(frame.bending, least)
     needed = frozenset({"inertia"} if finds_inertia else ())
     lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     ratio = float(lengths[1] / lengths[0])
@@ -141,14 +152,14 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     flows = frozenset({"power", "drag", "saturating"})
 
     def law(of: Callable[[Any, Shape], Array]) -> Callable[[Any, Shape], Array]:
-        return lambda r, s: r.seen(of(r, s))
+        return lambda r, s: r.acting(of(r, s))
 
     def on_state(of: Callable[[Any, Shape], Array]) -> Callable[[Any, Shape], Array]:
         """Return columns of the state of the memory, which the shape begins with."""
 
         def columns(r: Any, shape: Shape) -> Array:
             z, x = r.state(*shape[:2]) * r.load, of(r, shape[2:])
-            return np.asarray(r.seen(z * x if x.ndim == 1 else z[:, None] * x))
+            return np.asarray(r.acting(z * x if x.ndim == 1 else z[:, None] * x))
 
         return columns
 
@@ -156,7 +167,9 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         x = r.knotted()
         hats = np.array([np.interp(x, frame.knots, one) for one in frame.basis.T]).T
         z = (r.state(*shape[:2]) * r.load)[:, None]
-        return np.asarray(r.seen(np.hstack([z * hats, np.abs(z) * hats]) if shape[2] else z * hats))
+        return np.asarray(
+            r.acting(np.hstack([z * hats, np.abs(z) * hats]) if shape[2] else z * hats)
+        )
 
     def of_memory(*own: Shape) -> list[Shape]:
         return [(*memory, *one) for memory in memories for one in own]
@@ -180,7 +193,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
              needs=frozenset({"viscous", "power", "drag"}),
              title=TITLES["viscous_direction"], rank=5),
         Term(name="level_direction", role="law", needs=base,
-             columns=lambda r, s: r.seen(np.abs(r.state(*s)) * r.load), steps=step,
+             columns=lambda r, s: r.acting(np.abs(r.state(*s)) * r.load), steps=step,
              shapes=[one for one in memories if one[0] > 0.0],
              title=TITLES["level_direction"], rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
@@ -219,7 +232,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         Term(name="bow", role="rig", columns=law(lambda r, _: r.place**2), rank=16,
              title="force that bends with the place"),
         Term(name="curve", role="curve", columns=curve, shapes=(), cost=5,
-             precision=lambda shape: shape[3] * np.tile(frame.bending, 1 + int(shape[2])),
+             precision=lambda shape: shape[3] * np.tile(bending, 1 + int(shape[2])),
              title=TITLES["curve"], **on_memory),
     ]  # fmt: skip
     if waves and level_waves:
@@ -294,9 +307,13 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                      limits=(-0.7 * inertia, inertia), rank=16,
                      title="inertia, or gain of the force, other than given")
             )  # fmt: skip
-    left_out: set[str] = set()
-    if len(np.unique(np.sign(rows.direction))) < 2:  # places pass once, as times do
-        left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
+    names, left_out = [one.name for one in terms], set[str]()
+    if len(np.unique(np.sign(rows.direction))) < 2:
+        # places pass once, as times do, and an offset is a level
+        left_out |= {"place", "spring", "bow", "ripple", "level_ripple", "offset"}
+        left_out |= {one for one in names if one.endswith("_direction")}
     if not driven and not rows.records[0].friction:  # a free motion slows with time
-        left_out |= {"drift", "viscous_drift", "offset_drift"}
+        left_out |= {"drift", "viscous_drift", "offset_drift", "bow", "place", "second"}
+        # its energy tells the directions apart no better than what holds the body
+        left_out |= {one for one in names if one.endswith("_direction")}
     return {one.name: one for one in terms if one.name not in left_out}

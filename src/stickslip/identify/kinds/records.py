@@ -44,9 +44,11 @@ from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.kinds.record_frame import (
     STRETCHES,
     alike,
+    balanced_band,
     band_for,
     by_best_sensor,
     frame_of,
+    free_form,
 )
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
 from stickslip.identify.kinds.record_terms import screened, terms_of
@@ -54,6 +56,7 @@ from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure
 from stickslip.identify.thresholds import THRESHOLDS
 
+FREE_SPREAD = float(__import__("os").environ.get("FS", "4"))
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
 TWINS = (0.6, 1.5)
@@ -68,6 +71,10 @@ LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
+FREE_BENDING = tuple(map(float, __import__("os").environ.get("FB", "0.3,0.1,0.03").split(",")))
+"""Bending of the curve of a free motion over its friction."""
+FREE_NATS = 3.0
+"""Price of a parameter of a free motion."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
 NEIGHBOURS = 40
@@ -118,14 +125,18 @@ class RecordsProblem(Problem):
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = band_for(self.records) if like is None else like.frame.band
-        self.rows = Along(self.records, None if like is None else like.frame, band * base)
+        self.free = free_form(self.records) if like is None else like.free
+        frame = None if like is None else like.frame
+        self.rows = Along(self.records, frame, band * base, free=self.free)
         self.frame: Frame = frame_of(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
         self._widths: dict[Column, int] = {}
         self.normal: float = normal if like is None else like.normal
         self.inertia_path: str = inertia_path if like is None else like.inertia_path
         known = 0.0 if first.inertia is None else first.inertia
-        self.response = self.rows.force - known * self.rows.acceleration
+        self.response = (
+            self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
+        )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
         self.always = frozenset({"inertia"} if self.finds_inertia else ())
         if like is None:
@@ -162,12 +173,16 @@ class RecordsProblem(Problem):
         """
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
+        if self.free:  # energies are independent readings
+            return float(min(FREE_NATS / independent, THRESHOLDS.material))
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
     @override
     def scales(self, fitted: Array) -> Sequence[Array]:
-        """Return the speed, with which noise grows."""
+        """Return the speed, with which noise grows, or the root of the energy."""
+        if self.free:
+            return [np.sqrt(self.rows.energy)] if self.free == "work" else []
         return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
 
     @cached_property
@@ -178,7 +193,11 @@ class RecordsProblem(Problem):
     @override
     def twins(self) -> Sequence[Problem]:
         """The same records in other bands."""
-        return self._twins if abs(self.rows.band / self.frame.band - 1.0) < 1e-9 else ()
+        return (
+            self._twins
+            if not self.free and abs(self.rows.band / self.frame.band - 1.0) < 1e-9
+            else ()
+        )
 
     def of(self, records: Sequence[Record]) -> "RecordsProblem":
         """Return other records of the same rig, in the same band and terms."""
@@ -211,17 +230,27 @@ class RecordsProblem(Problem):
     @override
     def points(self, structure: Structure, coefficients: Array) -> Points:
         """Return the response less what a structure says of the rig, thinned out."""
-        at, friction = 0, self.response.copy()
+        rows = self._shown
+        inertia = self.records[0].inertia or 0.0
+        at, friction = 0, rows.force - inertia * rows.acceleration
         for name, shape in structure:
             size = self.width(name, shape)
             if self.terms[name].role in ("rig", "fault"):
-                x = np.reshape(self.terms[name].columns(self.rows, shape), (self.rows.count, -1))
+                x = np.reshape(self.terms[name].columns(rows, shape), (rows.count, -1))
                 friction -= x @ coefficients[at : at + size]
             at += size
-        rows = np.arange(0, self.rows.count, max(self.rows.count // DRAWN, 1))
-        velocity = self.rows.seen(self.rows.velocity)
-        load = np.ones(len(rows))
-        return Points(velocity=velocity[rows], friction=friction[rows], load=load, rows=rows)
+        few = np.arange(0, rows.count, max(rows.count // DRAWN, 1))
+        velocity = rows.seen(rows.velocity)
+        load = np.ones(len(few))
+        return Points(velocity=velocity[few], friction=friction[few], load=load, rows=few)
+
+    @cached_property
+    def _shown(self) -> Along:
+        """Rows at which friction itself is shown: of a free motion those of its force balance."""
+        if not self.free:
+            return self.rows
+        band = balanced_band(self.records, self.records[0].inertia or 1.0)
+        return Along(self.records, self.frame, band)
 
     @override
     def asked(self) -> Steady:
@@ -335,12 +364,37 @@ def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
 
 
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
+    if problem.free:
+        return _free_references(problem, memories)
     base = [("inertia", ())] if problem.finds_inertia else []
     return [
         tuple(sorted([*base, ("curve", (*memory, side, bend)), ("offset", ())]))
         for memory in memories
         for side in (0.0, 1.0)
         for bend in BENDING
+    ]
+
+
+def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
+    """Return curves that bend by parts of the friction, whatever the noise of its work."""
+    terms, rows = problem.terms, problem.rows
+    x = np.reshape(terms["curve"].columns(rows, (*memories[0], 0.0, 0.0)), (rows.count, -1))
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    left = problem.response - x @ (
+        np.linalg.lstsq(x / size, problem.response, rcond=1e-9)[0] / size
+    )
+    noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
+    names = __import__('os').environ.get('LAW','drag level viscous').split()
+
+    def law(memory: Shape) -> list[Column]:
+        return [(name, memory if name == "level" else ()) for name in names]
+
+    beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
+    return [
+        tuple(sorted([("curve", (*memory, 0.0, (noise / bend) ** 2)), *law(memory), *other]))
+        for memory in memories
+        for bend in FREE_BENDING
+        for other in beside
     ]
 
 
@@ -368,7 +422,7 @@ def _spread(problem: RecordsProblem) -> float:
     """
     count = len(problem.records)
     if count < 2:
-        return SPREAD
+        return FREE_SPREAD if problem.free else SPREAD
     x, left = _by_curve(problem)
     inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
     e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
