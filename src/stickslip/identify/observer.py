@@ -242,6 +242,8 @@ class ObservedLaw:
             columns = self.problem.terms[name].columns
             if name == "inertia":
                 inertia = float(c[0])
+            elif name == "inertia_error":
+                inertia += float(c[0])
             elif name == "second":
                 second = (float(c[0]), shape[0], shape[1])
             elif name in ("delay", "lag"):

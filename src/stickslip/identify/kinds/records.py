@@ -46,8 +46,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identification import applied_force, known_forces, mass_of
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
+from stickslip.identify.forces import TRANSMITTED, Unknown, forces_along
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
@@ -112,6 +112,8 @@ NEIGHBOURS = 40
 """Part of all rows, on either side, whose noise a speed has."""
 SPEEDS = 7
 """Stribeck velocities that are tried first."""
+SAME = 1e-3
+"""Part of a column that others may leave of it that say the same."""
 RUNNING_IN = (0.0, 0.1, 0.3)
 """Time constants of drifts over the length of the record; 0: steady."""
 
@@ -133,6 +135,8 @@ class Record:
     """Inertia [kg]; None where it is to be found."""
     mechanism: Array | None = None
     """Known forces of the mechanism that change along the motion (n,) [N]."""
+    unknown: Mapping[str, Unknown] = field(default_factory=dict)
+    """By path, what parameters of the mechanism change that are to be found beside an inertia."""
     load: Array | None = None
     """Normal force (n,) [N]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
@@ -157,22 +161,33 @@ class Record:
             force=np.interp(time, self.time, self.force),
             velocity=at(self.velocity),
             mechanism=at(self.mechanism),
+            unknown={
+                path: replace(one, force=np.interp(time, self.time, one.force))
+                for path, one in self.unknown.items()
+            },
             load=at(self.load),
             inputs={name: np.interp(time, self.time, x) for name, x in self.inputs.items()},
         )
 
 
 def records_of(
-    mechanism: Mechanism, measurement: Measurement, *, find_inertia: bool, held: bool = True
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = (),
+    offset: bool = True,
+    held: bool = True,
 ) -> list[Record]:
     """Return the records of a measurement between its gaps, with the known forces of a mechanism.
+
+    Its constant force is one of them unless it is to be found (`offset`).
 
     Examples
     --------
     >>> from stickslip import Axis
     >>> t = np.arange(0.0, 10.0, 0.1)
     >>> decay = Measurement(time=t, velocity=5.0 - 0.4 * t)
-    >>> (one,) = records_of(Axis(inertia=2.0), decay, find_inertia=False)
+    >>> (one,) = records_of(Axis(inertia=2.0), decay)
     >>> one.inertia, float(one.force.max())
     (2.0, 0.0)
     """
@@ -193,9 +208,8 @@ def records_of(
                 f" {max(len(np.asarray(one.time)) for one in between_gaps(given))}: record longer,"
                 " or faster."
             )
-        found += [_record(own, one, find_inertia=find_inertia, held=held) for one in pieces]
-    free = not any(np.any(one.force) for one in found)
-    if free and find_inertia:
+        found += [_record(own, one, unknown, offset=offset, held=held) for one in pieces]
+    if unknown and not any(_tells_scale(one) for one in found):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"
             " the mechanism, or the force."
@@ -203,7 +217,15 @@ def records_of(
     return found
 
 
-def _record(mechanism: Mechanism, given: Measurement, *, find_inertia: bool, held: bool) -> Record:
+def _tells_scale(record: Record) -> bool:
+    """Return whether a force or an inertia of a record is known, by which all others are scaled."""
+    known = record.mechanism is not None or bool(record.inertia)
+    return known or record.friction or bool(np.any(record.force))
+
+
+def _record(
+    mechanism: Mechanism, given: Measurement, unknown: Sequence[str], *, offset: bool, held: bool
+) -> Record:
     """Return one piece of a record."""
     record = with_voltage(mechanism, given, "zero")
     known, time = record.quantities(), np.asarray(record.time, dtype=float)
@@ -232,15 +254,18 @@ def _record(mechanism: Mechanism, given: Measurement, *, find_inertia: bool, hel
             force=np.asarray(record.values("friction"), dtype=float), located=located,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
-    applied = applied_force(mechanism, record)
-    applied = np.zeros_like(x) if applied is None else np.asarray(applied, dtype=float)
-    _, still = known_forces(mechanism, x, v, np.zeros_like(x))
-    _, driven = known_forces(mechanism, x, v, applied)
-    inertia = None if find_inertia else mass_of(mechanism)
+    forces = forces_along(mechanism, record, x, v, unknown)
+    constant = 0.0 if offset else float(getattr(mechanism, "offset", 0.0))
+    inertia: float | None = forces.inertia
+    found = dict(forces.unknown)
+    for path, one in forces.unknown.items():  # an inertia and nothing else
+        if not np.any(one.force) and abs(one.inertia - 1.0) < 1e-9 and not forces.inertia:
+            inertia = None
+            del found[path]
     return Record(
         time=time, position=x, velocity=velocity, inertia=inertia, load=load, inputs=inputs,
-        force=driven - still, mechanism=still if np.ptp(still) > 0.0 else None, held=held,
-        located=located,
+        force=forces.driven - constant, unknown=found, held=held, located=located,
+        mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
 
@@ -538,6 +563,13 @@ class Along:
             self._full(lambda one, _: 0.0 * one.time if one.mechanism is None else one.mechanism)
         )
 
+    def taken(self, path: str) -> Array:
+        """Return what a parameter that is looked for takes at the rows, for each unit of it [N]."""
+        own = [one.unknown[path] for one in self.records]
+        inertia = np.array([one.inertia for one in own])[self.record]
+        force = self.seen(self._full(lambda one, _: one.unknown[path].force))
+        return np.asarray(inertia * self.acceleration - force)
+
     @cached_property
     def raw(self) -> Array:
         """Forces as recorded (n,) [N]."""
@@ -741,6 +773,10 @@ class Steady:
         mean = self.frame.inputs[name]
         return self._none + self.inputs.get(name, mean) - mean
 
+    def taken(self, _: str) -> Array:
+        """Return 0: the mechanism gives no force."""
+        return self._none
+
     def excess(self, _: float) -> Array:
         """Return 0: steady forces are not clipped."""
         return self._none
@@ -806,8 +842,10 @@ class RecordsProblem(Problem):
         band: float = 1.0,
         normal: float = 1.0,
         inertia_path: str = "mechanism.inertia",
+        load_slopes: Mapping[str, tuple[float, float]] | None = None,
+        offset: str = "offset",
     ) -> None:
-        self._made_of = records, like, band, normal, inertia_path
+        self._made_of = records, like, band, normal, inertia_path, load_slopes, offset
         self.records: list[Record] = (
             _by_best_sensor(records) if like is None else _alike(records, like.records[0])
         )
@@ -820,19 +858,23 @@ class RecordsProblem(Problem):
         self._widths: dict[Column, int] = {}
         self.normal: float = normal if like is None else like.normal
         self.inertia_path: str = inertia_path if like is None else like.inertia_path
+        self.load_slopes = dict(load_slopes or {}) if like is None else like.load_slopes
+        self.offset: str = offset if like is None else like.offset
         known = 0.0 if first.inertia is None else first.inertia
         self.response = self.rows.force - known * self.rows.acceleration
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
-        self.always = frozenset({"inertia"} if self.finds_inertia else ())
+        self.always = frozenset(first.unknown) | {
+            *(["inertia"] if self.finds_inertia else []),
+            *(["offset"] if self.offset.startswith("mechanism.") else []),
+        }
         if like is None:
             found = _screened(self)
             self.terms = _terms(self, *found)
             self.references = _references(self, found[0][:2])
         else:
             self.terms, self.references = like.terms, like.references
-        beside = [*self.always]
         self.usual = [
-            tuple(sorted([*beside, *names]))
+            tuple(sorted(self.always.union(names)))
             for names in (
                 ("level",), ("level", "offset"), ("level", "viscous"), ("viscous",),
                 ("level", "offset", "viscous"), ("level", "stribeck", "viscous"),
@@ -941,6 +983,10 @@ class RecordsProblem(Problem):
             memory = shape[:2] if term.shared and shape[0] else memory
             if name == "inertia":
                 rig[self.inertia_path] = own[:, 0]
+            elif name in self.records[0].unknown:
+                rig[name] = self.records[0].unknown[name].given + own[:, 0]
+            elif name == "offset":
+                rig[self.offset] = own[:, 0]
             elif name in PATHS:
                 rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
             elif name in SHAPED:
@@ -957,8 +1003,11 @@ class RecordsProblem(Problem):
                 entries = shape[term.shared :]
                 if name == "level" and entries:
                     rig["load_exponent"] = np.full(len(own), entries[0])
-                per = self.normal if name not in FLOWS and "viscous" not in name else 1.0
-                terms[name] = (() if name == "level" else entries), own / per
+                terms[name] = (() if name == "level" else entries), own
+        normal = self._normals(rig, len(coefficients))
+        for name, (entries, own) in terms.items():
+            if name not in FLOWS and name != "gear" and "viscous" not in name:
+                terms[name] = entries, own / normal[:, None]
         values = {}
         if memory[0]:
             level = terms.get("level", ((), np.zeros((len(coefficients), 1))))[1][:, 0]
@@ -973,6 +1022,13 @@ class RecordsProblem(Problem):
             memory_fixed=("yield_exponent",),
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
+
+    def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
+        """Return the normal forces (d,) of draws, which parameters that were found may change."""
+        found = np.full(count, self.normal)
+        for path, (slope, given) in self.load_slopes.items():
+            found = found + slope * (rig[path] - given)
+        return found
 
     @cached_property
     def _rest(self) -> Steady:
@@ -992,8 +1048,13 @@ def _made(
     band: float,
     normal: float,
     inertia_path: str,
+    load_slopes: Mapping[str, tuple[float, float]] | None,
+    offset: str,
 ) -> RecordsProblem:
-    return RecordsProblem(records, like=like, band=band, normal=normal, inertia_path=inertia_path)
+    return RecordsProblem(
+        records, like=like, band=band, normal=normal, inertia_path=inertia_path,
+        load_slopes=load_slopes, offset=offset,
+    )  # fmt: skip
 
 
 def readings(
@@ -1071,10 +1132,13 @@ def _band(records: Sequence[Record]) -> float:
     if first.friction:
         return top
     trial = Along(records, None, min(20.0 * mean + low, top))
-    if first.inertia is None:
+    if first.inertia is None or any(one.inertia for one in first.unknown.values()):
         v = trial.seen(trial.velocity)
         slow = 0.02 * float(np.quantile(np.abs(v), 0.98)) + 1e-300
-        x = np.column_stack([trial.acceleration, np.tanh(v / slow), v, np.ones_like(v)])
+        x = np.column_stack([
+            trial.acceleration, np.tanh(v / slow), v, np.ones_like(v),
+            *(trial.taken(path) for path, one in first.unknown.items() if not one.inertia),
+        ])  # fmt: skip
         inertia = abs(float(np.linalg.lstsq(x, trial.force, rcond=None)[0][0]))
     else:
         inertia = first.inertia
@@ -1149,6 +1213,7 @@ def _screened(problem: RecordsProblem) -> tuple[list[Shape], list[float], list[f
     lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     plain = [np.ones(rows.count), rows.seen(rows.velocity)]
     plain += [rows.acceleration] if problem.finds_inertia else []
+    plain += [rows.taken(path) for path in problem.records[0].unknown]
     left: dict[Shape, tuple[float, Array]] = {}
 
     def try_(memory: Shape) -> None:
@@ -1218,9 +1283,20 @@ def _peaks(numbers: Array, spectrum: Any) -> list[float]:
 
 
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
-    base = [("inertia", ())] if problem.finds_inertia else []
+    base: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
+    constant: list[Column] = [("offset", ())] if problem.offset else []
+    gear = TRANSMITTED in problem.frame.inputs
     return [
-        tuple(sorted([*base, ("curve", (*memory, side, bend)), ("offset", ())]))
+        tuple(
+            sorted(
+                [
+                    *base,
+                    ("curve", (*memory, side, bend)),
+                    *constant,
+                    *([("gear", memory)] if gear else []),
+                ]
+            )
+        )
         for memory in memories
         for side in (0.0, 1.0)
         for bend in BENDING
@@ -1240,6 +1316,25 @@ def _by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
         if np.median(np.abs(e)) < left:
             left, found = float(np.median(np.abs(e))), (x, e)
     return found
+
+
+def goes_straighter(problem: RecordsProblem) -> bool:
+    """Return whether forces that were taken as held go straight from sample to sample instead.
+
+    The measured curve then leaves less of them half a sample earlier.
+    """
+    rows = problem.rows
+    if not any(one.held for one in rows.records):
+        return False
+    late = [
+        f(one.force) - f(one.force, late=0.5 * f.step * one.held)
+        for one, f in zip(rows.records, rows.filters, strict=True)
+    ]
+    x, left = _by_curve(problem)
+    y = problem.response + rows.rows_of(late)
+    gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
+    other = y - x @ np.linalg.solve(gram, x.T @ y)
+    return bool(np.median(np.abs(other)) < np.median(np.abs(left)))
 
 
 def _spread(problem: RecordsProblem) -> float:
@@ -1266,6 +1361,24 @@ def _spread(problem: RecordsProblem) -> float:
     found = (1.0 + count) * max(ratio, 1.0 / count)
     share = (count - 1.0) / (count - 1.0 + LIKELY)
     return float(SPREAD ** (1.0 - share) * found**share)
+
+
+def _alike_terms(rows: Along, path: str, terms: Sequence[Term]) -> frozenset[str]:
+    """Return the terms that are the same columns as a parameter that is looked for, or a constant.
+
+    What one says the other need not: of both, the share of each would be open.
+    """
+    x = np.column_stack([rows.taken(path), np.ones(rows.count)])
+    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+    found = set[str]()
+    for term in terms:
+        if term.role == "curve" or term.name == "offset" or not term.shapes:
+            continue
+        y = np.reshape(term.columns(rows, term.shapes[0]), (rows.count, -1))
+        left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+        if np.sqrt(np.mean(left * left)) < SAME * np.sqrt(np.mean(y * y)):
+            found.add(term.name)
+    return frozenset(found)
 
 
 def _fading(clock: Array, constant: float) -> Array:
@@ -1390,7 +1503,14 @@ def _terms(  # noqa: C901  # a vocabulary is a list
                  shapes=of_memory(()), steps=step, nonnegative=True,
                  title="level that no load changes", rank=3, **on_memory)
         )  # fmt: skip
-    for name in frame.inputs:
+    if TRANSMITTED in frame.inputs:
+        terms.append(
+            Term(name="gear", role="law", columns=on_state(
+                    lambda r, _: (r.input(TRANSMITTED) + frame.inputs[TRANSMITTED]) / r.load),
+                 shapes=of_memory(()), steps=step, nonnegative=True, rank=3,
+                 title="share of what the gear transmits", **on_memory)
+        )  # fmt: skip
+    for name in frame.inputs.keys() - {TRANSMITTED}:
         terms += [
             Term(name=f"level*{name}", role="law", needs=base, shapes=of_memory(()), steps=step,
                  columns=on_state(lambda r, _, name=name: r.input(name)),  # type: ignore[misc]
@@ -1408,6 +1528,12 @@ def _terms(  # noqa: C901  # a vocabulary is a list
         terms.append(
             Term(name="inertia", role="rig", columns=lambda r, _: r.acceleration,
                  nonnegative=True, title="inertia", rank=0)
+        )  # fmt: skip
+    for path, one in problem.records[0].unknown.items():
+        terms.append(
+            Term(name=path, role="rig", columns=lambda r, _, path=path: r.taken(path),  # type: ignore[misc]
+                 limits=one.limits, rank=0, title=path.rpartition(".")[2].replace("_", " "),
+                 excludes=_alike_terms(rows, path, terms))
         )  # fmt: skip
     if driven or problem.records[0].friction:
         late = LATEST / mean_frequency(problem.records)
@@ -1439,14 +1565,14 @@ def _terms(  # noqa: C901  # a vocabulary is a list
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
         ]  # fmt: skip
-        if not problem.finds_inertia:
-            inertia = problem.records[0].inertia or 0.0
+        if not problem.finds_inertia and problem.records[0].inertia:
+            inertia = problem.records[0].inertia
             terms.append(
                 Term(name="inertia_error", role="fault", columns=lambda r, _: r.acceleration,
                      limits=(-0.7 * inertia, inertia), rank=16,
                      title="inertia, or gain of the force, other than given")
             )  # fmt: skip
-    left_out: set[str] = set()
+    left_out = set[str]() if problem.offset else {"offset", "offset_drift"}
     if len(np.unique(np.sign(rows.direction))) < 2:  # places pass once, as times do
         left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
     if not driven and not problem.records[0].friction:  # a free motion slows with time
