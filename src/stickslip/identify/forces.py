@@ -30,6 +30,7 @@ from stickslip.identification import (
     load_of,
     varies_load,
 )
+from stickslip.identify.inner import pushed
 from stickslip.mechanisms import Mechanism, input_names, motor_of
 from stickslip.quantities import all_paths, parameters, vary
 
@@ -71,6 +72,8 @@ class Forces:
     """What moves [kg]."""
     unknown: Mapping[str, Unknown]
     """By path, what is not in the other three."""
+    load: Array | None = None
+    """Normal force (n,) [N], where inner bodies change it."""
 
 
 def forces_along(
@@ -88,6 +91,18 @@ def forces_along(
     >>> found.still.tolist(), found.unknown["mechanism.stiffness"].force.round(6).tolist()
     ([-0.5, -0.5], [0.0, -0.5])
     """
+    if len(mechanism.coordinates) > 1:
+        if unknown:
+            raise InputError(_refusal(unknown))
+        inner, none = pushed(mechanism, record, x, v), np.zeros_like(x)
+        recorded = bool(command_of(record))
+        return Forces(
+            driven=inner.force if recorded else none,
+            still=none if recorded else inner.force,
+            inertia=inner.inertia,
+            unknown={},
+            load=inner.load,
+        )
     count = len(x)
 
     def on(changes: Mapping[str, float]) -> Array:
@@ -151,6 +166,8 @@ def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     >>> bool(np.max(found.inputs["transmitted"]) > 15.0)  # the motor holds the weight
     True
     """
+    if len(mechanism.coordinates) > 1:
+        return measurement
     if not (driven(measurement) and {"motor", "external"} <= {*input_names(mechanism)}):
         return measurement
     if "friction" in measurement.quantities() or not varies_load(mechanism, measurement):

@@ -263,8 +263,8 @@ def _record(
             inertia = None
             del found[path]
     return Record(
-        time=time, position=x, velocity=velocity, inertia=inertia, load=load, inputs=inputs,
-        force=forces.driven - constant, unknown=found, held=held, located=located,
+        time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
+        load=forces.load if load is None else load, force=forces.driven - constant, unknown=found, held=held, located=located,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
