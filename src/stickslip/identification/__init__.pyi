@@ -90,6 +90,7 @@ from stickslip.identification.rig_uncertainties import span_of as span_of
 from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identification.series.applied_force import applied_force as applied_force
 from stickslip.identification.series.applied_force import driven as driven
+from stickslip.identification.series.applied_force import drives_itself as drives_itself
 from stickslip.identification.series.applied_force import goes_straight as goes_straight
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
@@ -106,8 +107,10 @@ from stickslip.identification.shooting.segments import segments_of as segments_o
 from stickslip.identification.shooting.segments import usual_segment as usual_segment
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
+from stickslip.identification.terms.dense_series import dense_series as dense_series
 from stickslip.identification.terms.dense_series import loads_motor as loads_motor
 from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale
+from stickslip.identification.terms.dense_series import varies_load as varies_load
 from stickslip.identification.terms.dense_series import without_outliers as without_outliers
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
 from stickslip.identification.terms.findings import asked_of as asked_of

@@ -163,6 +163,9 @@ class _Composer:
             parts.append("logarithmic")
             self.values["logarithmic_coefficient"] = self.first("logarithmic")
             self.shape("logarithmic", "reference_velocity")
+        if "gear" in self.terms:
+            parts.append("weight[transmitted]")
+            self.values["transmitted_coefficient"] = self.first("gear")
         text = " + ".join(parts)
         if smooth:
             text = f"tanh({text})"

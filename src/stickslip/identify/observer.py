@@ -33,7 +33,6 @@ from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.record_frame import mean_frequency
 from stickslip.identify.kinds.record_signals import Record, noise_of
 from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
@@ -94,6 +93,12 @@ class _Probe:
 
     def seen(self, x: Array) -> Array:
         return x
+
+    acting = seen
+
+    @property
+    def acceleration(self) -> Array:
+        return np.zeros(len(self.velocity))
 
     def state(self, *_: float) -> Array:
         return np.ones(len(self.velocity))
@@ -244,6 +249,8 @@ class ObservedLaw:
             columns = self.problem.terms[name].columns
             if name == "inertia":
                 inertia = float(c[0])
+            elif name == "inertia_error":
+                inertia += float(c[0])
             elif name == "second":
                 second = (float(c[0]), shape[0], shape[1])
             elif name in ("delay", "lag"):
@@ -438,13 +445,14 @@ class Observer:
 
     @property
     def possible(self) -> bool:
-        """Whether there are places that an inertia takes."""
+        """Whether a force drives an inertia alone to places."""
         first = self.problem.records[0]
-        return not first.friction and first.located
+        driven = not self.problem.free and not first.friction
+        return driven and first.located and not first.unknown
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
-        if not self.possible or self.problem.free:
+        if not self.possible:
             return self.ensemble
         candidates = self._candidates()
         if not candidates:
@@ -522,11 +530,7 @@ class Observer:
             inertia = float(fit.coefficients[sum(law.widths[: names.index("inertia")])])
         force = max(noise_of(one.force) for one in self.problem.rows.records)
         place = max(noise_of(run.place) for run in self.runs)
-        explained = math.sqrt(force / (abs(inertia) * place + 1e-300))
-        if np.any(self.problem.rows.raw):
-            return explained
-        # nothing drives a free motion: no noise moves it, and it is followed as fast as it swings
-        return 2.0 * math.pi * mean_frequency(self.problem.records)
+        return math.sqrt(force / (abs(inertia) * place + 1e-300))
 
     def _innovations(self, law: ObservedLaw, theta: Array, gains: tuple[float, float]) -> Array:
         every = zip(law.innovations(theta, gains), self._kept, strict=True)

@@ -176,6 +176,10 @@ class Problem(ABC):
         """
         return 0.0
 
+    def physical(self, structure: Structure, coefficients: Array) -> Mask:  # noqa: ARG002
+        """Return which coefficients (d, p) of a structure are physics (d,)."""
+        return np.ones(len(coefficients), dtype=bool)
+
     @property
     def twins(self) -> Sequence["Problem"]:
         """The same measurement prepared otherwise, whose differences count as uncertainty."""

@@ -10,7 +10,6 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.friction import law_type
 from stickslip.identification import RouteChoice, called, check_inputs
-from stickslip.kinds.balances import BalanceKind
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.joints.kind import JointKind
@@ -29,7 +28,6 @@ OWN: tuple[AnyKind, ...] = (
     JointKind(),
     VelocityStepKind(),
     FrictionTableKind(),
-    BalanceKind(),
     RecordKind(),
 )
 """In the order in which they are asked."""

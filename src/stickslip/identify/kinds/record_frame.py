@@ -15,7 +15,7 @@ SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
 WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
-FREE = float(__import__("os").environ.get("FREE", "4"))
+FREE = 4.0
 """Band of a free motion over its mean frequency: its energy is that of all harmonics."""
 ONE_WAY = 0.9
 """Distance between the ends over the range from which a motion goes on in one direction."""
@@ -24,8 +24,9 @@ FREE_SAMPLED = 0.35
 SAMPLED = 0.15
 """Largest band over the sampling rate."""
 BEND = 0.5
-"""Logarithm of speeds over which the curve bends by its prior."""
-FINE = float(__import__("os").environ.get("FINE", "0.25"))
+"""Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
+FINE = 0.25
+"""Logarithm of speeds between knots of the curve of a free motion."""
 BEYOND = 2
 """Knots beyond the measured speeds on either side."""
 KNOTS = 10
@@ -82,7 +83,7 @@ def alike(records: Sequence[Record], first: Record) -> list[Record]:
 
 def free_form(records: Sequence[Record]) -> str:
     """Return how a free motion is integrated: its momentum where it goes on, else its work."""
-    if any(np.any(one.force) or one.friction for one in records):
+    if any(np.ptp(one.force) > 0.0 or one.friction for one in records):
         return ""
     on = [abs(float(one.position[-1] - one.position[0])) / (np.ptp(one.position) + 1e-300)
           for one in records]  # fmt: skip
@@ -114,10 +115,13 @@ def band_for(records: Sequence[Record]) -> float:
         least = STRETCHES / longest
         return float(min(max(FREE * mean if free == "work" else 0.0, least), FREE_SAMPLED / h))
     trial = Along(records, None, min(20.0 * mean + low, top))
-    if first.inertia is None:
+    if first.inertia is None or any(one.inertia for one in first.unknown.values()):
         v = trial.seen(trial.velocity)
         slow = 0.02 * float(np.quantile(np.abs(v), 0.98)) + 1e-300
-        x = np.column_stack([trial.acceleration, np.tanh(v / slow), v, np.ones_like(v)])
+        x = np.column_stack([
+            trial.acceleration, np.tanh(v / slow), v, np.ones_like(v),
+            *(trial.taken(path) for path, one in first.unknown.items() if not one.inertia),
+        ])  # fmt: skip
         inertia = abs(float(np.linalg.lstsq(x, trial.force, rcond=None)[0][0]))
     else:
         inertia = first.inertia

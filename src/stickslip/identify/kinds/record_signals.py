@@ -12,12 +12,13 @@ from typing import Any, final
 
 import numpy as np
 from scipy import fft
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import lfilter
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identification import applied_force, known_forces, mass_of
+from stickslip.identify.forces import Unknown, forces_along
 from stickslip.identify.problem import Array, Mask
 from stickslip.mechanisms import Mechanism
 
@@ -29,6 +30,8 @@ MOST_ROWS = 5000
 """Rows of all records; beyond it fewer for each 1/fc, three at least."""
 STILL = 8.0
 """Range of positions within 1/fc that is rest, over their noise."""
+SAMPLES = 16.0
+"""Samples for each 1/fc of what is integrated along a free motion."""
 LEAST_ENERGY = 0.02
 """Part of the energy that is lost from which its noise grows no less."""
 FEWEST = 60
@@ -55,6 +58,8 @@ class Record:
     """Inertia [kg]; None where it is to be found."""
     mechanism: Array | None = None
     """Known forces of the mechanism that change along the motion (n,) [N]."""
+    unknown: Mapping[str, Unknown] = field(default_factory=dict)
+    """By path, what parameters of the mechanism change that are to be found beside an inertia."""
     load: Array | None = None
     """Normal force (n,) [N]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
@@ -65,6 +70,20 @@ class Record:
     """Whether the force is friction itself: nothing accelerates by it."""
     located: bool = True
     """Whether positions were measured; else they are the integral of the velocity."""
+
+    rarer: float = 1.0
+    """Steps of the measurement over those of the record, where it was made finer."""
+
+    @cached_property
+    def position_noise(self) -> float:
+        """Standard deviation of white noise of the positions with as much below any band."""
+        return noise_of(self.position[:: round(self.rarer)]) * math.sqrt(self.rarer)
+
+    @cached_property
+    def velocity_noise(self) -> float:
+        """The same of the velocities."""
+        assert self.velocity is not None
+        return noise_of(self.velocity[:: round(self.rarer)]) * math.sqrt(self.rarer)
 
     def on(self, time: Array) -> "Record":
         """Return the record at other times, by straight lines."""
@@ -79,22 +98,33 @@ class Record:
             force=np.interp(time, self.time, self.force),
             velocity=at(self.velocity),
             mechanism=at(self.mechanism),
+            unknown={
+                path: replace(one, force=np.interp(time, self.time, one.force))
+                for path, one in self.unknown.items()
+            },
             load=at(self.load),
             inputs={name: np.interp(time, self.time, x) for name, x in self.inputs.items()},
         )
 
 
 def records_of(
-    mechanism: Mechanism, measurement: Measurement, *, find_inertia: bool, held: bool = True
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = (),
+    offset: bool = True,
+    held: bool = True,
 ) -> list[Record]:
     """Return the records of a measurement between its gaps, with the known forces of a mechanism.
+
+    Its constant force is one of them unless it is to be found (`offset`).
 
     Examples
     --------
     >>> from stickslip import Axis
     >>> t = np.arange(0.0, 10.0, 0.1)
     >>> decay = Measurement(time=t, velocity=5.0 - 0.4 * t)
-    >>> (one,) = records_of(Axis(inertia=2.0), decay, find_inertia=False)
+    >>> (one,) = records_of(Axis(inertia=2.0), decay)
     >>> one.inertia, float(one.force.max())
     (2.0, 0.0)
     """
@@ -115,9 +145,8 @@ def records_of(
                 f" {max(len(np.asarray(one.time)) for one in between_gaps(given))}: record longer,"
                 " or faster."
             )
-        found += [_record(own, one, find_inertia=find_inertia, held=held) for one in pieces]
-    free = not any(np.any(one.force) for one in found)
-    if free and find_inertia:
+        found += [_record(own, one, unknown, offset=offset, held=held) for one in pieces]
+    if unknown and not any(_tells_scale(one) for one in found):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"
             " the mechanism, or the force."
@@ -125,7 +154,15 @@ def records_of(
     return found
 
 
-def _record(mechanism: Mechanism, given: Measurement, *, find_inertia: bool, held: bool) -> Record:
+def _tells_scale(record: Record) -> bool:
+    """Return whether a force or an inertia of a record is known, by which all others are scaled."""
+    known = record.mechanism is not None or bool(record.inertia)
+    return known or record.friction or bool(np.any(record.force))
+
+
+def _record(
+    mechanism: Mechanism, given: Measurement, unknown: Sequence[str], *, offset: bool, held: bool
+) -> Record:
     """Return one piece of a record."""
     record = with_voltage(mechanism, given, "zero")
     known, time = record.quantities(), np.asarray(record.time, dtype=float)
@@ -154,15 +191,19 @@ def _record(mechanism: Mechanism, given: Measurement, *, find_inertia: bool, hel
             force=np.asarray(record.values("friction"), dtype=float), located=located,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
-    applied = applied_force(mechanism, record)
-    applied = np.zeros_like(x) if applied is None else np.asarray(applied, dtype=float)
-    _, still = known_forces(mechanism, x, v, np.zeros_like(x))
-    _, driven = known_forces(mechanism, x, v, applied)
-    inertia = None if find_inertia else mass_of(mechanism)
+    forces = forces_along(mechanism, record, x, v, unknown)
+    constant = 0.0 if offset else float(getattr(mechanism, "offset", 0.0))
+    inertia: float | None = forces.inertia
+    found = dict(forces.unknown)
+    for path, one in forces.unknown.items():  # an inertia and nothing else
+        if not np.any(one.force) and abs(one.inertia - 1.0) < 1e-9 and not forces.inertia:
+            inertia = None
+            del found[path]
     return Record(
-        time=time, position=x, velocity=velocity, inertia=inertia, load=load, inputs=inputs,
-        force=driven - still, mechanism=still if np.ptp(still) > 0.0 else None, held=held,
-        located=located,
+        time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
+        load=forces.load if load is None else load, force=forces.driven - constant,
+        unknown=found, held=held, located=located,
+        mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
 
@@ -343,6 +384,8 @@ class Along:
         self, records: Sequence[Record], frame: Frame | None, band: float, *, free: str = ""
     ) -> None:
         self.records = [one.on(_even(one.time)) for one in records]
+        if free:  # what is integrated turns between samples
+            self.records = [_finer(one, band) for one in self.records]
         total = sum(one.time[-1] - one.time[0] for one in self.records)
         per = float(np.clip(MOST_ROWS / (total * band), 0.5 * ROWS, ROWS))
         self.filters = []
@@ -429,18 +472,23 @@ class Along:
         ]
 
     @cached_property
-    def _lost(self) -> list[Array]:
-        """What friction has done since the start, every few samples: as `_done` of its force."""
+    def _has(self) -> list[Array]:
+        """Energy, momentum or what moved of an inertia of 1 kg, every few samples."""
         found = []
-        given = self._done(self._shown)
-        for one, filt, done, q in zip(self.records, self.filters, given, self.ways, strict=True):
+        for one, filt, q in zip(self.records, self.filters, self.ways, strict=True):
             v = filt(one.position, slope=1, full=True) if self.moves else None
             if one.velocity is not None:
                 v = filt(one.velocity, full=True)
             assert v is not None
             has = 0.5 * v * v if self.free == "work" else q if self.moves else v
-            found.append(done - (one.inertia or 0.0) * has[:: filt.every] / self.frame.unit)
+            found.append(has[:: filt.every] / self.frame.unit)
         return found
+
+    @cached_property
+    def _lost(self) -> list[Array]:
+        """What friction has done since the start, every few samples: as `_done` of its force."""
+        given = zip(self.records, self._done(self._shown), self._has, strict=True)
+        return [done - (one.inertia or 0.0) * has for one, done, has in given]
 
     @cached_property
     def _energies(self) -> list[Array]:
@@ -482,7 +530,7 @@ class Along:
         else:
             assert one.velocity is not None
             v = np.abs(filt(one.velocity, full=True))
-            still = maximum_filter1d(v, 2 * half + 1) < 3.0 * noise_of(one.velocity) * math.sqrt(
+            still = maximum_filter1d(v, 2 * half + 1) < 3.0 * one.velocity_noise * math.sqrt(
                 min(2.0 * filt.step * filt.band, 1.0)
             )
         still = maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0
@@ -495,7 +543,7 @@ class Along:
     @cached_property
     def noise(self) -> float:
         """Largest standard deviation of the noise of positions [m]."""
-        return max(noise_of(one.position) for one in self.records)
+        return max(one.position_noise for one in self.records)
 
     @cached_property
     def position(self) -> Array:
@@ -555,7 +603,23 @@ class Along:
 
     @cached_property
     def _known(self) -> Array:
-        return self._full(lambda one, _: 0.0 * one.time if one.mechanism is None else one.mechanism)
+        """Known forces of the mechanism (n,), and what drives a free motion: a constant one."""
+
+        def made(one: Record, _: Filter) -> Array:
+            driven = one.force if self.free else 0.0 * one.time
+            return driven if one.mechanism is None else driven + one.mechanism
+
+        return self._full(made)
+
+    def taken(self, path: str) -> Array:
+        """Return what a parameter that is looked for takes at the rows, for each unit of it [N]."""
+        own = [one.unknown[path] for one in self.records]
+        force = self._full(lambda one, _: one.unknown[path].force)
+        if self.free:
+            parts = zip(own, self._has, self._done(force), strict=True)
+            return self._centred([one.inertia * has - done for one, has, done in parts])
+        inertia = np.array([one.inertia for one in own])[self.record]
+        return np.asarray(inertia * self.acceleration - self.seen(force))
 
     @cached_property
     def raw(self) -> Array:
@@ -569,10 +633,10 @@ class Along:
         def made(one: Record, filt: Filter) -> Array:
             if one.velocity is not None:
                 v = filt(one.velocity, wider=2.0, full=True)
-                noise = noise_of(one.velocity) * math.sqrt(min(4.0 * filt.step * filt.band, 1.0))
+                noise = one.velocity_noise * math.sqrt(min(4.0 * filt.step * filt.band, 1.0))
             else:
                 v = filt(one.position, slope=1, wider=2.0, full=True)
-                noise = noise_of(one.position) * math.sqrt(
+                noise = one.position_noise * math.sqrt(
                     2.0 * filt.step * (2.0 * math.pi) ** 2 * filt.band**3 / 3.0
                 )
             side = np.where(np.abs(v) > 3.0 * noise, np.sign(v), 0.0)
@@ -596,9 +660,7 @@ class Along:
         """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
 
         def made(one: Record, filt: Filter) -> Array:
-            chatter = (
-                0.5 * noise_of(one.position) * math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
-            )
+            chatter = 0.5 * one.position_noise * math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
             return followed(filt(one.position, full=True), chatter)
 
         return self._full(made)
@@ -706,6 +768,27 @@ def _summed(x: Array, step: Array | float) -> Array:
     return np.concatenate([np.zeros_like(done[:1]), done])
 
 
+def _finer(record: Record, band: float) -> Record:
+    """Return a record with enough samples for each 1/band, between its own as a spline goes."""
+    step = float(record.time[1] - record.time[0])
+    times = math.ceil(SAMPLES * band * step)
+    if times < 2:
+        return record
+    count = times * (len(record.time) - 1) + 1
+    time = record.time[0] + step / times * np.arange(count)
+
+    def at(x: Array | None) -> Array | None:
+        return None if x is None else np.asarray(CubicSpline(record.time, x)(time))
+
+    position = at(record.position)
+    assert position is not None
+    return replace(
+        record.on(time), position=position, velocity=at(record.velocity),
+        mechanism=at(record.mechanism), rarer=float(times),
+        unknown={p: replace(one, force=at(one.force)) for p, one in record.unknown.items()},
+    )  # fmt: skip
+
+
 def _even(time: Array) -> Array:
     step = float(np.median(np.diff(time)))
     return np.asarray(time[0] + step * np.arange(int((time[-1] - time[0]) / step + 1e-6) + 1))
@@ -768,6 +851,10 @@ class Steady:
         """Return an input, less its mean in the records that were fitted."""
         mean = self.frame.inputs[name]
         return self._none + self.inputs.get(name, mean) - mean
+
+    def taken(self, _: str) -> Array:
+        """Return 0: the mechanism gives no force."""
+        return self._none
 
     def excess(self, _: float) -> Array:
         """Return 0: steady forces are not clipped."""

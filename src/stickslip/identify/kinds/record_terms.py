@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.kinds.record_frame import mean_frequency
 from stickslip.identify.kinds.record_signals import Along
 from stickslip.identify.laws import CHANGING, TITLES
@@ -31,6 +32,8 @@ FARTHER = 3.0
 """How far the curve of a free motion may be from the law beside it, over its bending."""
 WAVES = 2
 """Wave numbers of the place that are looked at."""
+SAME = 1e-3
+"""Part of a column that others may leave of it that say the same."""
 SPEEDS = 7
 """Stribeck velocities that are tried first."""
 RUNNING_IN = (0.0, 0.1, 0.3)
@@ -50,6 +53,7 @@ def screened(
     lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
     plain += [rows.acceleration] if finds_inertia else []
+    plain += [rows.taken(path) for path in rows.records[0].unknown]
     left: dict[Shape, tuple[float, Array]] = {}
 
     def try_(memory: Shape) -> None:
@@ -121,6 +125,24 @@ def _peaks(numbers: Array, spectrum: Any) -> list[float]:
     return [float(numbers[j]) for j in sorted(peaks.tolist(), key=lambda j: -power[j])[:WAVES]]
 
 
+def _alike_terms(rows: Along, path: str, terms: Sequence[Term]) -> frozenset[str]:
+    """Return the terms that are the same columns as a parameter that is looked for, or a constant.
+
+    What one says the other need not: of both, the share of each would be open.
+    """
+    x = np.column_stack([rows.taken(path), np.ones(rows.count)])
+    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+    found = set[str]()
+    for term in terms:
+        if term.role == "curve" or term.name == "offset" or not term.shapes:
+            continue
+        y = np.reshape(term.columns(rows, term.shapes[0]), (rows.count, -1))
+        left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+        if np.sqrt(np.mean(left * left)) < SAME * np.sqrt(np.mean(y * y)):
+            found.add(term.name)
+    return frozenset(found)
+
+
 def _fading(clock: Array, constant: float) -> Array:
     """Return a drift over time (n,): straight, or one that fades with a time constant."""
     return clock if constant == 0.0 else np.exp(-(clock + 0.5) / constant)
@@ -133,15 +155,16 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     level_waves: Sequence[float],
     *,
     finds_inertia: bool,
+    always: frozenset[str],
+    constant: bool,
 ) -> dict[str, Term]:
     """Return the vocabulary of records."""
     frame = rows.frame
-    driven = bool(np.any(rows.raw)) and not rows.records[0].friction
+    driven = not rows.free and not rows.records[0].friction
     loaded = frame.load != 1.0
     # the curve of a free motion stands beside a law, from which it goes away by a part of it
     least = 1.0 / (FARTHER**2 * len(frame.bending)) if rows.free else 0.0
     bending = np.maximum(frame.bending, least)
-    needed = frozenset({"inertia"} if finds_inertia else ())
     lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
     ratio = float(lengths[1] / lengths[0])
     speeds = np.geomspace(frame.low, frame.top, SPEEDS)
@@ -251,7 +274,14 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  shapes=of_memory(()), steps=step, nonnegative=True,
                  title="level that no load changes", rank=3, **on_memory)
         )  # fmt: skip
-    for name in frame.inputs:
+    if TRANSMITTED in frame.inputs:
+        terms.append(
+            Term(name="gear", role="law", columns=on_state(
+                    lambda r, _: (r.input(TRANSMITTED) + frame.inputs[TRANSMITTED]) / r.load),
+                 shapes=of_memory(()), steps=step, nonnegative=True, rank=3,
+                 title="share of what the gear transmits", **on_memory)
+        )  # fmt: skip
+    for name in frame.inputs.keys() - {TRANSMITTED}:
         terms += [
             Term(name=f"level*{name}", role="law", needs=base, shapes=of_memory(()), steps=step,
                  columns=on_state(lambda r, _, name=name: r.input(name)),  # type: ignore[misc]
@@ -269,6 +299,12 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         terms.append(
             Term(name="inertia", role="rig", columns=lambda r, _: r.acceleration,
                  nonnegative=True, title="inertia", rank=0)
+        )  # fmt: skip
+    for path, one in rows.records[0].unknown.items():
+        terms.append(
+            Term(name=path, role="rig", columns=lambda r, _, path=path: r.taken(path),  # type: ignore[misc]
+                 limits=one.limits, rank=0, title=path.rpartition(".")[2].replace("_", " "),
+                 excludes=_alike_terms(rows, path, terms))
         )  # fmt: skip
     if driven or rows.records[0].friction:
         late = LATEST / mean_frequency(rows.records)
@@ -294,26 +330,27 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  limits=(0.7, 1.3), title="force that is clipped", rank=18),
             Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
-                 nonnegative=True, title="backlash", rank=19, needs=needed),
-            Term(name="flexible", role="fault", needs=needed,
+                 nonnegative=True, title="backlash", rank=19, needs=always - {"offset"}),
+            Term(name="flexible", role="fault", needs=always - {"offset"},
                  columns=lambda r, s: r.seen(r.ringing(r.full_acceleration(), s[0])),
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
         ]  # fmt: skip
-        if not finds_inertia:
-            inertia = rows.records[0].inertia or 0.0
+        if not finds_inertia and rows.records[0].inertia:
+            inertia = rows.records[0].inertia
             terms.append(
                 Term(name="inertia_error", role="fault", columns=lambda r, _: r.acceleration,
                      limits=(-0.7 * inertia, inertia), rank=16,
                      title="inertia, or gain of the force, other than given")
             )  # fmt: skip
-    names, left_out = [one.name for one in terms], set[str]()
+    names = [one.name for one in terms]
+    left_out = set[str]() if constant else {"offset", "offset_drift"}
     if len(np.unique(np.sign(rows.direction))) < 2:
-        # places pass once, as times do, and an offset is a level
-        left_out |= {"place", "spring", "bow", "ripple", "level_ripple", "offset"}
-        left_out |= {one for one in names if one.endswith("_direction")}
+        # places pass once, as times do
+        left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
     if not driven and not rows.records[0].friction:  # a free motion slows with time
         left_out |= {"drift", "viscous_drift", "offset_drift", "bow", "place", "second"}
+        left_out |= {"offset"} if rows.free == "momentum" else set()
         # its energy tells the directions apart no better than what holds the body
         left_out |= {one for one in names if one.endswith("_direction")}
     return {one.name: one for one in terms if one.name not in left_out}

@@ -25,6 +25,16 @@ r"""Records of one coordinate in time: the force balance along the measured moti
 6. **Twins** are the same records in a band of .6 and 1.5 times the width: the bias of the balance
    becomes spread. The covariance counts single stretches (`SPREAD`), as another record differs by
    as much; where there are several records it is theirs that counts.
+7. **Free motions** (decays, coast-downs) are integrated once more, as the noise of accelerations
+   hides a small friction, and what it takes in all the time of a record is large. Where the motion
+   comes back, it is the energy that friction takes,
+
+   .. math:: \int F_k\, dx - \tfrac12 J v^2 = E_0 + \sum_j c_j \int X_j\, dx ,
+
+   where it goes on in one direction the momentum, or :math:`J x` where places were measured.
+   :math:`E_0` (and the speed at the start) is projected out of both sides by record. Noise is then
+   nearly white, that of the energy grows as its root. Energy hardly tells what friction is at low
+   speeds: there the curve bends by its prior, and friction never drives.
 
 Source of the parallel filter: M. Gautier, "Dynamic identification of robots with power model",
 1997; of the bristle: P. R. Dahl, "A solid friction model", 1968.
@@ -41,6 +51,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.kinds.record_frame import (
     STRETCHES,
     alike,
@@ -56,7 +67,8 @@ from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure
 from stickslip.identify.thresholds import THRESHOLDS
 
-FREE_SPREAD = float(__import__("os").environ.get("FS", "4"))
+FREE_SPREAD = 4.0
+"""The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
 TWINS = (0.6, 1.5)
@@ -71,10 +83,10 @@ LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
-FREE_BENDING = tuple(map(float, __import__("os").environ.get("FB", "0.3,0.1,0.03").split(",")))
-"""Bending of the curve of a free motion over its friction."""
+FREE_BENDING = 0.1
+"""Bending of the curve of a free motion, over its friction: the prior (study: decays)."""
 FREE_NATS = 3.0
-"""Price of a parameter of a free motion."""
+"""Log likelihood of independent rows that a parameter of a free motion must gain."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
 NEIGHBOURS = 40
@@ -117,15 +129,17 @@ class RecordsProblem(Problem):
         band: float = 1.0,
         normal: float = 1.0,
         inertia_path: str = "mechanism.inertia",
+        load_slopes: Mapping[str, tuple[float, float]] | None = None,
+        offset: str = "offset",
     ) -> None:
-        self._made_of = records, like, band, normal, inertia_path
+        self._made_of = records, like, band, normal, inertia_path, load_slopes, offset
         self.records: list[Record] = (
             by_best_sensor(records) if like is None else alike(records, like.records[0])
         )
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = band_for(self.records) if like is None else like.frame.band
-        self.free = free_form(self.records) if like is None else like.free
+        self.free: str = free_form(self.records) if like is None else like.free
         frame = None if like is None else like.frame
         self.rows = Along(self.records, frame, band * base, free=self.free)
         self.frame: Frame = frame_of(self.rows, base) if like is None else like.frame
@@ -133,21 +147,33 @@ class RecordsProblem(Problem):
         self._widths: dict[Column, int] = {}
         self.normal: float = normal if like is None else like.normal
         self.inertia_path: str = inertia_path if like is None else like.inertia_path
+        self.load_slopes: Mapping[str, tuple[float, float]] = (
+            dict(load_slopes or {}) if like is None else like.load_slopes
+        )
+        self.offset: str = offset if like is None else like.offset
         known = 0.0 if first.inertia is None else first.inertia
         self.response = (
             self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
         )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
-        self.always = frozenset({"inertia"} if self.finds_inertia else ())
+        self.always = frozenset(first.unknown) | {
+            *(["inertia"] if self.finds_inertia else []),
+            *(["offset"] if self.offset.startswith("mechanism.") else []),
+        }
         if like is None:
             found = screened(self.rows, self.response, finds_inertia=self.finds_inertia)
-            self.terms = terms_of(self.rows, *found, finds_inertia=self.finds_inertia)
+            self.terms = terms_of(
+                self.rows,
+                *found,
+                finds_inertia=self.finds_inertia,
+                always=self.always,
+                constant=bool(self.offset),
+            )
             self.references = _references(self, found[0][:2])
         else:
             self.terms, self.references = like.terms, like.references
-        beside = [*self.always]
         self.usual = [
-            tuple(sorted([*beside, *names]))
+            tuple(sorted(self.always.union(names)))
             for names in (
                 ("level",), ("level", "offset"), ("level", "viscous"), ("viscous",),
                 ("level", "offset", "viscous"), ("level", "stribeck", "viscous"),
@@ -174,7 +200,7 @@ class RecordsProblem(Problem):
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
         if self.free:  # energies are independent readings
-            return float(min(FREE_NATS / independent, THRESHOLDS.material))
+            return FREE_NATS / independent
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
@@ -184,6 +210,29 @@ class RecordsProblem(Problem):
         if self.free:
             return [np.sqrt(self.rows.energy)] if self.free == "work" else []
         return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
+
+    @override
+    def physical(self, structure: Structure, coefficients: Array) -> Mask:
+        """Return which friction (d,) takes energy at all speeds of a free motion."""
+        if not self.free:
+            return super().physical(structure, coefficients)
+        at, force = 0, np.zeros((len(coefficients), len(self._moved.velocity)))
+        found = np.ones(len(coefficients), dtype=bool)
+        for name, shape in structure:
+            size, term = self.width(name, shape), self.terms[name]
+            own = coefficients[:, at : at + size]
+            if term.nonnegative:
+                found &= np.all(own >= 0.0, axis=1)
+            if term.role in ("law", "curve"):
+                x = np.reshape(term.columns(self._moved, shape), (force.shape[1], -1))
+                force += own @ x.T
+            at += size
+        found &= np.all(force * np.sign(self._moved.velocity) >= 0.0, axis=1)
+        return found
+
+    @cached_property
+    def _moved(self) -> Steady:
+        return self.asked()
 
     @cached_property
     def _twins(self) -> list["RecordsProblem"]:
@@ -274,6 +323,10 @@ class RecordsProblem(Problem):
             memory = shape[:2] if term.shared and shape[0] else memory
             if name == "inertia":
                 rig[self.inertia_path] = own[:, 0]
+            elif name in self.records[0].unknown:
+                rig[name] = self.records[0].unknown[name].given + own[:, 0]
+            elif name == "offset":
+                rig[self.offset] = own[:, 0]
             elif name in PATHS:
                 rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
             elif name in SHAPED:
@@ -290,8 +343,11 @@ class RecordsProblem(Problem):
                 entries = shape[term.shared :]
                 if name == "level" and entries:
                     rig["load_exponent"] = np.full(len(own), entries[0])
-                per = self.normal if name not in FLOWS and "viscous" not in name else 1.0
-                terms[name] = (() if name == "level" else entries), own / per
+                terms[name] = (() if name == "level" else entries), own
+        normal = self._normals(rig, len(coefficients))
+        for name, (entries, own) in terms.items():
+            if name not in FLOWS and name != "gear" and "viscous" not in name:
+                terms[name] = entries, own / normal[:, None]
         values = {}
         if memory[0]:
             level = terms.get("level", ((), np.zeros((len(coefficients), 1))))[1][:, 0]
@@ -306,6 +362,13 @@ class RecordsProblem(Problem):
             memory_fixed=("yield_exponent",),
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
+
+    def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
+        """Return the normal forces (d,) of draws, which parameters that were found may change."""
+        found = np.full(count, self.normal)
+        for path, (slope, given) in self.load_slopes.items():
+            found = found + slope * (rig[path] - given)
+        return found
 
     @cached_property
     def _rest(self) -> Steady:
@@ -325,8 +388,13 @@ def _made(
     band: float,
     normal: float,
     inertia_path: str,
+    load_slopes: Mapping[str, tuple[float, float]] | None,
+    offset: str,
 ) -> RecordsProblem:
-    return RecordsProblem(records, like=like, band=band, normal=normal, inertia_path=inertia_path)
+    return RecordsProblem(
+        records, like=like, band=band, normal=normal, inertia_path=inertia_path,
+        load_slopes=load_slopes, offset=offset,
+    )  # fmt: skip
 
 
 def readings(
@@ -366,9 +434,20 @@ def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
     if problem.free:
         return _free_references(problem, memories)
-    base = [("inertia", ())] if problem.finds_inertia else []
+    base: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
+    constant: list[Column] = [("offset", ())] if problem.offset else []
+    gear = TRANSMITTED in problem.frame.inputs
     return [
-        tuple(sorted([*base, ("curve", (*memory, side, bend)), ("offset", ())]))
+        tuple(
+            sorted(
+                [
+                    *base,
+                    ("curve", (*memory, side, bend)),
+                    *constant,
+                    *([("gear", memory)] if gear else []),
+                ]
+            )
+        )
         for memory in memories
         for side in (0.0, 1.0)
         for bend in BENDING
@@ -376,7 +455,10 @@ def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Stru
 
 
 def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
-    """Return curves that bend by parts of the friction, whatever the noise of its work."""
+    """Return laws with curves beside them that bend by a part of the friction.
+
+    Work hardly tells friction at low speeds from friction at others: there the prior does.
+    """
     terms, rows = problem.terms, problem.rows
     x = np.reshape(terms["curve"].columns(rows, (*memories[0], 0.0, 0.0)), (rows.count, -1))
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
@@ -384,16 +466,19 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
         np.linalg.lstsq(x / size, problem.response, rcond=1e-9)[0] / size
     )
     noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
-    names = __import__('os').environ.get('LAW','drag level viscous').split()
-
-    def law(memory: Shape) -> list[Column]:
-        return [(name, memory if name == "level" else ()) for name in names]
-
     beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
     return [
-        tuple(sorted([("curve", (*memory, 0.0, (noise / bend) ** 2)), *law(memory), *other]))
+        tuple(
+            sorted(
+                [
+                    ("curve", (*memory, 0.0, (noise / FREE_BENDING) ** 2)),
+                    ("level", memory),
+                    ("viscous", ()),
+                    *other,
+                ]
+            )
+        )
         for memory in memories
-        for bend in FREE_BENDING
         for other in beside
     ]
 
@@ -411,6 +496,25 @@ def _by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
         if np.median(np.abs(e)) < left:
             left, found = float(np.median(np.abs(e))), (x, e)
     return found
+
+
+def goes_straighter(problem: RecordsProblem) -> bool:
+    """Return whether forces that were taken as held go straight from sample to sample instead.
+
+    The measured curve then leaves less of them half a sample earlier.
+    """
+    rows = problem.rows
+    if not any(one.held for one in rows.records):
+        return False
+    late = [
+        f(one.force) - f(one.force, late=0.5 * f.step * one.held)
+        for one, f in zip(rows.records, rows.filters, strict=True)
+    ]
+    x, left = _by_curve(problem)
+    y = problem.response + rows.rows_of(late)
+    gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
+    other = y - x @ np.linalg.solve(gram, x.T @ y)
+    return bool(np.median(np.abs(other)) < np.median(np.abs(left)))
 
 
 def _spread(problem: RecordsProblem) -> float:

@@ -1,13 +1,12 @@
 """Records in time, and measured friction."""
 
-import math
 from dataclasses import fields, replace
-from typing import Any
+from typing import final
 
 from typing_extensions import override
 
 from stickslip.experiments import Measurement, faults
-from stickslip.formatting import NO_VALUE, quantity
+from stickslip.formatting import NO_VALUE, percent, quantity
 from stickslip.identification import (
     LAW,
     ROUTES,
@@ -23,12 +22,11 @@ from stickslip.identification import (
     fit_records,
     record_route_name,
 )
+from stickslip.identify import BandVerdict, select_record, verdict_sections
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
-from stickslip.kinds.records.selection import select_records, way_for
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
 from stickslip.kinds.records.wording import error_text, restarts_text, route_text
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import CrossValidatedVerdict, limits_of, score_text, specifications
+from stickslip.selection import limits_of, score_text
 
 WITHOUT_EFFECT = {
     "shooting": frozenset[str](),
@@ -40,31 +38,29 @@ OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
 """Settings that are of measured friction alone."""
 
 
-class RecordKind(Kind[RecordFit, RecordVerdict]):
-    """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
+BALANCE = "balance"
+"""Route by which laws of records are compared."""
 
-    routes = ROUTES
-    measured = "records of motion or friction"
-    climbs = True
-    uses = frozenset({"route", "purpose", "horizon", "validate", "executor"})
-    settings = frozenset(field.name for field in fields(RecordSettings))
 
-    @override
-    def serves(self, measurement: Measurement) -> bool:
-        return not measurement.travelled
+class BandKind(Kind[RecordFit, BandVerdict]):
+    """Laws are compared by `stickslip.identify`; fits are those of records.
+
+    The first of its routes is that of `select`, the others are those of `fit`.
+    """
+
+    uses = frozenset({"route", "validate"})
 
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
-        return [one.name for one in specifications(laws)]
+        return ["laws"]
 
     @override
     def resolved(self, request: Request) -> Request:
         """Return the request with the way to fit the records, and with its settings."""
         settings = request.settings or RecordSettings()
-        if isinstance(request.route, RouteChoice):
+        if request.law is None or isinstance(request.route, RouteChoice):
             return request
-        measurement = request.measurement
-        asked = request.route or way_for(request.purpose, measurement)
+        measurement, asked = request.measurement, request.route
         # what is faulty is refused where it is fitted
         found = faults(measurement, mechanism=request.mechanism, vary=request.vary or ())
         if asked is not None or found:
@@ -79,6 +75,19 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
 
     @override
     def why_unused(self, name: str, request: Request) -> str:
+        selects, asked = request.law is None, asked_for(request.route)
+        verb, other = ("select", "fit") if selects else ("fit", "select")
+        unused = (
+            f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
+        )
+        if name == "route" and asked and (asked == self.routes[0]) is not selects:
+            return f"{asked!r} {unused}"
+        if selects and (name == "settings" or name in self.settings):
+            return unused
+        return "" if selects else self._why_not_fitted(name, request)
+
+    def _why_not_fitted(self, name: str, request: Request) -> str:
+        """Return why a setting has no effect on a fit."""
         choice, settings = request.route, request.settings
         if not isinstance(choice, RouteChoice):
             return ""
@@ -112,29 +121,28 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
         return fit_records(**request.arguments("law", "route", "settings"))
 
     @override
-    def select(self, request: Request) -> RecordVerdict:
-        return select_records(
-            purpose=request.purpose or "simulate",
-            **request.arguments("laws", "horizon", "route", "validate", "settings", "executor"),
-        )
-
-    @override
-    def comparison(self, verdict: RecordVerdict) -> Comparison:
-        second = any(candidate.second for candidate in verdict.candidates)
-        unit = verdict.scale.unit
-        heads = ["law", "free", f"held-out error, {unit}", f"last third, {unit}"]
-        heads += [f"second record, {unit}"] if second else []
-        notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates]
-        closest = verdict.closest
-        title = title_of(verdict)
+    def comparison(self, verdict: BandVerdict) -> Comparison:
+        scale, closest = verdict.scale, verdict.closest
+        rows = [
+            [
+                one.title,
+                str(one.count),
+                score_text(scale, one.held_out).value,
+                percent(one.share) if one.share >= 0.005 else NO_VALUE,
+                one.outcome,
+            ]
+            for one in verdict.candidates
+        ]
+        assert closest.fit is not None
         return Comparison(
-            heads=heads,
-            rows=[_row(c, verdict, second=second) for c in verdict.candidates],
-            notes=[*notes, *verdict.missing, *(closest.fit.remarks if closest.fit else ())],
+            heads=[
+                "law", "parameters", f"held-out error, {scale.unit or verdict.score_unit}",
+                "share", "",
+            ],
+            rows=rows,
             checks=verdict.checks,
-            fitted=(title, closest.fit.estimates) if closest.fit else None,
-            trials=verdict.trials,
-        )
+            fitted=(closest.title, closest.fit.estimates),
+        )  # fmt: skip
 
     @override
     def summary(
@@ -162,37 +170,37 @@ class RecordKind(Kind[RecordFit, RecordVerdict]):
 
     @override
     def sections(
-        self, verdict: RecordVerdict, origin: Origin, remark: str
+        self, verdict: BandVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.kinds.records.page.sections import (
-            record_sections,  # figures are loaded where a page is made
+        return verdict_sections(verdict, origin, remark)
+
+
+@final
+class RecordKind(BandKind):
+    """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
+
+    routes = (BALANCE, *ROUTES)
+    measured = "records of motion or friction"
+    settings = frozenset(field.name for field in fields(RecordSettings))
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return not measurement.travelled
+
+    @override
+    def select(self, request: Request) -> BandVerdict:
+        chosen = Parameters.of(
+            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
         )
-
-        return record_sections(verdict, origin, remark)
-
-
-def title_of(verdict: CrossValidatedVerdict[Any]) -> str:
-    """Return the closest law as the title of its parameters, and whether it is recommended."""
-    title: str = verdict.closest.title
-    return title if verdict.best else f"{title}, fits best but not recommended"
-
-
-def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
-    scale = verdict.scale
-
-    def shown(value: float | None) -> str:
-        known = value is not None and math.isfinite(value)
-        return score_text(scale, value).value if known else NO_VALUE
-
-    seen = candidate.validation
-    score = " ".join(score_text(scale, candidate.score, candidate.score_error)).strip()
-    cells = [
-        candidate.title,
-        str(candidate.parameters) if candidate.fit else NO_VALUE,
-        score if candidate.fit else NO_VALUE,
-        shown(seen.extrapolation if seen else None),
-    ]
-    return cells + ([shown(candidate.second.rms if candidate.second else None)] if second else [])
+        return select_record(
+            chosen.mechanism,
+            request.measurement,
+            laws=request.laws,
+            vary=chosen.unknown,
+            held="mechanism.offset" in chosen.held,
+            validate=request.validate,
+            route=BALANCE,
+        )
 
 
 def _predicted(fit: RecordFit, second: Score) -> str:
