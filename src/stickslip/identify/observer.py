@@ -67,7 +67,7 @@ OUTLIER = 3.0
 """Standard deviations from which innovations weigh less."""
 LEAST_GAIN = 0.1
 """Standard deviations by which estimates move in the last round."""
-UNSEEN = frozenset({"backlash", "flexible"})
+UNSEEN = frozenset({"backlash", "flexible", "hose"})
 """Terms that no observer of one inertia has."""
 OF_TIME = frozenset({"drift", "adhesion", "offset_drift", "mechanism", "viscous_drift"})
 """Terms whose coefficients act at samples."""
@@ -259,6 +259,8 @@ class ObservedLaw:
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
                 force = force - float(c[0]) * over
+            elif name == "dead_zone":
+                force = force - float(c[0]) * np.clip(force, -shape[0], shape[0])
             elif name == "mechanism" and run.field is not None:
                 w = w + float(c[0]) * run.field
             elif name in OF_TIME or "*" in name:
@@ -455,7 +457,7 @@ class Observer:
         if not self.possible:
             return self.ensemble
         candidates = self._candidates()
-        if not candidates:
+        if not candidates or not self._has_inertia(candidates[0]):
             return self.ensemble
         step = self.runs[0].step
         self.noise_bandwidth = self._explained(candidates[0])
@@ -521,6 +523,10 @@ class Observer:
         return [*best.values()]
 
     # ---- fits
+    def _has_inertia(self, structure: Structure) -> bool:
+        known = self.problem.records[0].inertia is not None
+        return known or any(name == "inertia" for name, _ in structure)
+
     def _explained(self, structure: Structure) -> float:
         """Return the bandwidth that the noise of the force explains [rad/s]."""
         inertia = self.problem.records[0].inertia

@@ -64,6 +64,8 @@ class Record:
     """Normal force (n,) [N]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
     """Temperatures and other inputs of the contact (n,)."""
+    constant: float = 0.0
+    """Known constant resistance, which `force` is without [N]."""
     held: bool = False
     """Whether each force holds until the next sample, and so acts half a sample later."""
     friction: bool = False
@@ -192,7 +194,8 @@ def _record(
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
     forces = forces_along(mechanism, record, x, v, unknown)
-    constant = 0.0 if offset else float(getattr(mechanism, "offset", 0.0))
+    found_too = offset and "mechanism.offset" in unknown
+    constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     inertia: float | None = forces.inertia
     found = dict(forces.unknown)
     for path, one in forces.unknown.items():  # an inertia and nothing else
@@ -201,7 +204,7 @@ def _record(
             del found[path]
     return Record(
         time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
-        load=forces.load if load is None else load, force=forces.driven - constant,
+        load=forces.load if load is None else load, force=forces.driven - constant, constant=constant,
         unknown=found, held=held, located=located,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
@@ -519,6 +522,12 @@ class Along:
         both = zip(self.records, self.filters, strict=True)
         return np.concatenate([make(one, filt) for one, filt in both])
 
+    @cached_property
+    def times(self) -> Array:
+        """Times of the rows (n,) [s]."""
+        both = zip(self.records, self.filters, strict=True)
+        return self.rows_of([one.time[:: filt.every] for one, filt in both])
+
     def _used(self, k: int) -> Mask:
         """Return which rows are away from the ends and not at rest."""
         one, filt = self.records[k], self.filters[k]
@@ -752,6 +761,19 @@ class Along:
             parts.append(lfilter([0.0, a.sum()], a, one - one[0]) - one + one[0])
         return np.concatenate(parts)
 
+    def relaxing(self, constant: float) -> Array:
+        """Return the way (n,) that a spring is stretched which relaxes in a time constant."""
+        pieces = zip(np.split(self.velocity, self._cuts), self.filters, strict=True)
+        parts = []
+        for v, filt in pieces:
+            keep = math.exp(-filt.step / constant)
+            parts.append(lfilter([constant * (1.0 - keep)], [1.0, -keep], v))
+        return np.concatenate(parts)
+
+    def unmoved(self, limit: float) -> Array:
+        """Return recorded forces (n,), those beyond a limit cut to it [N]."""
+        return np.clip(self.raw, -limit, limit)
+
     def full_acceleration(self) -> Array:
         """Return accelerations (n,) in half the band [m/s^2]: where they are no noise."""
         return self._full(lambda one, filt: filt(one.position, slope=2, wider=CALM, full=True))
@@ -867,6 +889,12 @@ class Steady:
     def early(self, _: float) -> Array:
         """Return 0: steady forces do not change."""
         return self._none
+
+    def relaxing(self, _: float) -> Array:
+        """Return 0: a spring that relaxes is no friction."""
+        return self._none
+
+    unmoved = relaxing
 
     def loose(self, _: float) -> Array:
         """Return 0: a gap stays closed."""

@@ -52,6 +52,7 @@ from typing_extensions import override
 
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
     STRETCHES,
     alike,
@@ -103,10 +104,10 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error",
+    "lag", "inertia_error", "hose",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
-SHAPED = ("delay", "clip", "backlash", "flexible")
+SHAPED = ("delay", "clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
@@ -160,6 +161,8 @@ class RecordsProblem(Problem):
             *(["inertia"] if self.finds_inertia else []),
             *(["offset"] if self.offset.startswith("mechanism.") else []),
         }
+        if like is None and not (self.free or first.friction):
+            refuse_wrong_signs(self.rows, self.response, self.stretches, inertia=self.finds_inertia)
         if like is None:
             found = screened(self.rows, self.response, finds_inertia=self.finds_inertia)
             self.terms = terms_of(
@@ -180,6 +183,7 @@ class RecordsProblem(Problem):
                 ("level", "offset", "stribeck", "viscous"), ("drag", "level"),
                 ("drag", "level", "viscous"), ("drag", "viscous"), ("level", "power"),
                 ("adhesion", "level"), ("adhesion", "level", "viscous"),
+                ("hose", "level", "offset", "viscous"),
                 ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
             )
         ]  # fmt: skip
@@ -326,7 +330,7 @@ class RecordsProblem(Problem):
             elif name in self.records[0].unknown:
                 rig[name] = self.records[0].unknown[name].given + own[:, 0]
             elif name == "offset":
-                rig[self.offset] = own[:, 0]
+                rig[self.offset] = own[:, 0] + self.records[0].constant
             elif name in PATHS:
                 rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
             elif name in SHAPED:
