@@ -13,8 +13,8 @@ from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import specification
 from stickslip.identification import RouteChoice
 from stickslip.kinds.records import explained, selection
-from stickslip.kinds.records.explained import Explained, begun_from
-from stickslip.kinds.records.ladder import Climbed
+from stickslip.kinds.joints.explained import Explained, begun_from
+from stickslip.kinds.joints.ladder import Climbed
 
 MAXWELL_SLIP = GMS(
     kinetic_coefficient=6.0,

@@ -30,15 +30,15 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.results import ModelError
 from stickslip.identification.settings import RecordSettings
-from stickslip.kinds.records.page.certificate import certificate_section
-from stickslip.kinds.records.page.friction import course
-from stickslip.kinds.records.page.parameters import _narrow
-from stickslip.kinds.records.page.reproduce import python_lines
-from stickslip.kinds.records.page.residuals import _panels, residuals_section
-from stickslip.kinds.records.page.sections import turns_of
-from stickslip.kinds.records.page.summary import law_lines, level_at, levels_at_speed
-from stickslip.kinds.records.page.texts import rival_of
-from stickslip.kinds.records.wording import in_sentence
+from stickslip.kinds.joints.sections.certificate import certificate_section
+from stickslip.kinds.joints.sections.friction import course
+from stickslip.kinds.joints.sections.parameters import _narrow
+from stickslip.kinds.joints.sections.reproduce import python_lines
+from stickslip.kinds.joints.sections.residuals import _panels, residuals_section
+from stickslip.kinds.joints.sections.sections import turns_of
+from stickslip.kinds.joints.sections.summary import law_lines, level_at, levels_at_speed
+from stickslip.kinds.joints.sections.texts import rival_of
+from stickslip.kinds.joints.wording import in_sentence
 from stickslip.kinds.report import verdict_page
 from stickslip.plots import characteristic
 from stickslip.plots.core.helpers import thinned

@@ -13,8 +13,8 @@ from stickslip.friction import law, specification, usual_specifications
 from stickslip.friction.registry import rungs
 from stickslip.identification import Parameters, RouteChoice
 from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.kinds.records.ladder import climbed
-from stickslip.kinds.records.selection import candidate_of, laws_for, with_contained
+from stickslip.kinds.joints.ladder import climbed
+from stickslip.kinds.joints.judging import candidate_of, laws_for, with_contained
 from stickslip.selection import effective_aic, fitted_side_by_side
 from stickslip.selection.candidates import contains
 

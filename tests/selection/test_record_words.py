@@ -24,13 +24,13 @@ from stickslip.experiments.checking import stationarity
 from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.results import ModelError
-from stickslip.kinds.records.admissibility import objection
+from stickslip.kinds.joints.admissibility import objection
 from stickslip.kinds.records.design.experiments import design
 from stickslip.kinds.records.design.predictors import Predictor
-from stickslip.kinds.records.ladder import IDLE
-from stickslip.kinds.records.page.summary import opening_section
-from stickslip.kinds.records.selection import _on_second, verdict_on
-from stickslip.kinds.records.wording import equals_of, first_of, record_wording
+from stickslip.kinds.joints.ladder import IDLE
+from stickslip.kinds.joints.sections.summary import opening_section
+from stickslip.kinds.joints.judging import _on_second, verdict_on
+from stickslip.kinds.joints.wording import equals_of, first_of, record_wording
 from stickslip.selection.candidates import checked
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.verdict import corrections, score_text

@@ -29,9 +29,9 @@ from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
-from stickslip.kinds.records.admissibility import objection
-from stickslip.kinds.records.selection import _agreed, _as_simulated, _rejected, with_errors
-from stickslip.kinds.records.wording import (
+from stickslip.kinds.joints.admissibility import objection
+from stickslip.kinds.joints.judging import _agreed, _as_simulated, _rejected, with_errors
+from stickslip.kinds.joints.wording import (
     distinct,
     error_text,
     friction_of,

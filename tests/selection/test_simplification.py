@@ -8,9 +8,9 @@ import pytest
 from stickslip import Axis, CoulombViscous, Measurement, PowerViscous, RecordSettings, Stribeck, fit
 from stickslip.friction import law
 from stickslip.kinds.records import selection as records
-from stickslip.kinds.records.admissibility import objection, unidentified
-from stickslip.kinds.records.simplification import one_part_less, untold
-from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.kinds.joints.admissibility import objection, unidentified
+from stickslip.kinds.joints.simplification import one_part_less, untold
+from stickslip.kinds.joints.joint_verdict import RecordCandidate
 from stickslip.selection.cross_validation import CrossValidation
 
 AXIS = Axis(inertia=1.0)

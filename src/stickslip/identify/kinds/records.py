@@ -264,7 +264,8 @@ def _record(
             del found[path]
     return Record(
         time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
-        load=forces.load if load is None else load, force=forces.driven - constant, unknown=found, held=held, located=located,
+        load=forces.load if load is None else load, force=forces.driven - constant,
+        unknown=found, held=held, located=located,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
@@ -816,9 +817,11 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error",
+    "lag", "inertia_error", "inertia",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
+UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
+"""Terms that no law of `stickslip.friction` has."""
 SHAPED = ("delay", "clip", "backlash", "flexible")
 """Those whose shape is their size."""
 
@@ -858,7 +861,9 @@ class RecordsProblem(Problem):
         self._widths: dict[Column, int] = {}
         self.normal: float = normal if like is None else like.normal
         self.inertia_path: str = inertia_path if like is None else like.inertia_path
-        self.load_slopes = dict(load_slopes or {}) if like is None else like.load_slopes
+        self.load_slopes: Mapping[str, tuple[float, float]] = (
+            load_slopes or {} if like is None else like.load_slopes
+        )
         self.offset: str = offset if like is None else like.offset
         known = 0.0 if first.inertia is None else first.inertia
         self.response = self.rows.force - known * self.rows.acceleration
@@ -981,23 +986,9 @@ class RecordsProblem(Problem):
             size = self.width(name, shape)
             own, at = coefficients[:, at : at + size], at + size
             memory = shape[:2] if term.shared and shape[0] else memory
-            if name == "inertia":
-                rig[self.inertia_path] = own[:, 0]
-            elif name in self.records[0].unknown:
-                rig[name] = self.records[0].unknown[name].given + own[:, 0]
-            elif name == "offset":
-                rig[self.offset] = own[:, 0]
-            elif name in PATHS:
-                rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
-            elif name in SHAPED:
-                rig[name] = np.full(len(own), shape[0])
-            elif name == "stribeck_direction" or name in (
-                "curve",
-                "second",
-                "place",
-                "level_ripple",
-                "adhesion",
-            ):
+            if (of_rig := self._of_rig(name, shape, own)) is not None:
+                rig |= of_rig
+            elif name in UNLIKE:
                 unlike = True
             elif term.role == "law":
                 entries = shape[term.shared :]
@@ -1023,12 +1014,24 @@ class RecordsProblem(Problem):
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
 
+    def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array] | None:
+        """Return the property of rig or record (d,) that a term is, by path; None of others."""
+        unknown = self.records[0].unknown
+        if name in SHAPED:
+            return {name: np.full(len(own), shape[0])}
+        if name in unknown:
+            return {name: unknown[name].given + own[:, 0]}
+        if name in PATHS:
+            path = {"inertia": self.inertia_path, "offset": self.offset}.get(name, name)
+            return {path: own[:, 0] if own.shape[1] == 1 else np.linalg.norm(own, axis=1)}
+        return None
+
     def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
         """Return the normal forces (d,) of draws, which parameters that were found may change."""
         found = np.full(count, self.normal)
         for path, (slope, given) in self.load_slopes.items():
             found = found + slope * (rig[path] - given)
-        return found
+        return np.asarray(np.maximum(found, 1e-9 * self.normal))
 
     @cached_property
     def _rest(self) -> Steady:
