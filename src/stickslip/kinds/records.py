@@ -86,7 +86,8 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             return f"{asked!r} {unused}"
         if selects and name in {"settings", "horizon"} | self.settings:
             return unused
-        return "" if selects else self._why_not_fitted(name, request)
+        known = not selects and name in self.uses | self.settings
+        return self._why_not_fitted(name, request) if known else ""
 
     def _why_not_fitted(self, name: str, request: Request) -> str:
         """Return why a setting has no effect on a fit."""

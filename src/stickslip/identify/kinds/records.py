@@ -47,7 +47,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
-from stickslip.identify.forces import TRANSMITTED, Unknown, forces_along
+from stickslip.identify.forces import TRANSMITTED, Unknown, forces_along, with_transmitted
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
 from stickslip.identify.thresholds import THRESHOLDS
@@ -248,6 +248,7 @@ def _record(
         name: np.broadcast_to(np.asarray(values, dtype=float), x.shape)
         for name, values in record.contact_inputs().items()
     }
+    inputs = with_transmitted(inputs)
     if "friction" in known:
         return Record(
             time=time, position=x, velocity=velocity, load=load, inputs=inputs, friction=True,
