@@ -31,7 +31,7 @@ from stickslip.identification.force_map.problem import force_map
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 from stickslip.kinds import features_of, fit_features, fit_rate_state
-from stickslip.kinds.records.verdict import RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordVerdict
 
 AXIS = Axis(inertia=95.0)
 """EMPS; its mass is looked for."""

@@ -27,7 +27,7 @@ from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.settings import RecordSettings
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 

@@ -16,7 +16,7 @@ from stickslip.identification.terms import composed_laws
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
 from stickslip.identification.terms.findings import _inside
-from stickslip.kinds.records.explained import Explained, _compared, explained
+from stickslip.kinds.joints.explained import Explained, _compared, explained
 from stickslip.selection.verdict import friction_of
 
 FADES = (0.1, 2.0)

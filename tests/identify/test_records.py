@@ -239,4 +239,4 @@ def test_noise_is_that_of_the_quiet_parts_or_the_step_of_the_encoder():
 )
 def test_bad_records_are_refused_with_their_cure(measurement, find, said):
     with pytest.raises(InputError, match=said):
-        records_of(Axis(inertia=1.0), measurement, unknown=["mechanism.inertia"] if find else ())
+        records_of(Axis(inertia=1.0), measurement, unknown=["mechanism.inertia"] * find)

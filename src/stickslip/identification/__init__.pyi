@@ -69,11 +69,8 @@ from stickslip.identification.records.route_choice import RouteName as RouteName
 from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import better_route as better_route
 from stickslip.identification.records.route_choice import choose_route as choose_route
-from stickslip.identification.records.route_choice import decided as decided
 from stickslip.identification.records.route_choice import serves_inverse_dynamics as serves_inverse_dynamics
 from stickslip.identification.records.route_choice import to_compare as to_compare
-from stickslip.identification.records.route_choice import whole_record_error as whole_record_error
-from stickslip.identification.records.route_choice import with_simulated_hold as with_simulated_hold
 from stickslip.identification.residuals.holds import hold_of as hold_of
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
@@ -108,15 +105,12 @@ from stickslip.identification.shooting.segments import usual_segment as usual_se
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.terms.composed_laws import Asked as Asked
 from stickslip.identification.terms.dense_series import dense_series as dense_series
-from stickslip.identification.terms.dense_series import loads_motor as loads_motor
-from stickslip.identification.terms.dense_series import tells_no_scale as tells_no_scale
 from stickslip.identification.terms.dense_series import varies_load as varies_load
 from stickslip.identification.terms.dense_series import without_outliers as without_outliers
 from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
 from stickslip.identification.terms.findings import asked_of as asked_of
 from stickslip.identification.terms.findings import errors_of as errors_of
 from stickslip.identification.terms.findings import force_noise as force_noise
-from stickslip.identification.terms.findings import mass_held as mass_held
 from stickslip.identification.terms.findings import model_errors as model_errors
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel

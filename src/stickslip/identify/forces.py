@@ -18,6 +18,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact_inputs import DRIVES
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, command_of
 from stickslip.formatting import joined
@@ -152,7 +153,7 @@ def forces_along(
 
 
 def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
-    """Return records with the size of the torque that a gear transmits, where one can be told.
+    """Return records with the torque that a gear transmits, where one can be told.
 
     It is made of what the motion takes and of friction that grows with it, found beside: of the
     measured torque friction is a part, which would explain whatever friction there is.
@@ -163,7 +164,7 @@ def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     >>> t = np.arange(0.0, 10.0, 0.01)
     >>> swing = Measurement(time=t, position=np.sin(t), force=9.81 * np.sin(np.sin(t)))
     >>> found = with_gear(Pendulum(mass=1.0, length=1.0), swing)
-    >>> bool(np.max(found.inputs["transmitted"]) > 15.0)  # the motor holds the weight
+    >>> bool(np.max(np.abs(found.inputs["transmitted"])) > 15.0)  # the motor holds the weight
     True
     """
     if len(mechanism.coordinates) > 1:
@@ -176,10 +177,27 @@ def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     if not all(TRANSMITTED in one.covariates for one in series):
         return measurement
     records = tuple(
-        replace(record, inputs={**record.inputs, TRANSMITTED: np.abs(one.covariates[TRANSMITTED])})
+        replace(record, inputs={**record.inputs, TRANSMITTED: one.covariates[TRANSMITTED]})
         for record, one in zip(measurement.records(), series, strict=True)
     )
     return replace(measurement, trials=records) if measurement.trials else records[0]
+
+
+def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Return inputs of a contact (n,) with the size of what a gear transmits for its forces.
+
+    Examples
+    --------
+    >>> both = {"motor": np.array([-1.0]), "external": np.array([2.0])}
+    >>> with_transmitted(both)["transmitted"].tolist()
+    [3.0]
+    """
+    found = {name: x for name, x in inputs.items() if name not in DRIVES}
+    if TRANSMITTED in inputs:
+        found[TRANSMITTED] = np.abs(inputs[TRANSMITTED])
+    elif {"motor", "external"} <= {*inputs}:
+        found[TRANSMITTED] = np.abs(inputs["motor"] - inputs["external"])
+    return found
 
 
 def load_slopes(mechanism: Mechanism, unknown: Sequence[str]) -> dict[str, tuple[float, float]]:

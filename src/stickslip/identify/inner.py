@@ -1,4 +1,4 @@
-r"""What inner bodies do to the coordinate that was measured: a pendulum on a cart, a mass in a capsule.
+r"""What inner bodies do to the measured coordinate: a pendulum on a cart, a mass in a capsule.
 
 Of a mechanism of several coordinates only the one that slips, :math:`x(t)`, was measured. The
 others follow from it, as nothing of them rubs:
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import applied_force, drives_itself
-from stickslip.mechanisms import Mechanism, only_contact, slip_of
+from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     others = [j for j in range(body.moving) if j != at]
     force = forces[at] - sum(mass[at][j] * q_ddot[j] for j in others)
     load = None
-    if only_contact(mechanism).normal is not None:
+    if normal_of(mechanism) is not None:
         k = body.moving
         load = sum(mass[k][j] * q_ddot[j] for j in range(body.moving)) - forces[k]
     return Pushed(force=force + 0.0 * time, inertia=float(np.mean(inertia)), load=load)
@@ -95,8 +95,8 @@ class _Body:
 
     @classmethod
     def of(cls, mechanism: Mechanism, record: Measurement) -> "_Body":
-        contact = only_contact(mechanism)
-        held = tuple(name for name in (contact.normal, *mechanism.held()) if name)
+        normal = normal_of(mechanism)
+        held = [*([] if normal is None else [normal]), *mechanism.held()]
         time = np.asarray(record.time, dtype=float)
         applied = None if drives_itself(mechanism, record) else applied_force(mechanism, record)
         return cls(
@@ -183,7 +183,7 @@ class _Body:
             q_ddot[[*known]] = [*known.values()]
             if free:
                 mass, forces = self.equations(t, q.tolist(), q_dot.tolist(), drives)
-                m = np.array([row for row in mass[: self.moving]], dtype=float)
+                m = np.array(mass[: self.moving], dtype=float)
                 right = np.array(forces[: self.moving], dtype=float)[free]
                 right -= m[np.ix_(free, [*known])] @ np.array([*known.values()])
                 q_ddot[free] = np.linalg.solve(m[np.ix_(free, free)], right)

@@ -477,7 +477,7 @@ def verdict_on(
     together = set(comparison.set)
     candidates = tuple(
         LawCandidate(
-            name=" + ".join(family(one)),
+            name=name_of(judgement, one),
             title=title_of(judgement, one) + beside_of(judgement, one),
             fit=fit_of(judgement, one, mechanism, measurement, largest_speed),
             outcome=_outcome(one, comparison.named, together),
@@ -532,6 +532,18 @@ def verdict_on(
         places=tuple(places),
         intervals=every,
     )
+
+
+def name_of(judgement: Judgement, structure: Structure) -> str:
+    """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
+    problem, fit = judgement.problem, judgement.ensemble.fit(structure)
+    law = problem.composition(structure, fit.coefficients[None]).law()
+    parts, beside = list[str](), list[str]()
+    for name in problem.family(structure):
+        if name not in problem.always:
+            of_law = name not in problem.terms or problem.terms[name].role == "law"
+            (parts if of_law else beside).append(name)
+    return " + ".join([*(parts if law is None else [law.name]), *beside])
 
 
 def groups_of(judgement: Judgement) -> list[list[str]]:

@@ -11,7 +11,7 @@ from stickslip.formatting import joined
 from stickslip.identification import LAW, RecordSettings, asked_for, names_of
 from stickslip.identify import BandVerdict, select_table
 from stickslip.kinds.kind import Request
-from stickslip.kinds.records.kind import WITHOUT_EFFECT, BandKind
+from stickslip.kinds.records import WITHOUT_EFFECT, BandKind
 
 FORCE_MAP = "force-map"
 """Route by which tables are fitted."""

@@ -14,7 +14,7 @@ from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.joints.kind import JointKind
 from stickslip.kinds.kind import Kind, Request
-from stickslip.kinds.records.kind import RecordKind
+from stickslip.kinds.records import RecordKind
 from stickslip.kinds.travels.kind import TravelKind
 from stickslip.kinds.velocity_steps.kind import VelocityStepKind
 from stickslip.mechanisms import Mechanism

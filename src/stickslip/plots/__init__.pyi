@@ -73,9 +73,6 @@ from stickslip.plots.laws.friction_map import MapSplit as MapSplit
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
 from stickslip.plots.laws.friction_map import draw_split_map as draw_split_map
 from stickslip.plots.laws.friction_map import split_sizes as split_sizes
-from stickslip.plots.laws.hysteresis import Loop as Loop
-from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
-from stickslip.plots.laws.hysteresis import loop_sizes as loop_sizes
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
 from stickslip.plots.runs.contacts import MOST_PANELS as MOST_PANELS
@@ -179,7 +176,6 @@ __all__ = [
     "draw_fixed_steps",
     "draw_friction_map",
     "draw_friction_velocity",
-    "draw_loops",
     "draw_motion",
     "draw_overview",
     "draw_pieces",

@@ -18,7 +18,7 @@ from scipy.signal import lfilter
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identify.forces import Unknown, forces_along
+from stickslip.identify.forces import Unknown, forces_along, with_transmitted
 from stickslip.identify.problem import Array, Mask
 from stickslip.mechanisms import Mechanism
 
@@ -187,6 +187,7 @@ def _record(
         name: np.broadcast_to(np.asarray(values, dtype=float), x.shape)
         for name, values in record.contact_inputs().items()
     }
+    inputs = with_transmitted(inputs)
     if "friction" in known:
         return Record(
             time=time, position=x, velocity=velocity, load=load, inputs=inputs, friction=True,
@@ -204,8 +205,8 @@ def _record(
             del found[path]
     return Record(
         time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
-        load=forces.load if load is None else load, force=forces.driven - constant, constant=constant,
-        unknown=found, held=held, located=located,
+        load=forces.load if load is None else load, force=forces.driven - constant,
+        constant=constant, unknown=found, held=held, located=located,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
@@ -799,16 +800,17 @@ def _finer(record: Record, band: float) -> Record:
     count = times * (len(record.time) - 1) + 1
     time = record.time[0] + step / times * np.arange(count)
 
-    def at(x: Array | None) -> Array | None:
-        return None if x is None else np.asarray(CubicSpline(record.time, x)(time))
+    def at(x: Array) -> Array:
+        return np.asarray(CubicSpline(record.time, x)(time))
 
-    position = at(record.position)
-    assert position is not None
     return replace(
-        record.on(time), position=position, velocity=at(record.velocity),
-        mechanism=at(record.mechanism), rarer=float(times),
+        record.on(time),
+        position=at(record.position),
+        velocity=None if record.velocity is None else at(record.velocity),
+        mechanism=None if record.mechanism is None else at(record.mechanism),
         unknown={p: replace(one, force=at(one.force)) for p, one in record.unknown.items()},
-    )  # fmt: skip
+        rarer=float(times),
+    )
 
 
 def _even(time: Array) -> Array:

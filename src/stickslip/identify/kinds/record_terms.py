@@ -93,12 +93,12 @@ def screened(
     best.sort(key=lambda one: left[one][0])
     if rows.free:  # what is left of the work is no force of a place
         return [(0.0, 0.0), *best], [], []
-    q, side = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
+    q, level = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
     most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
     numbers = np.arange(3.0 * math.pi / frame.span, most, 0.5 / frame.span)
     few = slice(None, None, max(rows.count // 1500, 1))
     turning = np.exp(-1j * np.outer(numbers, q[few]))
-    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, side * e))
+    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, level * e))
     return [(0.0, 0.0), *best], first, second
 
 
@@ -337,7 +337,8 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         terms += [
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
-                 ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped", rank=18, needs=moving),
+                 ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped",
+                 rank=18, needs=moving, excludes=frozenset({"dead_zone"})),
             Term(name="dead_zone", role="fault", columns=lambda r, s: r.seen(r.unmoved(s[0])),
                  shapes=[(float(x),) for x in dead], steps=(float(dead[1] / dead[0]),),
                  ranges=[(0.5 * float(dead[0]), float(dead[-1]))], limits=(0.7, 1.3),

@@ -104,9 +104,11 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error", "hose",
+    "lag", "inertia_error", "hose", "inertia",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
+UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
+"""Terms that no law of `stickslip.friction` has."""
 SHAPED = ("delay", "clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
 
@@ -204,7 +206,7 @@ class RecordsProblem(Problem):
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
         if self.free:  # energies are independent readings
-            return FREE_NATS / independent
+            return float(FREE_NATS / independent)
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
@@ -283,7 +285,7 @@ class RecordsProblem(Problem):
     @override
     def points(self, structure: Structure, coefficients: Array) -> Points:
         """Return the response less what a structure says of the rig, thinned out."""
-        rows = self._shown
+        rows: Along = self.shown
         inertia = self.records[0].inertia or 0.0
         at, friction = 0, rows.force - inertia * rows.acceleration
         for name, shape in structure:
@@ -298,7 +300,7 @@ class RecordsProblem(Problem):
         return Points(velocity=velocity[few], friction=friction[few], load=load, rows=few)
 
     @cached_property
-    def _shown(self) -> Along:
+    def shown(self) -> Along:
         """Rows at which friction itself is shown: of a free motion those of its force balance."""
         if not self.free:
             return self.rows
@@ -325,23 +327,9 @@ class RecordsProblem(Problem):
             size = self.width(name, shape)
             own, at = coefficients[:, at : at + size], at + size
             memory = shape[:2] if term.shared and shape[0] else memory
-            if name == "inertia":
-                rig[self.inertia_path] = own[:, 0]
-            elif name in self.records[0].unknown:
-                rig[name] = self.records[0].unknown[name].given + own[:, 0]
-            elif name == "offset":
-                rig[self.offset] = own[:, 0] + self.records[0].constant
-            elif name in PATHS:
-                rig[name] = own[:, 0] if size == 1 else np.linalg.norm(own, axis=1)
-            elif name in SHAPED:
-                rig[name] = np.full(len(own), shape[0])
-            elif name == "stribeck_direction" or name in (
-                "curve",
-                "second",
-                "place",
-                "level_ripple",
-                "adhesion",
-            ):
+            if (of_rig := self._of_rig(name, shape, own)) is not None:
+                rig |= of_rig
+            elif name in UNLIKE:
                 unlike = True
             elif term.role == "law":
                 entries = shape[term.shared :]
@@ -367,12 +355,25 @@ class RecordsProblem(Problem):
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
 
+    def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array] | None:
+        """Return the property of rig or record (d,) that a term is, by path; None of others."""
+        unknown = self.records[0].unknown
+        if name in SHAPED:
+            return {name: np.full(len(own), shape[0])}
+        if name in unknown:
+            return {name: unknown[name].given + own[:, 0]}
+        if name in PATHS:
+            path = {"inertia": self.inertia_path, "offset": self.offset}.get(name, name)
+            size = own[:, 0] if own.shape[1] == 1 else np.linalg.norm(own, axis=1)
+            return {path: size + self.records[0].constant if name == "offset" else size}
+        return None
+
     def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
         """Return the normal forces (d,) of draws, which parameters that were found may change."""
         found = np.full(count, self.normal)
         for path, (slope, given) in self.load_slopes.items():
             found = found + slope * (rig[path] - given)
-        return found
+        return np.asarray(np.maximum(found, 1e-9 * self.normal))
 
     @cached_property
     def _rest(self) -> Steady:

@@ -11,7 +11,7 @@ from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_join
 from stickslip.kinds.joints.selection import joint_specifications, select_joints
 from stickslip.kinds.joints.verdict import JointVerdict
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
-from stickslip.kinds.records.wording import restarts_text
+from stickslip.kinds.records import restarts_text
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import CrossValidatedVerdict, limits_of, score_text

@@ -1,17 +1,16 @@
 """Towards the end of the report: dropped laws, the record, and what to measure next."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.formatting import Scale, in_words, number, significant, with_unit
+from stickslip.formatting import Scale, in_words, with_unit
 from stickslip.identification import RecordFit
-from stickslip.kinds.records.design.experiments import Experiment
-from stickslip.kinds.records.page.scores import error_column
-from stickslip.kinds.records.page.texts import symbols_of
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.sections.scores import error_column
+from stickslip.kinds.joints.sections.texts import symbols_of
 from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, speeds_of, thinned
-from stickslip.report import Column, Figure, Number, Row, Section, Table, record_and_checks, typeset
+from stickslip.report import Column, Figure, Number, Row, Section, Table, typeset
 from stickslip.selection import score_text
 
 LINES = 700
@@ -68,13 +67,6 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
     return "; ".join(parts)
 
 
-def record_section(verdict: RecordVerdict) -> Section | None:
-    """Return the section on the record and what was checked of it."""
-    fit = verdict.closest.fit
-    figure = record_figure(verdict, fit) if fit else None
-    return record_and_checks(verdict.checks, blocks=[figure] if figure else [])
-
-
 def record_figure(
     verdict: RecordVerdict, fit: RecordFit, *, scales: Mapping[str, Scale] | None = None
 ) -> Figure | None:
@@ -121,39 +113,3 @@ def _reverse(t: np.ndarray, velocity: np.ndarray) -> list[tuple[float, float]]:
         for a, b in zip(turns[::2], turns[1::2], strict=True)
     ]
     return spans if len(spans) <= MOST_SPANS else []
-
-
-def next_section(verdict: RecordVerdict) -> Section | None:
-    """Return the section on measurements that would tell more, None if none would."""
-    if not verdict.experiments:
-        return None
-    titles = {c.name: c.title for c in verdict.candidates}
-    names = list(verdict.experiments[0].predicted)
-    columns = (
-        Column(head="measurement"),
-        Column(head="quantity"),
-        *(
-            Column(head=titles.get(n, n), numeric=True, phone="label", label=f"{titles.get(n, n)}:")
-            for n in names
-        ),
-        Column(
-            head=("separation\nover uncertainty"), numeric=True, phone="label", label="separation"
-        ),
-    )
-    rows = [_experiment(one, names) for one in verdict.experiments]
-    first = verdict.experiments[0]
-    far = significant(first.separation, 2)
-    heading = f"The best next measurement separates the laws by {far} times its uncertainty"
-    caption = (
-        "Predictions of each law with its fitted mass and offset. Separation: difference between"
-        " the chosen law and its nearest rival, divided by the combined uncertainty of the"
-        " measurement and both predictions."
-    )
-    table = Table(columns=columns, rows=tuple(rows), caption=caption)
-    return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
-
-
-def _experiment(one: Experiment, names: Sequence[str]) -> Row:
-    observed, said = one.readings()
-    cells = (one.what, observed, *(said[name] for name in names))
-    return Row(cells=(*cells, number(one.separation, 2)))

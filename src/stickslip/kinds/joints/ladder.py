@@ -1,20 +1,19 @@
 """Candidates a part at a time: a richer law is fitted where what it builds on is shown to hold."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from typing import final
 
 from stickslip.formatting import count
-from stickslip.friction import CandidateSpec, Rung, rungs, specification
-from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.friction import CandidateSpec, Rung, rungs
+from stickslip.kinds.joints.joint_verdict import RecordCandidate
 from stickslip.selection import (
     LEAST,
     LEFT_OUT,
     Fitted,
     Watch,
-    contains,
     fitted_side_by_side,
     friction_of,
 )
@@ -85,41 +84,6 @@ def climbed(
     return Climbed(specs=tuple(chosen), tried=tuple(tried), untried=left, why=said)
 
 
-def with_gears(
-    found: Climbed,
-    fitted: Fitted[RecordCandidate],
-    watch: Watch | None,
-    executor: Executor | None,
-    *,
-    seen: Callable[[Sequence[RecordCandidate], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
-    known: Collection[str],
-) -> Climbed:
-    """Return candidates with gear laws; richer ones follow where one they contain is shown to hold.
-
-    Those that contain at most one of the others are always fitted. A law that asks for a contact
-    input which is not `known` is not.
-    """
-    for one in map(_with_exponent, map(specification, LOADED)):
-        done = {c.name: c for c in found.tried}
-        if one.name in done or not {*one.law.inputs} <= {*known}:
-            continue
-        within = [c for c in found.specs if c.name in LOADED and contains(one, c)]
-        below = {c.name for c in within if not any(contains(other, c) for other in within)}
-        if len(within) > 1 and not _Fits.of(seen(found.tried, found.specs)).shows(below):
-            continue
-        specs = (*found.specs, one)
-        tried = fitted_side_by_side(fitted, specs, watch, executor, done)
-        found = replace(found, specs=specs, tried=tuple(tried))
-    return found
-
-
-def _with_exponent(one: CandidateSpec) -> CandidateSpec:
-    """Return a candidate that looks for the exponent by which its level fades, if it does."""
-    kind = one.law if isinstance(one.law, type) else type(one.law)
-    fades = EXPONENT in {field.name for field in fields(kind)}
-    return replace(one, free=(*kind.fit_order, EXPONENT)) if fades else one
-
-
 def _criterion(c: RecordCandidate, size: float) -> float:
     spare = size - c.parameters - 1.0
     if spare <= 0.0:
@@ -177,10 +141,6 @@ class _Fits:
         """Whether the criterion of a law is so far below those of all that it contains."""
         simpler = (self.criteria[name] for name in c.simpler if name in self.known)
         return all(one - self.criteria[c.name] > by for one in simpler)
-
-    def shows(self, names: Collection[str]) -> bool:
-        """Whether one of these laws is shown to hold."""
-        return any(self.is_shown(self.known[name]) for name in names if name in self.known)
 
     def is_idle(self, name: str) -> bool:
         """Whether a law takes no more off than chance does from one that it contains."""

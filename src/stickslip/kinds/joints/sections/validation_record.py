@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import Scale, joined, quantity, ratio, with_unit
+from stickslip.formatting import Scale, joined, ratio, with_unit
 from stickslip.identification import Prediction
-from stickslip.kinds.records.page.texts import rival_of
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict, SecondRecord
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict, SecondRecord
+from stickslip.kinds.joints.sections.texts import rival_of
 from stickslip.plots import Piece, draw_pieces, inline_svg, piece_sizes
 from stickslip.report import Block, Column, Figure, Name, Number, Paragraph, Row, Section, Table
 from stickslip.selection import in_sentence, score_text
@@ -129,16 +129,14 @@ def _figure(verdict: RecordVerdict, record: Measurement, laws: list[RecordCandid
         prefix="second-figure",
         **piece_sizes(len(pieces)),
     )
-    start = "the law along the measured motion"
-    if verdict.simulates:
-        start = f"{quantity(horizon, 's', 2)} simulated from a fitted state"
     several = len(pieces) > 1
     which = (
         "The segments with the median and the largest error" if several else ("The whole record")
     )
     names = joined([in_sentence(name) for name in seen])
     caption = (
-        f"**Predicted and measured on the second record.** {which}; each segment is {start}. Grey:"
+        f"**Predicted and measured on the second record.** {which}; each segment is the law along"
+        " the measured motion. Grey:"
         f" measured; other lines: {names}. Below: measured minus predicted."
     )
     return Figure(svg=svg, caption=caption)

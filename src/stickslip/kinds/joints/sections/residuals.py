@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from stickslip.formatting import joined, number, percent, quantity, significant
+from stickslip.formatting import joined, number, percent, significant
 from stickslip.identification import RecordFit, has_trend, ljung_box, noise_floor
-from stickslip.kinds.records.page.texts import rival_of, symbols_of
-from stickslip.kinds.records.verdict import RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordVerdict
+from stickslip.kinds.joints.sections.texts import rival_of, symbols_of
 from stickslip.plots import (
     ERROR_SIZES,
     ResidualPanel,
@@ -100,11 +100,8 @@ def _residual_figure(
         prefix="residual-figure",
         **residual_sizes(len(panels)),
     )
-    start = "" if not verdict.simulates else (
-        ", each segment of the fit started from its own fitted state"
-    )  # fmt: skip
     caption = (
-        f"**Residuals** of the fit: measured minus predicted {verdict.quantity}{start}. Root mean"
+        f"**Residuals** of the fit: measured minus predicted {verdict.quantity}. Root mean"
         f" square {scale.error(fit.rms)}{_share(fit)}."
     )
     rival = rival_of(verdict)
@@ -146,9 +143,7 @@ def _autocorrelation(fit: RecordFit) -> str:
 
 
 def _share(fit: RecordFit) -> str:
-    """Return how much of what was measured a law leaves, in words; nothing on other routes."""
-    if fit.problem.simulates:
-        return ""
+    """Return how much of what was measured a law leaves, in words."""
     spread = float(np.std(fit.problem.measured))
     share = percent(fit.rms / spread) if spread > 0.0 else ""
     return f", {share} of the spread of {fit.problem.quantity}" if share else ""
@@ -173,12 +168,9 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
         prefix="error-figure",
         **ERROR_SIZES,
     )
-    horizon = quantity(verdict.plan.horizon, "s", 2)
-    lead = f"segments of {horizon}, each from its own fitted state"
-    if not verdict.simulates:
-        lead = f"measured minus predicted {verdict.quantity}"
     caption = (
-        f"**Prediction errors.** Above: {lead}. Below: each block predicted by a fit without it."
-        " An error that repeats in every cycle is a model error, not noise."
+        f"**Prediction errors.** Above: measured minus predicted {verdict.quantity}. Below: each"
+        " block predicted by a fit without it. An error that repeats in every cycle is a model"
+        " error, not noise."
     )
     return Figure(svg=svg, caption=caption)

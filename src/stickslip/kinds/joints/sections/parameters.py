@@ -16,8 +16,8 @@ from stickslip.identification import (
     reads_as_forces,
     step_intervals,
 )
-from stickslip.kinds.records.page.texts import symbols_of, to_digits
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.sections.texts import symbols_of, to_digits
 from stickslip.report import (
     Axis,
     Block,

@@ -4,8 +4,8 @@ import math
 from typing import Final
 
 from stickslip.formatting import Scale, joined, number, percent, quantity
-from stickslip.kinds.records.page.texts import symbols_of
-from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import BlockwiseVerdict, RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.sections.texts import symbols_of
 from stickslip.report import (
     Axis,
     Cell,
@@ -123,13 +123,7 @@ def _how(verdict: RecordVerdict) -> str:
         f"The record of {quantity(plan.length, 's')} is divided into {plan.folds} blocks, {gap} on"
         " both sides of each. Every candidate is fitted to the other blocks"
     )
-    if not verdict.simulates:
-        what = "force of the joint" if verdict.quantity == "force" else "friction force"
-        return f"{text} and predicts the {what} in {block}."
-    return (
-        f"{text} and predicts the {verdict.quantity} in {block}, in segments of"
-        f" {quantity(plan.horizon, 's', 2)}, each from its own fitted state."
-    )
+    return f"{text} and predicts the force of the joint in {block}."
 
 
 def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:

@@ -5,8 +5,7 @@ from collections.abc import Iterable
 
 from stickslip.formatting import rounded
 from stickslip.identification import Estimate
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
-from stickslip.selection import apart
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
 
 
 def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
@@ -17,20 +16,6 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
     others = [c for c in verdict.candidates if c.name != best.name and c.fit and c.validation]
     others = [c for c in others if math.isfinite(c.score)]
     return min(others, key=lambda c: (bool(c.dropped), c.score), default=None)
-
-
-def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
-    """Return how many standard errors the losses of a candidate lie above those of another.
-
-    None if the blocks cannot be paired, or all ratios are equal.
-    """
-    if other.validation is None or best.validation is None:
-        return None
-    one, two = other.validation.losses, best.validation.losses
-    if len(one) != len(two) or len(one) < 2:
-        return None
-    found = apart(one, two)
-    return found if math.isfinite(found) else None
 
 
 def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from stickslip.formatting import Scale, joined, quantity, significant, with_unit
 from stickslip.friction import DirectionDependent
 from stickslip.identification import RecordFit, inputs_text
-from stickslip.kinds.records.page.texts import rival_of
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.sections.texts import rival_of
 from stickslip.plots import (
     MAP_SIZES,
     MapPoints,

@@ -5,9 +5,11 @@ from typing import final
 
 from typing_extensions import override
 
-from stickslip.experiments import Measurement, faults
-from stickslip.formatting import NO_VALUE, percent, quantity
+from stickslip import formatting
+from stickslip.experiments import QUANTITIES, Measurement, faults
+from stickslip.formatting import NO_VALUE, percent
 from stickslip.identification import (
+    AGREE,
     LAW,
     ROUTES,
     Laws,
@@ -24,7 +26,7 @@ from stickslip.identification import (
 )
 from stickslip.identify import BandVerdict, select_record, verdict_sections
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
-from stickslip.kinds.records.wording import error_text, restarts_text, route_text
+from stickslip.quantities import turned
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of, score_text
 
@@ -82,9 +84,10 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         )
         if name == "route" and asked and (asked == self.routes[0]) is not selects:
             return f"{asked!r} {unused}"
-        if selects and (name == "settings" or name in self.settings):
+        if selects and name in {"settings", "horizon"} | self.settings:
             return unused
-        return "" if selects else self._why_not_fitted(name, request)
+        known = not selects and name in self.uses | self.settings
+        return self._why_not_fitted(name, request) if known else ""
 
     def _why_not_fitted(self, name: str, request: Request) -> str:
         """Return why a setting has no effect on a fit."""
@@ -181,6 +184,7 @@ class RecordKind(BandKind):
 
     routes = (BALANCE, *ROUTES)
     measured = "records of motion or friction"
+    uses = frozenset({"route", "validate", "horizon"})
     settings = frozenset(field.name for field in fields(RecordSettings))
 
     @override
@@ -203,8 +207,39 @@ class RecordKind(BandKind):
         )
 
 
+def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score of one law alone with its unit; angles if what was measured turns.
+
+    Examples
+    --------
+    >>> error_text(0.00024, "position"), error_text(1.234, "friction")
+    ('0.24 mm', '1.23 N')
+    """
+    return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
+
+
+def route_text(fit: RecordFit) -> str:
+    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
+    way = "shorter simulated segments" if fit.problem.simulates else "inverse dynamics"
+    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
+
+
+def restarts_text(fit: RecordFit) -> str:
+    """Return how many starts of the search agree; of a free decay, in which segments."""
+    starts = len(fit.restarts.costs)
+    if starts == 1:
+        return "none, a single start"
+    text = (
+        f"{fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}"
+    )
+    if fit.first is None:
+        return text
+    return f"{text}, in short segments; longer segments were fitted from there"
+
+
 def _predicted(fit: RecordFit, second: Score) -> str:
     """Return how a second record was predicted: where friction is, bristles run through it."""
     if fit.problem.simulates:
-        return f"in segments of {quantity(second.horizon, 's')}"
+        return f"in segments of {formatting.quantity(second.horizon, 's')}"
     return "along the measured motion"

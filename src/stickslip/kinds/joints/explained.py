@@ -1,12 +1,10 @@
 """Candidates that the force balance of a record asks for, and what it says of them."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import final
 
-from stickslip.errors import ParameterError
 from stickslip.evidence import GEARS, TERMS, Fit, Structure
 from stickslip.experiments import Measurement
 from stickslip.friction import CandidateSpec, FrictionLaw, law, specification
@@ -14,15 +12,11 @@ from stickslip.identification import (
     Asked,
     FittedLaw,
     ModelError,
-    RecordFit,
     RecordSettings,
-    asked_of,
     errors_of,
-    force_noise,
     model_errors,
 )
-from stickslip.kinds.records.ladder import LOADED
-from stickslip.mechanisms import Mechanism
+from stickslip.kinds.joints.ladder import LOADED
 from stickslip.selection import REFERENCE, Watch
 
 SPECIAL = ("level_slope", "level_ripple", "ripple", "imbalance", "second", *GEARS)
@@ -45,17 +39,10 @@ ELASTIC = "elasto-plastic"
 RELATIVES = ("gms", ELASTIC)
 """Laws with a bristle and a Stribeck step that no structure is, fitted where one of those that are
 leaves more than noise."""
-STRAYED = 10.0
-"""Factor between a stiffness and that of the balance from which it is that of another valley."""
 CLEARLY = 1.5
 """Force that laws without a bristle leave, over what one with it leaves, from which it is less."""
-WHITE = 1.5
-"""Force that the closest law leaves over the noise of the force sensor from which it is more: noise
-of the motion is estimated by the best structure, and what this lacks would count as noise."""
 RATE = 100.0
 """Rate [1/s] at which an element or a bristle comes to its level where a search begins."""
-STATIC = 1.3
-"""Static over kinetic level where a search begins from a law without a static one."""
 CLOSER = 0.98
 """Error over that of the best structure from which one with a part more is fitted in any case: the
 balance asks for more than that, but all rows together may tell what it leaves open."""
@@ -80,9 +67,6 @@ class Explained:
     """What is wrong with the rig or the record."""
     unit: str
     """Of held-out errors of the balance."""
-    decides: bool = False
-    """Whether its law is named whatever the candidates predict: where that is the same force along
-    the same motion, of which the balance alone knows rests and reversals."""
 
     @classmethod
     def of(
@@ -91,8 +75,6 @@ class Explained:
         measurement: Measurement,
         settings: RecordSettings,
         unknown: Sequence[str] = (),
-        *,
-        decides: bool = False,
     ) -> "Explained":
         """Return what the laws of an explanation are for a selection."""
         return cls(
@@ -103,77 +85,7 @@ class Explained:
                 asked.explanation, measurement, settings.holding, settings.response
             ),
             unit=measurement.unit("force"),
-            decides=decides,
         )
-
-    @property
-    def loads_gear(self) -> bool:
-        """Whether friction grows with the torque of a gear."""
-        return any(term.kind in GEARS for term in self.asked.explanation.best.structure.free)
-
-    def starts_of(
-        self, specs: Sequence[CandidateSpec], unknown: Sequence[str]
-    ) -> dict[str, FittedLaw]:
-        """Return where searches of candidates begin, also of those that were named, by name."""
-        kinds = {one.name: one.law if isinstance(one.law, type) else type(one.law) for one in specs}
-        named = {
-            name: self.asked.start_of(kind, unknown) for name, kind in kinds.items() if kind.states
-        }
-        return {name: one for name, one in named.items() if one} | {**self.starts}
-
-    def relative(
-        self, fits: Sequence[RecordFit], tried: Collection[str]
-    ) -> tuple[CandidateSpec, FittedLaw | None] | None:
-        """Return the next law that no structure is, begun from the closest law with a bristle.
-
-        Where the search of that one left the stiffness that the balance sees, it ended in another
-        valley, and the next law finds a start of its own.
-
-        None where the closest law leaves no more than noise of the force, or where motion is
-        simulated: along the measured one a fit of theirs takes seconds, and there minutes. That one
-        of them leaves little does not tell that another one leaves more. Where no law with a
-        bristle was tried, as the path hardly resolves one, LuGre friction comes first, and the
-        others where it leaves clearly less.
-        """
-        closest = min(fits, key=lambda one: one.rms, default=None)
-        if closest is None or closest.problem.simulates:
-            return None
-        noise = WHITE * force_noise(self.asked.explanation)
-        # of a law without a bristle, rests are not among the rows that its fit leaves a force at
-        bristled = [one for one in fits if one.law.states]
-        if not bristled:
-            first = specification(TEXTBOOK)
-            new = closest.rms > noise and TEXTBOOK not in tried
-            return (first, closest.fitted_law) if new else None
-        closest = min(bristled, key=lambda one: one.rms)
-        rigid = [one.rms for one in fits if not one.law.states]
-        resolved = self.asked.best.specification.law.states
-        if not resolved and CLEARLY * closest.rms > min(rigid, default=math.inf):
-            return None
-        name = next((one for one in RELATIVES if one not in tried), None)
-        composed = [one for one in bristled if one.law.name not in RELATIVES]
-        left = min(composed, key=lambda one: one.rms, default=closest)
-        if name is None or (len(left.law.states) < 2 and left.rms <= noise):
-            return None
-        spec = specification(name)
-        assert isinstance(spec.law, type)
-        seen, ended = (
-            getattr(one, "bristle_stiffness", 0.0)
-            for one in (self.asked.best.specification.law, closest.law)
-        )
-        if seen and not seen / STRAYED < ended < seen * STRAYED:
-            return spec, None
-        own = begun_from(spec.law, closest.law)
-        if own is None:
-            return None
-        beside = {
-            path: value
-            for path, value in closest.fitted_law.values.items()
-            if not path.startswith("friction.")
-        }
-        values = {f"friction.{name}": getattr(own, name) for name in spec.law.fit_order}
-        start = FittedLaw(law=own, values=beside | values, cost=math.inf, rows=0)
-        return replace(spec, law=own), start
 
     def rejects(self, name: str, law: FrictionLaw | None, *, simplified: bool = False) -> bool:
         """Whether the force balance tells a law from that of the best structure.
@@ -204,51 +116,6 @@ class Explained:
         if not (law.states and left < CLEARER * self.asked.explanation.best.rms):
             return found
         return tuple(one for one in found if one.kind not in ("law", "unexplained"))
-
-
-def begun_from(kind: type[FrictionLaw], law: FrictionLaw) -> FrictionLaw | None:
-    """Return a law with a bristle with the values of another one; None if it has no level of it.
-
-    Of levels and slopes by direction it begins with the means.
-    """
-
-    def value(name: str) -> float | None:
-        own = [getattr(law, f"{side}{name}", None) for side in ("", "forward_", "backward_")]
-        known = [float(one) for one in own if one is not None]
-        return sum(known) / len(known) if known else None
-
-    level, stiffness = value("kinetic_coefficient"), value("bristle_stiffness")
-    if not level or not stiffness:
-        return None
-    begun = {
-        "static_coefficient": STATIC * level,
-        "stribeck_velocity": level / stiffness * RATE,
-        "attraction": RATE * level,
-        "bristle_damping": stiffness / RATE,
-        "elastic_share": 0.5,
-        "viscous_coefficient": 0.0,
-    }
-    values = begun | {name: x for name in kind.fit_order if (x := value(name)) is not None}
-    try:
-        return kind(**{name: x for name, x in values.items() if name in kind.fit_order})
-    except ParameterError:
-        return None
-
-
-def explained(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    settings: RecordSettings,
-    unknown: Sequence[str],
-    watch: Watch | None,
-) -> Explained | None:
-    """Return what the force balance asks for; None where none can be written down or judged."""
-    told = None if watch is None else partial(told_to, watch)
-    channel = settings.holding, unknown, settings.response
-    asked = asked_of(mechanism, measurement, *channel, progress=told)
-    if asked is None:
-        return None
-    return Explained.of(asked, measurement, settings, unknown)
 
 
 def _compared(asked: Asked) -> tuple[CandidateSpec, ...]:

@@ -9,7 +9,7 @@ import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identification import LAW, RecordSettings
-from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import BlockwiseVerdict
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 from stickslip.report import Origin, Section, reproduce
@@ -19,18 +19,6 @@ NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 """Stands for the blanks of names while lines are wrapped."""
 WIDTH: Final = 66
 """Letters of a line of code, which a page shows without scrolling."""
-
-
-def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the selection and the law as code, data and references."""
-    fit = verdict.closest.fit
-    return reproduced(
-        verdict,
-        origin,
-        lines=python_lines(verdict, origin.file),
-        law=_as_code(fit.law) if fit else "",
-        laws=[c.law for c in verdict.candidates if c.law is not None],
-    )
 
 
 def reproduced(
@@ -58,25 +46,17 @@ def reproduced(
     return reproduce(origin, code=code, data=_data(verdict), laws=laws)
 
 
-def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
-    """Return the lines of Python that make the selection again from its record.
+def lines_of(verdict: BlockwiseVerdict, names: Sequence[str], rig: str) -> str:
+    """Return the lines of Python that make the selection again, from the names of the laws.
 
     A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
     """
-    names = [one.name for one in verdict.candidates]
-    return lines_of(verdict, names, _asked(verdict), rig)
-
-
-def lines_of(
-    verdict: BlockwiseVerdict, names: Sequence[str], asked: Sequence[str], rig: str
-) -> str:
-    """Return the same from the names of the laws and what was asked, as one would write it."""
     laws = "None" if verdict.usual else _laws(names)
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
     parts = [built or f"load_rig({_quoted(rig or 'rig.toml')}).mechanism", laws, "record"]
-    parts += [*_varied(verdict), *asked]
+    parts += _varied(verdict)
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
     lines = [_imported(*names), ">>> verdict = select("]
@@ -140,13 +120,6 @@ def _varied(verdict: BlockwiseVerdict) -> list[str]:
     return [f'vary=["{LAW}", {", ".join(varied)}]'] if varied else []
 
 
-def _asked(verdict: RecordVerdict) -> list[str]:
-    """Return the arguments on what was scored."""
-    fit = verdict.closest.fit
-    parts = [f'purpose="{verdict.purpose.name}"', f"horizon={verdict.plan.horizon!r}"]
-    return parts + ([f'route="{fit.route}"'] if fit else [])
-
-
 def _settings(settings: RecordSettings) -> str:
     """Return the settings as one would write them, the seed always."""
     usual = RecordSettings()
@@ -163,13 +136,6 @@ def _data(verdict: BlockwiseVerdict) -> str:
     said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
     whole = verdict.measurement.provenance
     return whole or "; ".join(said[:3])
-
-
-def _as_code(law: FrictionLaw) -> str:
-    """Return the fitted law as one would write it."""
-    kind = type(law).__name__
-    values = [f"...     {text}," for text in _values(law)]
-    return "\n".join([_imported(kind), f">>> law = {kind}(", *values, "... )"])
 
 
 def laws_as_code(laws: Mapping[str, FrictionLaw]) -> str:

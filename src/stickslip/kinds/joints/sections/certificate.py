@@ -17,9 +17,9 @@ from stickslip.formatting import (
     significant,
 )
 from stickslip.identification import SEPARABLE, RecordFit
-from stickslip.kinds.records.page.scores import picks_text
-from stickslip.kinds.records.verdict import BlockwiseVerdict
-from stickslip.kinds.records.wording import restarts_text
+from stickslip.kinds.joints.joint_verdict import BlockwiseVerdict
+from stickslip.kinds.joints.sections.scores import picks_text
+from stickslip.kinds.records import restarts_text
 from stickslip.report import KeyValue, Section, certificate
 
 TWICE: Final = 2.0

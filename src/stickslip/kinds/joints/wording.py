@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks
+from stickslip.experiments import Checks
 from stickslip.formatting import (
     Scale,
     capital,
@@ -14,12 +13,9 @@ from stickslip.formatting import (
     joined,
     lower_first,
     number,
-    percent,
     ratio,
-    scale_of,
 )
 from stickslip.identification import (
-    AGREE,
     OUTLIERS,
     ModelError,
     RecordFit,
@@ -27,10 +23,8 @@ from stickslip.identification import (
     difference,
     far_above_dry,
 )
-from stickslip.kinds.records.design.experiments import Experiment
-from stickslip.kinds.records.ladder import IDLE
-from stickslip.kinds.records.verdict import RecordCandidate, SecondRecord
-from stickslip.quantities import turned
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, SecondRecord
+from stickslip.kinds.joints.ladder import IDLE
 from stickslip.selection import (
     NOT_DISTINGUISHED,
     REFERENCE,
@@ -55,17 +49,6 @@ MOST = 3
 """Items of a list at most."""
 SEVERAL = 2.0
 """Error on a second record over the held-out one from which the second is what to expect."""
-
-
-def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
-    """Return a score of one law alone with its unit; angles if what was measured turns.
-
-    Examples
-    --------
-    >>> error_text(0.00024, "position"), error_text(1.234, "friction")
-    ('0.24 mm', '1.23 N')
-    """
-    return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
 
 
 def _scale(candidates: Sequence[RecordCandidate], fit: RecordFit) -> Scale:
@@ -147,7 +130,6 @@ def record_wording(
     without: RecordCandidate | None,
     picks: Mapping[str, str],
     checks: Checks,
-    experiments: Sequence[Experiment],
     *,
     scored: str,
     fault: str = "",
@@ -168,9 +150,7 @@ def record_wording(
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
         settles=() if fault else _settles(best, equal),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(
-            experiments, candidates, checks, fault, on_second, found=disturbing(best.fit)
-        ),
+        measure_next=_measure_next(checks, fault, on_second, found=disturbing(best.fit)),
         no_score="",
     )
 
@@ -227,26 +207,6 @@ def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
     return "".join(f" {line}" for line in lines if line[1:] not in verdict)
 
 
-def route_text(fit: RecordFit) -> str:
-    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
-    way = "shorter simulated segments" if fit.problem.simulates else "inverse dynamics"
-    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
-
-
-def restarts_text(fit: RecordFit) -> str:
-    """Return how many starts of the search agree; of a free decay, in which segments."""
-    starts = len(fit.restarts.costs)
-    if starts == 1:
-        return "none, a single start"
-    text = (
-        f"{fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
-        f" {percent(AGREE)}"
-    )
-    if fit.first is None:
-        return text
-    return f"{text}, in short segments; longer segments were fitted from there"
-
-
 def first_of(objections: str) -> str:
     """Return the first of several objections, and how many more there are.
 
@@ -280,7 +240,6 @@ def _lede(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
     text = held_out_text(scale, best.score, best.score_error, scored)
-    text += _whole_text(best, candidates, scale)
     if on_second is not None:
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
@@ -300,8 +259,6 @@ def _lede(
     for error in fit.model_errors:
         known = lower_first(error.finding) in said
         text += f" {error.consequence if known else error}"
-    route = route_text(fit)
-    text += f" {route}" if route else ""
     closer = [
         c
         for c in candidates
@@ -311,24 +268,6 @@ def _lede(
         first = closer[0]
         text += f" {first.title}: {told(first.score)}, but {first_of(first.dropped)}."
     return text
-
-
-def _whole_text(best: RecordCandidate, candidates: Sequence[RecordCandidate], scale: Scale) -> str:
-    """Return the error over whole records, and that of the usual choice; empty without one."""
-    assert best.fit is not None
-    if math.isnan(best.whole):
-        return ""
-    if math.isinf(best.whole):
-        return " A simulation of the whole record fails."
-    record = best.fit.measurement
-    what = "position" if "position" in record.quantities() else "velocity"
-    usual = [c for c in candidates if c.name == REFERENCE != best.name and math.isfinite(c.whole)]
-    if what != best.fit.problem.quantity:
-        scale = scale_of([best.whole, *(c.whole for c in usual)], record.unit(what))
-    beside = "".join(f"; Coulomb + viscous friction: {scale.error(c.whole)}" for c in usual)
-    has_offset = "offset" in best.fit.mechanism.__dataclass_fields__
-    force = ", with a constant force fitted beside the law" if has_offset else ""
-    return f" Simulated over the whole record{force}: {scale.error(best.whole)}{beside}."
 
 
 def _second_text(
@@ -389,15 +328,12 @@ def _other_picks(
 
 
 def _measure_next(
-    experiments: Sequence[Experiment],
-    candidates: Sequence[RecordCandidate],
     checks: Checks,
     fault: str,
     on_second: SecondRecord | None,
     *,
     found: Sequence[ModelError] = (),
 ) -> tuple[str, ...]:
-    titles = {c.name: c.title for c in candidates}
     lines = list(corrections(checks, but=("drift",)))
     if fault:
         lines.append(
@@ -409,10 +345,6 @@ def _measure_next(
             "Before any further measurement, find the cause of what is said beside the law, correct"
             " it, and record again."
         )
-    for one in experiments[:2]:
-        observed, readings = one.readings()
-        said = ", ".join(f"{titles.get(name, name)} {text}" for name, text in readings.items())
-        lines.append(f"{one.what} Predicted {observed}: {said}.")
     lines += longer(checks)
     lines += [f"{one.measure}." for one in checks.of("drift")[:1]]
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:

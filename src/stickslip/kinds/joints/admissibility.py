@@ -11,7 +11,7 @@ from stickslip.contact_inputs import DRIVES
 from stickslip.experiments import Checks, Measurement, as_recorded
 from stickslip.formatting import number, percent, quantity
 from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
-from stickslip.kinds.records.verdict import RecordCandidate
+from stickslip.kinds.joints.joint_verdict import RecordCandidate
 from stickslip.mechanisms import motor_of
 from stickslip.quantities import fields_of
 from stickslip.selection import one_way, traded
@@ -209,23 +209,13 @@ def resting(checks: Checks) -> str:
     return f"; the body rests for {percent(min(shares))} of the record"
 
 
-def variation_of(candidate: RecordCandidate, horizon: float) -> float:
+def variation_of(candidate: RecordCandidate) -> float:
     """Return the root mean square of what is predicted, about what needs no friction law.
 
-    Positions about a straight line in each segment, the motion without any force. Friction about
-    its mean, which is the sensor's offset; about 0 where it was measured in one direction only.
+    That is its mean, the sensor's offset; 0 where it was measured in one direction only.
     """
     fit = candidate.fit
     assert fit is not None
-    if not fit.problem.simulates:
-        measured = fit.problem.measured
-        centre = 0.0 if one_way(fit.measurement) else float(np.mean(measured))
-        return float(np.sqrt(np.mean((measured - centre) ** 2)))
-    seen = fit.predict(horizon=horizon)
-    total = 0.0
-    for k in np.unique(seen.segment):
-        rows = seen.segment == k
-        t, x = seen.t[rows] - seen.t[rows].mean(), seen.measured[rows]
-        line = np.column_stack([np.ones_like(t), t])
-        total += float(np.sum((x - line @ np.linalg.lstsq(line, x, rcond=None)[0]) ** 2))
-    return math.sqrt(total / len(seen.measured))
+    measured = fit.problem.measured
+    centre = 0.0 if one_way(fit.measurement) else float(np.mean(measured))
+    return float(np.sqrt(np.mean((measured - centre) ** 2)))

@@ -19,7 +19,6 @@ from stickslip.identification import (
     Score,
     TrialComparison,
 )
-from stickslip.kinds.records.design.experiments import Experiment
 from stickslip.selection import (
     CrossValidated,
     CrossValidatedVerdict,
@@ -29,19 +28,6 @@ from stickslip.selection import (
     score_scale,
     settled_estimates,
 )
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Purpose:
-    """What the law is for: it sets what is scored, and over which horizon."""
-
-    name: str
-    """``"simulate"``, ``"position"`` or ``"compensate"``."""
-    horizon: float
-    """Length of the segments that are predicted [s]."""
-    scored: str
-    """What is scored, in words."""
 
 
 @final
@@ -86,11 +72,6 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     from_balance: tuple[str, ...] = ()
     """Paths of values that the force balance found, and the fit held."""
-    simplifies: str = ""
-    """Name of the law of which it lacks a part that the record does not tell; empty of others."""
-    whole: float = math.nan
-    """Root mean square error of the motion simulated over whole records, with a constant force
-    fitted beside the law; infinite where that fails, not a number where it was not asked for."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -144,7 +125,6 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "block_errors": [math.sqrt(x) for x in validation.losses] if validation else [],
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
-            "whole_record_error": self.whole if math.isfinite(self.whole) else None,
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,
@@ -195,16 +175,14 @@ class RecordVerdict(BlockwiseVerdict):
     """Coulomb and viscous friction, whatever the record says."""
     control: RecordCandidate | None
     """No friction at all."""
-    purpose: Purpose
-    """What the law is for."""
+    scored_on: str
+    """What is scored, in words."""
     on_second: SecondRecord | None = None
     """What that record says of the choice; None without one."""
     trials: TrialComparison | None = None
     """Whether several trials share the closest law; None where there is nothing to compare."""
     equals: tuple[str, ...] = ()
     """Names of the laws that the record does not tell from the closest, the best first."""
-    experiments: tuple[Experiment, ...] = ()
-    """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Estimates of the best law from the first and the second half of the record, by path."""
     untried: tuple[str, ...] = ()
@@ -232,11 +210,6 @@ class RecordVerdict(BlockwiseVerdict):
         """What is predicted, as in `QUANTITIES`."""
         fits = [c.fit for c in self.candidates if c.fit]
         return fits[0].problem.quantity if fits else "position"
-
-    @property
-    def simulates(self) -> bool:
-        """Whether motion is predicted; else friction along the measured motion."""
-        return any(c.fit.problem.simulates for c in self.candidates if c.fit)
 
     @property
     def unit(self) -> str:
@@ -275,14 +248,13 @@ class RecordVerdict(BlockwiseVerdict):
 
     @override
     def _basis(self) -> str:
-        return f"; {self.purpose.scored}"
+        return f"; {self.scored_on}"
 
     @override
     def _details(self) -> Mapping[str, Any]:
         return {
-            "purpose": self.purpose.name,
             "seed": self.settings.seed,
-            "scored": self.purpose.scored,
+            "scored": self.scored_on,
             "quantity": self.quantity,
             "unit": self.unit,
             "folds": self.plan.folds,
@@ -297,6 +269,5 @@ class RecordVerdict(BlockwiseVerdict):
             "checks": self.checks.to_dict(),
             "model_errors": [one.to_dict() for one in self.model_errors],
             "trials": self.trials.to_dict() if self.trials else None,
-            "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }

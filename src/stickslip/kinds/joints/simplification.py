@@ -1,52 +1,13 @@
 """Laws without a part of which a record does not tell a parameter."""
 
-import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import MISSING, fields, replace
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from stickslip.friction import CandidateSpec, FrictionLaw, containment_of, law, one_step_simpler
-from stickslip.identification import FittedLaw, RecordFit
-from stickslip.kinds.records.admissibility import unidentified
+from stickslip.friction import containment_of, law, one_step_simpler
+from stickslip.identification import RecordFit
+from stickslip.kinds.joints.admissibility import unidentified
 from stickslip.quantities import fields_of
-
-
-def one_part_less(fit: RecordFit) -> Iterator[tuple[CandidateSpec, FittedLaw]]:
-    """Yield laws one part simpler, where their searches begin: none that lacks only what is known.
-
-    First those that do without most of what the record does not tell, then those that do without
-    least of what it tells.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Measurement, Stribeck
-    >>> from stickslip.identification import fit_record
-    >>> v = np.linspace(0.1, 1.0, 40)
-    >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * v + 0.01 * np.cos(40.0 * v))
-    >>> found = fit_record(Axis(inertia=1.0), Stribeck, table)
-    >>> [one.name for one, _ in one_part_less(found)]
-    ['coulomb-viscous']
-    """
-    alone, unsure = _untold_alone(fit), untold(fit)
-    free = {one.path.removeprefix("friction.") for one in fit.estimates}
-    found = [(term, gone & free) for term, gone in one_step_simpler(type(fit.law)) if gone & unsure]
-    found.sort(key=lambda one: (-len(one[1] & alone), len(one[1] - unsure), len(one[1])))
-    for term, _ in found:
-        start = _nearest(fit.law, law(term))
-        if start is None:
-            continue
-        less, looked_for = start
-        spec = CandidateSpec.of(less.name, less)
-        own = tuple(name for name in type(less).fit_order if looked_for.get(name, set()) & free)
-        beside = {
-            path: value
-            for path, value in fit.fitted_law.values.items()
-            if not path.startswith("friction.")
-        }
-        values = {f"friction.{name}": getattr(less, name) for name in own}
-        begin = FittedLaw(law=less, values=beside | values, cost=math.inf, rows=0)
-        yield replace(spec, free=own), begin
 
 
 def untold(fit: RecordFit) -> frozenset[str]:
@@ -117,29 +78,3 @@ def _may_be_0(fit: RecordFit, sums: Sequence[Mapping[str, float]]) -> bool:
     value = weights @ [known[name].value for name in names]
     away = value @ np.linalg.pinv(weights @ shared @ weights.T, hermitian=True) @ value
     return bool(away <= len(sums))
-
-
-def _nearest(
-    rich: FrictionLaw, kind: type[FrictionLaw]
-) -> tuple[FrictionLaw, dict[str, set[str]]] | None:
-    """Return the simpler law nearest to a richer one, and which parameters each of its stands for.
-
-    A value that the simpler one does not allow goes to the limit of what it does.
-    None where the values of the richer law do not say those of the simpler one.
-    """
-    how = containment_of(type(rich), kind)
-    if how is None:
-        return None
-    given = [name for name in how.values if getattr(rich, name) is not None]
-    sources = _sources(how.values, given)
-    allowed = fields_of(kind)
-    values = {
-        name: min(max(_mean(rich, names), allowed[name].low), allowed[name].high)
-        for name, names in sources.items()
-    } | {**how.where}
-    needed = {one.name for one in fields(kind) if one.default is MISSING}
-    return (kind(**values), sources) if needed <= {*values} else None
-
-
-def _mean(law: FrictionLaw, names: set[str]) -> float:
-    return float(np.mean([getattr(law, name) for name in sorted(names)]))
