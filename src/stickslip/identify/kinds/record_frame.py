@@ -11,7 +11,7 @@ from stickslip.identify.problem import Array
 
 STRETCHES = 20
 """Stretches that records are cut into, which are left out one at a time."""
-SHARE = float(__import__("os").environ.get("SHARE", "0.01"))
+SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
 WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
