@@ -552,8 +552,15 @@ class Along:
     # ---- signals
     @cached_property
     def noise(self) -> float:
-        """Largest standard deviation of the noise of positions [m]."""
-        return max(one.position_noise for one in self.records)
+        """Largest standard deviation of the noise of positions [m]; of velocities, within 1/fc."""
+        found = []
+        for one, filt in zip(self.records, self.filters, strict=True):
+            if one.located:
+                found.append(one.position_noise)
+            else:
+                share = math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
+                found.append(one.velocity_noise * share / (2.0 * math.pi * filt.band))
+        return max(found)
 
     @cached_property
     def position(self) -> Array:

@@ -17,7 +17,7 @@ EXPONENTS = (0.0, 1.0, 2.0)
 SHORTEST = 5.0
 """Shortest bristle over the noise of positions: what is shorter is made by it."""
 LENGTHS = 10
-"""Lengths of bristles that are looked at, from the noise to a quarter of the range."""
+"""Lengths of bristles that are looked at."""
 HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
 PAIRED = 0.5
@@ -56,7 +56,7 @@ def screened(
     frame = rows.frame
     if rows.free == "momentum":  # bristles are stretched before such a motion
         return [(0.0, 0.0)], [], []
-    lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
+    lengths = _lengths(rows)
     plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
     plain += [rows.acceleration] if finds_inertia else []
     plain += [rows.taken(path) for path in rows.records[0].unknown]
@@ -78,7 +78,8 @@ def screened(
         for k in range(HALVINGS):  # about the best, halfway to its neighbours
             top = min((one for one in left if one[1] == n), key=lambda one: left[one][0])
             for side in (-1.0, 1.0):
-                try_((top[0] * ratio ** (side * 0.5 ** (k + 1)), n))
+                length = top[0] * ratio ** (side * 0.5 ** (k + 1))
+                try_((max(length, float(lengths[0])), n))
         best.append(min((one for one in left if one[1] == n), key=lambda one: left[one][0]))
     shorter = _of_two(rows, response, [(float(x), 1.0) for x in lengths], plain)
     if shorter is not None and all(abs(math.log(shorter[0] / one[0])) > 0.2 for one in best):
@@ -100,6 +101,14 @@ def screened(
     turning = np.exp(-1j * np.outer(numbers, q[few]))
     first, second = (_peaks(numbers, turning @ one[few]) for one in (e, level * e))
     return [(0.0, 0.0), *best], first, second
+
+
+def _lengths(rows: Along) -> Array:
+    """Return lengths of bristles: from noise, or a sample's way at slow speed, to a quarter."""
+    frame = rows.frame
+    sampled = frame.low * max(filt.step for filt in rows.filters)
+    least = min(max(SHORTEST * frame.noise, sampled), frame.span / 8.0)
+    return np.geomspace(least, frame.span / 4.0, LENGTHS)
 
 
 def _of_two(
@@ -171,7 +180,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     # the curve of a free motion stands beside a law, from which it goes away by a part of it
     least = 1.0 / (FARTHER**2 * len(frame.bending)) if rows.free else 0.0
     bending = np.maximum(frame.bending, least)
-    lengths = np.geomspace(SHORTEST * frame.noise, frame.span / 4.0, LENGTHS)
+    lengths = _lengths(rows)
     ratio = float(lengths[1] / lengths[0])
     speeds = np.geomspace(frame.low, frame.top, SPEEDS)
     faster = float(speeds[1] / speeds[0])
@@ -204,7 +213,10 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     def of_memory(*own: Shape) -> list[Shape]:
         return [(*memory, *one) for memory in memories for one in own]
 
-    on_memory: dict[str, Any] = {"shared": 2}
+    # shorter bristles than the screening looks at are made by noise
+    anything = (0.0, math.inf)
+    ranges = [(float(lengths[0]), math.inf), *[anything] * 3]
+    on_memory: dict[str, Any] = {"shared": 2, "ranges": ranges}
     step = (ratio**0.25, 1.0)  # the screening went as far as that
     terms = [
         Term(name="level", role="law", columns=on_state(
