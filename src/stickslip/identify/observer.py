@@ -259,8 +259,6 @@ class ObservedLaw:
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
                 force = force - float(c[0]) * over
-            elif name == "dead_zone":
-                force = force - float(c[0]) * np.clip(force, -shape[0], shape[0])
             elif name == "mechanism" and run.field is not None:
                 w = w + float(c[0]) * run.field
             elif name in OF_TIME or "*" in name:

@@ -29,6 +29,8 @@ FINE = 0.25
 """Logarithm of speeds between knots of the curve of a free motion."""
 BEYOND = 2
 """Knots beyond the measured speeds on either side."""
+SLOW, SLOW_FREE = 0.02, 0.1
+"""Part of the rows that is slower than friction is stated for: little work is done there."""
 KNOTS = 10
 """Knots of the measured curve over speed."""
 
@@ -164,7 +166,7 @@ def frame_of(rows: Along, band: float) -> Frame:
     """Return what the columns of records are scaled by."""
     speed = np.abs(rows.seen(rows.velocity))
     top = float(np.quantile(speed, 0.99))
-    low = max(top / 200.0, float(np.quantile(speed, 0.02)))
+    low = max(top / 200.0, float(np.quantile(speed, SLOW_FREE if rows.free else SLOW)))
     if rows.free:
         knots = np.linspace(math.log(low), math.log(top), math.ceil(math.log(top / low) / FINE) + 1)
     else:

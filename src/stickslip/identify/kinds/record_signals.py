@@ -778,10 +778,6 @@ class Along:
             parts.append(lfilter([constant * (1.0 - keep)], [1.0, -keep], v))
         return np.concatenate(parts)
 
-    def unmoved(self, limit: float) -> Array:
-        """Return recorded forces (n,), those beyond a limit cut to it [N]."""
-        return np.clip(self.raw, -limit, limit)
-
     def full_acceleration(self) -> Array:
         """Return accelerations (n,) in half the band [m/s^2]: where they are no noise."""
         return self._full(lambda one, filt: filt(one.position, slope=2, wider=CALM, full=True))
@@ -902,8 +898,6 @@ class Steady:
     def relaxing(self, _: float) -> Array:
         """Return 0: a spring that relaxes is no friction."""
         return self._none
-
-    unmoved = relaxing
 
     def loose(self, _: float) -> Array:
         """Return 0: a gap stays closed."""

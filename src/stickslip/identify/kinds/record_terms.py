@@ -26,8 +26,6 @@ LATER = (0.62, 1.6)
 """Multiples of a delay that a neighbour on the grid shows; half of it would only smooth noise."""
 CLIPPED = 0.8
 """Quantile of the force below which nothing is clipped."""
-DEAD = (0.05, 0.5)
-"""Dead zones of drives that are looked at, over the root mean square of the force."""
 RELAXING = 3.0
 """Shortest time in which a spring relaxes, over 1/fc."""
 LATEST = 0.1
@@ -188,7 +186,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     loads: list[Shape] = [(), (0.67,), (0.8,)] if loaded else [()]
     base = frozenset({"level", "curve", *(["adhesion"] if loaded else [])})
     flows = frozenset({"power", "drag", "saturating"})
-    moving = base | flows | {"viscous"}  # alone, they would say the force itself
+    moving = base | flows | {"viscous"}  # alone, it would say the force itself
 
     def law(of: Callable[[Any, Shape], Array]) -> Callable[[Any, Shape], Array]:
         return lambda r, s: r.acting(of(r, s))
@@ -342,7 +340,6 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
         least, most = np.quantile(np.abs(rows.raw), (CLIPPED, 1.0)).tolist()
-        dead = np.geomspace(*DEAD, 5) * float(np.sqrt(np.mean(rows.raw**2)))
         relaxing = np.geomspace(RELAXING / frame.band, 0.25 * frame.duration, 6)
         rings = np.geomspace(0.1, RINGS, 8) * frame.band
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
@@ -350,11 +347,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped",
-                 rank=18, needs=moving, excludes=frozenset({"dead_zone"})),
-            Term(name="dead_zone", role="fault", columns=lambda r, s: r.seen(r.unmoved(s[0])),
-                 shapes=[(float(x),) for x in dead], steps=(float(dead[1] / dead[0]),),
-                 ranges=[(0.5 * float(dead[0]), float(dead[-1]))], limits=(0.7, 1.3),
-                 title="dead zone of the drive", rank=18, needs=moving),
+                 rank=18, needs=moving),
             Term(name="hose", role="rig", columns=lambda r, s: r.seen(r.relaxing(s[0])),
                  shapes=[(float(x),) for x in relaxing], nonnegative=True,
                  steps=(float(relaxing[1] / relaxing[0]),), title="spring that relaxes", rank=16),

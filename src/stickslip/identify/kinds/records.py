@@ -109,7 +109,7 @@ PATHS = (
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
 UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
 """Terms that no law of `stickslip.friction` has."""
-SHAPED = ("delay", "clip", "dead_zone", "backlash", "flexible")
+SHAPED = ("delay", "clip", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
