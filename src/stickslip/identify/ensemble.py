@@ -91,7 +91,8 @@ class Ensemble:
 
     def sampled(self, structure: Structure, count: int, rng: np.random.Generator) -> Array:
         """Return coefficients (count, p) of draws of one structure, alike many of each twin."""
-        fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
+        twins = [twin for twin in self._twins if twin.problem.serves(structure)]
+        fits = [self.fit(structure), *(twin.fit(structure) for twin in twins)]
         parts = allotted(np.ones(len(fits)), count)
         return np.vstack(
             [self._drawn(structure, fit, n, rng) for fit, n in zip(fits, parts, strict=True)]

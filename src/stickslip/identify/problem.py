@@ -185,6 +185,10 @@ class Problem(ABC):
         """The same measurement prepared otherwise, whose differences count as uncertainty."""
         return ()
 
+    def serves(self, structure: Structure) -> bool:  # noqa: ARG002
+        """Return whether this problem, as a twin of another, is one for a structure."""
+        return True
+
     def allowed(self, structure: Structure) -> bool:
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()

@@ -27,6 +27,8 @@ BEND = 0.5
 """Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
 FINE = 0.25
 """Logarithm of speeds between knots of the curve of a free motion."""
+OPENING = 0.5
+"""Part of the root of its stiffness that the curve has beyond the measured speeds."""
 BEYOND = 2
 """Knots beyond the measured speeds on either side."""
 SLOW, SLOW_FREE = 0.02, 0.1
@@ -136,7 +138,7 @@ def _bending(knots: Array) -> tuple[Array, Array, Array]:
     """Return eigenvectors (k, k) and values (k,) of the bending of a curve, and further knots (k,).
 
     The slope of the curve walks at random over the logarithm of the speed, also beyond the speeds
-    that were measured, and there with half the stiffness.
+    that were measured, and there more freely.
     """
     beyond = BEND * np.arange(1, BEYOND + 1)
     every = np.concatenate([knots[0] - beyond[::-1], knots, knots[-1] + beyond])
@@ -144,8 +146,8 @@ def _bending(knots: Array) -> tuple[Array, Array, Array]:
     slopes = np.diff(np.eye(len(every)), axis=0) / gaps[:, None]
     between = 0.5 * (gaps[1:] + gaps[:-1])
     bend = np.diff(slopes, axis=0) * (BEND**1.5 / np.sqrt(between))[:, None]
-    bend[:BEYOND] *= math.sqrt(0.5)
-    bend[-BEYOND:] *= math.sqrt(0.5)
+    bend[:BEYOND] *= OPENING
+    bend[-BEYOND:] *= OPENING
     values, basis = np.linalg.eigh(bend.T @ bend)
     return basis, np.where(values < 1e-8 * values.max(), 0.0, values), every
 

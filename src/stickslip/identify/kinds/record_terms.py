@@ -51,9 +51,23 @@ def screened(
 
     Those of the force, then those of the level: of what is left times the direction.
     """
-    frame = rows.frame
     if rows.free == "momentum":  # bristles are stretched before such a motion
         return [(0.0, 0.0)], [], []
+    best, e = _bristles(rows, response, finds_inertia=finds_inertia)
+    if rows.free:  # what is left of the work is no force of a place
+        return [(0.0, 0.0), *best], [], []
+    frame = rows.frame
+    q, level = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
+    most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
+    numbers = np.arange(3.0 * math.pi / frame.span, most, 0.5 / frame.span)
+    few = slice(None, None, max(rows.count // 1500, 1))
+    turning = np.exp(-1j * np.outer(numbers, q[few]))
+    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, level * e))
+    return [(0.0, 0.0), *best], first, second
+
+
+def _bristles(rows: Along, response: Array, *, finds_inertia: bool) -> tuple[list[Shape], Array]:
+    """Return the best memory of each exponent, the best first, and what the best leaves (n,)."""
     lengths = _lengths(rows)
     plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
     plain += [rows.acceleration] if finds_inertia else []
@@ -86,19 +100,11 @@ def screened(
         if memory not in best:
             del rows._states[memory]
     try_((0.0, 0.0))
-    if rows.free and min(left.values(), key=lambda one: one[0])[0] > PAIRED * left[0.0, 0.0][0]:
-        return [(0.0, 0.0)], [], []  # swings that fade tell little of bristles
     e = min(left.values(), key=lambda one: one[0])[1]
+    if rows.free and float(np.mean(e * e)) > PAIRED * left[0.0, 0.0][0]:
+        return [], e  # swings that fade tell little of bristles
     best.sort(key=lambda one: left[one][0])
-    if rows.free:  # what is left of the work is no force of a place
-        return [(0.0, 0.0), *best], [], []
-    q, level = rows.seen(rows.place), rows.seen(rows.direction * rows.load)
-    most = min(120.0 * math.pi / frame.span, math.pi / (8.0 * frame.noise))
-    numbers = np.arange(3.0 * math.pi / frame.span, most, 0.5 / frame.span)
-    few = slice(None, None, max(rows.count // 1500, 1))
-    turning = np.exp(-1j * np.outer(numbers, q[few]))
-    first, second = (_peaks(numbers, turning @ one[few]) for one in (e, level * e))
-    return [(0.0, 0.0), *best], first, second
+    return best, e
 
 
 def _lengths(rows: Along) -> Array:
@@ -333,9 +339,13 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, 0.0),
                  title="lag of the force", rank=17),
             Term(name="delay", role="rig", columns=lambda r, s: r.early(s[0]), limits=LATER,
-                 shapes=[(side * float(x),) for x in delays for side in (1.0, -1.0)],
-                 steps=(float(delays[1] / delays[0]),), cost=0, excludes=frozenset({"lag"}),
-                 title="delay of the force", rank=17),
+                 shapes=[(float(x),) for x in delays], steps=(float(delays[1] / delays[0]),),
+                 cost=0, excludes=frozenset({"lag", "latency"}), title="delay of the force",
+                 rank=17),
+            Term(name="latency", role="rig", columns=lambda r, s: r.early(-s[0]), limits=LATER,
+                 shapes=[(float(x),) for x in delays], steps=(float(delays[1] / delays[0]),),
+                 cost=0, excludes=frozenset({"lag", "delay"}), rank=18,
+                 title="motion that follows the force late (latency, gap or flexible coupling)"),
         ]  # fmt: skip
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))

@@ -72,6 +72,10 @@ FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
+LATE = frozenset({"latency", "backlash", "flexible"})
+"""Terms of a load that does not follow at once ..."""
+LOW_TWIN = 0.2
+"""... and the band, over the usual one, in which it does nearly (study: faults)."""
 TWINS = (0.6, 1.5)
 """Bands of the same record, over the usual one, whose differences count as uncertainty."""
 APART = 3.0
@@ -84,7 +88,7 @@ LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
-FREE_BENDING = 0.1
+FREE_BENDING = 0.12
 """Bending of the curve of a free motion, over its friction: the prior (study: decays)."""
 FREE_NATS = 3.0
 """Log likelihood of independent rows that a parameter of a free motion must gain."""
@@ -109,7 +113,7 @@ PATHS = (
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
 UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
 """Terms that no law of `stickslip.friction` has."""
-SHAPED = ("delay", "clip", "backlash", "flexible")
+SHAPED = ("delay", "latency", "clip", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
@@ -242,7 +246,14 @@ class RecordsProblem(Problem):
 
     @cached_property
     def _twins(self) -> list["RecordsProblem"]:
-        return [RecordsProblem(self.records, like=self, band=one) for one in TWINS]
+        bands = (*TWINS, LOW_TWIN) if LATE & self.terms.keys() else TWINS
+        return [RecordsProblem(self.records, like=self, band=one) for one in bands]
+
+    @override
+    def serves(self, structure: Structure) -> bool:
+        """Return whether it is a twin for a structure: the low one is where a load lags behind."""
+        low = self.rows.band < 0.5 * (LOW_TWIN + TWINS[0]) * self.frame.band
+        return not low or bool(LATE & {name for name, _ in structure})
 
     @property
     @override
@@ -303,7 +314,8 @@ class RecordsProblem(Problem):
     def shown(self) -> Along:
         """Rows at which friction itself is shown: of a free motion those of its force balance."""
         if not self.free:
-            return self.rows
+            rows: Along = self.rows
+            return rows
         band = balanced_band(self.records, self.records[0].inertia or 1.0)
         return Along(self.records, self.frame, band)
 
