@@ -113,3 +113,21 @@ def test_bristles_are_longer_than_a_sample_tells_where_velocities_have_no_noise(
     found = RecordsProblem(records_of(Axis(inertia=1.0), record))
     least = found.terms["level"].ranges[0][0]
     assert least >= found.frame.low / RATE
+
+
+def test_the_curve_of_a_record_whose_load_changes_predicts_as_well_as_the_law():
+    # viscous friction and a part of the level that no load changes: the curve is times the load
+    load = 1.2 + 0.8 * np.sin(1.7 * moved(12)[0])
+    t, x, force = driven(12, extra=lambda t, x, v: 0.5 * load * np.sign(v))
+    found = select(
+        Axis(inertia=INERTIA),
+        None,
+        Measurement(time=t, position=x, force=force, load=load, turning=True),
+        vary=["friction.*", "mechanism.inertia"],
+        route="balance",
+    )
+    assert found.judgement.comparison.curve_ratio > 0.8
+    band = found.band([2.0], [1.5])
+    true = LEVEL + 0.75 + 2.0 * VISCOUS
+    assert abs(band.median[0] - true) < 0.01 * true
+    assert band.high[0] - band.low[0] < 0.1 * true

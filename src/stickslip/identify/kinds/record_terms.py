@@ -256,6 +256,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         Term(name="second", role="law", needs=frozenset({"level", "curve"}),
              columns=law(lambda r, s: r.state(*s) * r.load),
              shapes=[(float(x), n) for x in lengths for n in (0.0, 1.0)], steps=(ratio, 1.0),
+             ranges=ranges,
              nonnegative=True, title="second memory", rank=9),
         Term(name="place", role="law", needs=base, cost=2, columns=on_state(
                 lambda r, _: np.column_stack([r.place / frame.span, (r.place / frame.span) ** 2])),

@@ -51,7 +51,6 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
-from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
     STRETCHES,
@@ -453,7 +452,11 @@ def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Stru
         return _free_references(problem, memories)
     base: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
     constant: list[Column] = [("offset", ())] if problem.offset else []
-    gear = TRANSMITTED in problem.frame.inputs
+    # the curve is over speed and times the load: it has neither what inputs change nor, where the
+    # load does, what this does not change
+    changing = [
+        name for name in problem.terms if name in ("gear", "adhesion") or name.startswith("level*")
+    ]
     return [
         tuple(
             sorted(
@@ -461,7 +464,8 @@ def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Stru
                     *base,
                     ("curve", (*memory, side, bend)),
                     *constant,
-                    *([("gear", memory)] if gear else []),
+                    *((name, memory) for name in changing),
+                    *([("viscous", ())] if "adhesion" in changing else []),
                 ]
             )
         )
