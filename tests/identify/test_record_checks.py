@@ -50,7 +50,7 @@ def test_a_sign_that_changes_midway_is_refused_with_its_time(inertia):
 
 def test_a_force_of_the_other_sign_is_refused():
     t, x, force = driven()
-    with pytest.raises(InputError, match="friction comes out negative"):
+    with pytest.raises(InputError, match="friction would drive the motion"):
         problem(t, x, -force)
 
 
