@@ -49,7 +49,17 @@ from stickslip.experiments import Measurement, as_recorded, between_gaps, with_v
 from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.forces import TRANSMITTED, Unknown, forces_along, with_transmitted
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
-from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure, Term
+from stickslip.identify.problem import (
+    MEMORY,
+    Array,
+    Column,
+    Mask,
+    Points,
+    Problem,
+    Shape,
+    Structure,
+    Term,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 
@@ -890,12 +900,14 @@ class RecordsProblem(Problem):
                 ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
             )
         ]  # fmt: skip
+        self.instead = {"offset": "level that differs by direction"} if self.offset else {}
+        self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.spread = _spread(self) if like is None else like.spread
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
-        return _made, self._made_of, {"only": self.only}
+        return _made, self._made_of, {"only": self.only, "remembering": self.remembering}
 
     @override
     def price(self, size: float) -> float:
@@ -923,6 +935,16 @@ class RecordsProblem(Problem):
     def twins(self) -> Sequence[Problem]:
         """The same records in other bands."""
         return self._twins if abs(self.rows.band / self.frame.band - 1.0) < 1e-9 else ()
+
+    @override
+    def allowed(self, structure: Structure) -> bool:
+        """Return whether terms may stand together, and a law is one that is compared."""
+        if not super().allowed(structure):
+            return False
+        if not self.remembering or not self.is_law(structure):
+            return True
+        names = frozenset(name for name, _ in structure if self.terms[name].role == "law")
+        return (names, MEMORY in self.family(structure)) in self.remembering
 
     def of(self, records: Sequence[Record]) -> "RecordsProblem":
         """Return other records of the same rig, in the same band and terms."""
@@ -1450,7 +1472,8 @@ def _terms(  # noqa: C901  # a vocabulary is a list
              title=TITLES["viscous_direction"], rank=5),
         Term(name="level_direction", role="law", needs=base,
              columns=lambda r, s: r.seen(np.abs(r.state(*s)) * r.load), steps=step,
-             shapes=[one for one in memories if one[0] > 0.0],
+             # without a memory it is an offset
+             shapes=[one for one in memories if one[0] > 0.0 or not problem.offset],
              title=TITLES["level_direction"], rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
@@ -1581,4 +1604,6 @@ def _terms(  # noqa: C901  # a vocabulary is a list
         left_out |= {"place", "spring", "bow", "ripple", "level_ripple"}
     if not driven and not problem.records[0].friction:  # a free motion slows with time
         left_out |= {"drift", "viscous_drift", "offset_drift"}
+        if problem.always - {"offset"}:  # all other forces are known by those of the mechanism
+            left_out |= {"mechanism"}
     return {one.name: one for one in terms if one.name not in left_out}
