@@ -192,6 +192,16 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
     assert abs(late[0].value) == pytest.approx(0.02, rel=0.1)
 
 
+def test_samples_far_off_their_neighbours_are_left_out_and_said():
+    truth = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
+    record = moved(truth)
+    x = record.position.copy()
+    x[[300, 301, 900]] += 0.2
+    verdict = select(AXIS, None, replace(record, position=x))
+    assert any("3 samples of the position lie far off" in x for x in verdict.words.cannot_tell)
+    assert_holds(verdict, {"kinetic_coefficient": 4.0, "viscous_coefficient": 6.0})
+
+
 def test_numbers_that_a_law_made_are_judged_without_noise():
     t = np.linspace(0.0, 12.0, 240, endpoint=False)
     v = np.sin(2.0 * t + 0.3)

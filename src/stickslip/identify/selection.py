@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.experiments import Measurement, speeds_in_order
 from stickslip.formatting import quantity
-from stickslip.identification import goes_straight, load_of
+from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import band_of
 from stickslip.identify.forces import load_slopes, with_gear
@@ -176,6 +176,7 @@ def select_record(
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate, unknown=vary)
+    measurement, far = without_outliers(mechanism, measurement)
     problem, judgement = _judged(mechanism, measurement, mechanism, laws, vary, offset=not held)
     rig = mechanism
     if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
@@ -215,5 +216,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=_remarks(problem, validate),
+        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
     )

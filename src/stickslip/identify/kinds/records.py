@@ -900,7 +900,7 @@ class RecordsProblem(Problem):
                 ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
             )
         ]  # fmt: skip
-        self.instead = {"offset": "level that differs by direction"} if self.offset else {}
+        self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
         self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.spread = _spread(self) if like is None else like.spread
 
