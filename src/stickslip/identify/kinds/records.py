@@ -1214,10 +1214,11 @@ def _frame(rows: Along, band: float) -> Frame:
 def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
     """Return the number of the stretch of each row, blocks, and rows that are near each."""
     count, at = rows.count, np.arange(rows.count)
-    stretch = np.minimum(at * STRETCHES // max(count, 1), STRETCHES - 1)
+    parts = max(min(STRETCHES, count), 1)
+    stretch = np.minimum(at * parts // max(count, 1), parts - 1)
     per = rows.filters[0].every * rows.filters[0].step * rows.band
     gap = math.ceil(APART / per)
-    blocks = [stretch == k for k in range(STRETCHES)]
+    blocks = [stretch == k for k in range(parts)]
     near = []
     for block in blocks:
         own = np.flatnonzero(block)
