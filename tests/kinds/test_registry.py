@@ -169,7 +169,9 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
         (select, MOTION, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
     ],
 )
-def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(verb, measurement, options, said):
+def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(
+    verb, measurement, options, said
+):
     with pytest.raises(InputError, match=rf"^{said}.*: leave it out\.$") as refused:
         verb(AXIS, "coulomb", measurement, **options)
     assert str(refused.value).count(". ") == 0

@@ -503,7 +503,7 @@ class Observer:
         kin += [comparison.structures[i] for i in order]
         kin += [comparison.curve]
         allowed = (one for one in dict.fromkeys(kin) if not UNSEEN & {name for name, _ in one})
-        found = [one for one in allowed if problem.allowed(one)]
+        found = [one for one in allowed if one and problem.allowed(one)]
         self.ensemble.regression.add(column for one in found for column in one)
         return found
 

@@ -115,11 +115,13 @@ class Problem(ABC):
     references: Sequence[Structure]
     """Structures of the measured curve, which is no law."""
     always: frozenset[str] = frozenset()
-    """Terms without which no structure of two or more terms stands."""
+    """Terms without which no others stand."""
     curved: frozenset[str] | None = None
     """Terms that the measured curve stands for; None: all parts of laws."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
+    instead: Mapping[str, str] = {}
+    """By name of a term, what the same columns could be too, which the vocabulary leaves out."""
     only: Sequence[Family] = ()
     """Families whose laws are compared beside properties of the rig; empty for all."""
     independent: bool
@@ -193,7 +195,7 @@ class Problem(ABC):
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()
         memories = {self._memory(column) for column in structure} - {()}
-        if len(memories) > 1 or (len(names) > 1 and not self.always <= names):
+        if len(memories) > 1 or not (self.always <= names or names <= self.always):
             return False
         if self.only and not self._is_asked(names):
             return False

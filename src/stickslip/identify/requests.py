@@ -11,6 +11,8 @@ IGNORED = ("peak", "step")
 """Optional parts: without a value for them, a law lacks them."""
 NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
 """Terms that are not called as the part is."""
+REMEMBERED = ("dahl",)
+"""Memories that records tell: they mark a family."""
 BOTH_WAYS: Mapping[str, str] = {
     "level": "level_direction",
     "stribeck": "stribeck_sides",

@@ -10,18 +10,19 @@ import numpy as np
 
 from stickslip.experiments import Measurement, speeds_in_order
 from stickslip.formatting import quantity
-from stickslip.identification import goes_straight, load_of
+from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import band_of
 from stickslip.identify.forces import load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import RecordsProblem, goes_straighter, readings
+from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
-from stickslip.identify.requests import families_of
+from stickslip.identify.problem import Family
+from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -88,6 +89,13 @@ def _is_held(measurement: Measurement) -> bool:
     return all(not goes_straight(one, "zero") for one in measurement.records())
 
 
+def _remarks(problem: RecordsProblem, validate: Measurement | None) -> tuple[str, ...]:
+    """Return what the number of records leaves to say."""
+    if len(problem.records) > 1:
+        return (DIFFER,) if problem.spread > SPREAD else ()
+    return (OTHERS,) if validate is None else ()
+
+
 def _problem(
     mechanism: Mechanism, records: Sequence[Record], vary: Sequence[str], *, offset: bool
 ) -> RecordsProblem:
@@ -107,6 +115,15 @@ def _problem(
         load_slopes=slopes,
         offset=constant,
     )
+
+
+def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
+    """Compare only laws of some families, with a memory or without as each says."""
+    own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
+    problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
+    problem.remembering = {
+        (frozenset(one), one != family) for one, family in zip(own, families, strict=True)
+    }
 
 
 def found_values(judgement: Judgement) -> dict[str, float]:
@@ -134,8 +151,7 @@ def _judged(
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
     if laws is not None:
-        asked = families_of(laws, problem.terms)
-        problem.only = [tuple(sorted({*problem.always, *one})) for one in asked]
+        only_laws(problem, families_of(laws, [*problem.terms, *REMEMBERED]))
     judgement = Judgement.of(problem)
     if not problem.records[0].unknown:  # no observer has the forces of other parameters
         judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
@@ -154,6 +170,7 @@ def select_record(
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate, unknown=vary)
+    measurement, far = without_outliers(mechanism, measurement)
     problem, judgement = _judged(mechanism, measurement, mechanism, laws, vary, offset=not held)
     rig = mechanism
     if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
@@ -193,5 +210,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=() if validate is not None or len(problem.records) > 1 else (OTHERS,),
+        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
     )

@@ -38,7 +38,9 @@ from stickslip.identify.wording import (
     outlier_sentence,
     parameter_sentence,
     second_sentence,
+    tells_friction,
     title_of,
+    untold_sentence,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, turned, vary
@@ -491,6 +493,7 @@ def verdict_on(
     )
     first = candidates[0]
     assert first.fit is not None
+    told = not judgement.named or tells_friction(band)
     title = title_of(judgement, comparison.named)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
@@ -511,7 +514,7 @@ def verdict_on(
         mechanism=mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(judgement, words),
+            verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
             lede=band_sentence(speeds, band, words),
             settles=(*settles, *said),
             cannot_tell=tuple(doubts),
@@ -519,7 +522,7 @@ def verdict_on(
             no_score="",
         ),
         candidates=candidates,
-        best=None if no_law(judgement) else first,
+        best=first if told and not no_law(judgement) else None,
         ranked=True,
         judgement=judgement,
         speeds=speeds,
@@ -550,11 +553,14 @@ def groups_of(judgement: Judgement) -> list[list[str]]:
     """Return titles of what stands beside the law with what could stand in its place."""
     terms = judgement.problem.terms
     spans = same_span(judgement.regression, judgement.named)
-    return [
-        [terms[name].title, *(terms[other].title for other, _ in others)]
+    found = {
+        name: [terms[name].title, *(terms[other].title for other, _ in others)]
         for name, others in spans.instead.items()
         if terms[name].role != "law"
-    ]
+    }
+    for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
+        found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])
+    return [*found.values()]
 
 
 def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:

@@ -77,6 +77,6 @@ def refuse_wrong_signs(
     inertial = float(c[3]) < 0.0 if inertia else True
     if wrong and inertial and left[0] < (1.0 - EXPLAINED) * float(without @ without):
         raise InputError(
-            "with the sign that the force has, friction would drive the motion: turn the sign of the"
-            " force, or that of the position."
+            "with the sign that the force has, friction would drive the motion: turn the sign of"
+            " the force, or that of the position."
         )

@@ -240,7 +240,8 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
              title=TITLES["viscous_direction"], rank=5),
         Term(name="level_direction", role="law", needs=base,
              columns=lambda r, s: r.acting(np.abs(r.state(*s)) * r.load), steps=step,
-             shapes=[one for one in memories if one[0] > 0.0],
+             # without a memory it is an offset
+             shapes=[one for one in memories if one[0] > 0.0 or not constant],
              title=TITLES["level_direction"], rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
@@ -385,6 +386,8 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     if not driven and not rows.records[0].friction:  # a free motion slows with time
         left_out |= {"drift", "viscous_drift", "offset_drift", "bow", "place", "second"}
         left_out |= {"offset"} if rows.free == "momentum" else set()
+        if always - {"offset"}:  # all other forces are known by those of the mechanism
+            left_out |= {"mechanism"}
         # its energy tells the directions apart no better than what holds the body
         left_out |= {one for one in names if one.endswith("_direction")}
     return {one.name: one for one in terms if one.name not in left_out}

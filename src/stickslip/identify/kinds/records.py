@@ -63,8 +63,17 @@ from stickslip.identify.kinds.record_frame import (
 )
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
 from stickslip.identify.kinds.record_terms import screened, terms_of
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose
-from stickslip.identify.problem import Array, Column, Mask, Points, Problem, Shape, Structure
+from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.problem import (
+    MEMORY,
+    Array,
+    Column,
+    Mask,
+    Points,
+    Problem,
+    Shape,
+    Structure,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 
 FREE_SPREAD = 4.0
@@ -192,12 +201,24 @@ class RecordsProblem(Problem):
                 ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
             )
         ]  # fmt: skip
+        self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
+        self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.spread = _spread(self) if like is None else like.spread
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
-        return _made, self._made_of, {"only": self.only}
+        return _made, self._made_of, {"only": self.only, "remembering": self.remembering}
+
+    @override
+    def allowed(self, structure: Structure) -> bool:
+        """Return whether terms may stand together, and a law is one that is compared."""
+        if not super().allowed(structure):
+            return False
+        if not self.remembering or not self.is_law(structure):
+            return True
+        names = frozenset(name for name, _ in structure if self.terms[name].role == "law")
+        return (names, MEMORY in self.family(structure)) in self.remembering
 
     @override
     def price(self, size: float) -> float:
@@ -431,10 +452,11 @@ def readings(
 def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
     """Return the number of the stretch of each row, blocks, and rows that are near each."""
     count, at = rows.count, np.arange(rows.count)
-    stretch = np.minimum(at * STRETCHES // max(count, 1), STRETCHES - 1)
+    parts = max(min(STRETCHES, count), 1)
+    stretch = np.minimum(at * parts // max(count, 1), parts - 1)
     per = rows.filters[0].every * rows.filters[0].step * rows.band
     gap = math.ceil(APART / per)
-    blocks = [stretch == k for k in range(STRETCHES)]
+    blocks = [stretch == k for k in range(parts)]
     near = []
     for block in blocks:
         own = np.flatnonzero(block)
@@ -545,9 +567,9 @@ def _spread(problem: RecordsProblem) -> float:
     sums over records of the scores of the fit over that of sums over stretches. One record tells
     nothing of it; few are weighed with the usual `SPREAD`.
     """
-    count = len(problem.records)
+    count, usual = len(problem.records), FREE_SPREAD if problem.free else SPREAD
     if count < 2:
-        return FREE_SPREAD if problem.free else SPREAD
+        return usual
     x, left = _by_curve(problem)
     inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
     e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
@@ -561,4 +583,4 @@ def _spread(problem: RecordsProblem) -> float:
     ratio = variance(problem.rows.record) / (variance(problem.stretches) + 1e-300)
     found = (1.0 + count) * max(ratio, 1.0 / count)
     share = (count - 1.0) / (count - 1.0 + LIKELY)
-    return float(SPREAD ** (1.0 - share) * found**share)
+    return float(usual ** (1.0 - share) * found**share)
