@@ -100,6 +100,8 @@ class _Probe:
     def acceleration(self) -> Array:
         return np.zeros(len(self.velocity))
 
+    inertial = acceleration
+
     def state(self, *_: float) -> Array:
         return np.ones(len(self.velocity))
 

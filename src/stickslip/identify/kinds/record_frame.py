@@ -87,7 +87,7 @@ def alike(records: Sequence[Record], first: Record) -> list[Record]:
 
 def free_form(records: Sequence[Record]) -> str:
     """Return how a free motion is integrated: its momentum where it goes on, else its work."""
-    if any(np.ptp(one.force) > 0.0 or one.friction for one in records):
+    if any(np.ptp(one.force) > 0.0 or one.friction or one.driven for one in records):
         return ""
     on = [abs(float(one.position[-1] - one.position[0])) / (np.ptp(one.position) + 1e-300)
           for one in records]  # fmt: skip

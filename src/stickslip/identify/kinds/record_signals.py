@@ -68,6 +68,8 @@ class Record:
     """Known constant resistance, which `force` is without [N]."""
     held: bool = False
     """Whether each force holds until the next sample, and so acts half a sample later."""
+    driven: bool = False
+    """Whether something drives the motion that is no force of the record, such as inner bodies."""
     friction: bool = False
     """Whether the force is friction itself: nothing accelerates by it."""
     located: bool = True
@@ -207,6 +209,7 @@ def _record(
         time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
         load=forces.load if load is None else load, force=forces.driven - constant,
         constant=constant, unknown=found, held=held, located=located,
+        driven=len(mechanism.coordinates) > 1,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
 
@@ -628,6 +631,11 @@ class Along:
 
         return self._full(made)
 
+    @property
+    def inertial(self) -> Array:
+        """What an inertia of 1 kg takes at the rows [N]."""
+        return self._centred(self._has) if self.free else self.acceleration
+
     def taken(self, path: str) -> Array:
         """Return what a parameter that is looked for takes at the rows, for each unit of it [N]."""
         own = [one.unknown[path] for one in self.records]
@@ -847,7 +855,7 @@ class Steady:
     def _none(self) -> Array:
         return np.zeros(len(self.velocity))
 
-    acceleration = force_rate = mechanism = property(lambda self: self._none)
+    acceleration = inertial = force_rate = mechanism = property(lambda self: self._none)
 
     def seen(self, x: Array, **options: Any) -> Array:
         """Return a column itself; nothing filters it, and its slope is 0."""

@@ -70,7 +70,7 @@ def _bristles(rows: Along, response: Array, *, finds_inertia: bool) -> tuple[lis
     """Return the best memory of each exponent, the best first, and what the best leaves (n,)."""
     lengths = _lengths(rows)
     plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
-    plain += [rows.acceleration] if finds_inertia else []
+    plain += [rows.inertial] if finds_inertia else []
     plain += [rows.taken(path) for path in rows.records[0].unknown]
     left: dict[Shape, tuple[float, Array]] = {}
 
@@ -179,7 +179,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
 ) -> dict[str, Term]:
     """Return the vocabulary of records."""
     frame = rows.frame
-    driven = not rows.free and not rows.records[0].friction
+    driven = bool(np.any(rows.raw)) and not rows.free and not rows.records[0].friction
     loaded = frame.load != 1.0
     # the curve of a free motion stands beside a law, from which it goes away by a part of it
     least = 1.0 / (FARTHER**2 * len(frame.bending)) if rows.free else 0.0
@@ -322,7 +322,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         )  # fmt: skip
     if finds_inertia:
         terms.append(
-            Term(name="inertia", role="rig", columns=lambda r, _: r.acceleration,
+            Term(name="inertia", role="rig", columns=lambda r, _: r.inertial,
                  nonnegative=True, title="inertia", rank=0)
         )  # fmt: skip
     for path, one in rows.records[0].unknown.items():
@@ -362,7 +362,8 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  rank=18, needs=moving),
             Term(name="hose", role="rig", columns=lambda r, s: r.seen(r.relaxing(s[0])),
                  shapes=[(float(x),) for x in relaxing], nonnegative=True,
-                 steps=(float(relaxing[1] / relaxing[0]),), title="spring that relaxes", rank=16),
+                 steps=(float(relaxing[1] / relaxing[0]),), title="relaxing spring",
+                 excludes=frozenset({"backlash", "flexible"}), rank=16),
             Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
                  nonnegative=True, title="backlash", rank=19, needs=always - {"offset"}),
