@@ -131,3 +131,20 @@ def test_the_curve_of_a_record_whose_load_changes_predicts_as_well_as_the_law():
     true = LEVEL + 0.75 + 2.0 * VISCOUS
     assert abs(band.median[0] - true) < 0.01 * true
     assert band.high[0] - band.low[0] < 0.1 * true
+
+
+def test_a_motion_that_lags_is_no_delay_of_the_recorded_force():
+    # the force acts 4 ms after it was recorded: latency of a drive, or a load behind a coupling
+    t, x, force = driven(13)
+    early = np.interp(t + 0.004, t, force)
+    found = select(
+        Axis(inertia=INERTIA),
+        None,
+        Measurement(time=t, position=x, force=early, turning=True),
+        vary=["friction.*", "mechanism.inertia"],
+        route="balance",
+    )
+    assert "latency" in found.family
+    assert "delay" not in found.family
+    (inertia,) = [one for one in found.parameters if one.path == "mechanism.inertia"]
+    assert inertia.low_any < INERTIA < inertia.high_any

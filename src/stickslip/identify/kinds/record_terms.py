@@ -347,7 +347,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             Term(name="latency", role="rig", columns=lambda r, s: r.early(-s[0]), limits=LATER,
                  shapes=[(float(x),) for x in delays], steps=(float(delays[1] / delays[0]),),
                  cost=0, excludes=frozenset({"lag", "delay"}), rank=18,
-                 title="motion that follows the force late (latency, gap or flexible coupling)"),
+                 title="motion that lags behind the force"),
         ]  # fmt: skip
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
