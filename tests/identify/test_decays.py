@@ -99,3 +99,18 @@ def test_a_constant_known_force_stays_known():
     band = found.band([4.0])
     assert band.low[0] < 0.1 < band.high[0]
     assert band.high[0] - band.low[0] < 0.1
+
+
+def test_noise_turns_no_coast_down():
+    # it ends in rest, where noise is all there is: neither places nor directions are told
+    mass, level, v0 = 3.0, 0.6, 1.5
+    t = np.arange(0.0, 9.0, 0.06)
+    moving = np.minimum(t, v0 * mass / level)
+    x = v0 * moving - 0.5 * level / mass * moving**2
+    x = x + 3e-3 * np.ptp(x) * np.random.default_rng(3).normal(size=len(t))
+    problem = RecordsProblem(records_of(Axis(inertia=mass), Measurement(time=t, position=x)))
+    assert problem.free == "momentum"
+    assert np.all(problem.rows.direction == 1.0)
+    assert not {"spring", "ripple", "offset"} & problem.terms.keys()
+    column = problem.terms["level"].columns(problem.rows, (0.0, 0.0))
+    assert column @ problem.response / (column @ column) == pytest.approx(level, rel=0.03)

@@ -656,6 +656,8 @@ class Along:
         """Direction of the motion (n,): the last one that stands above the noise."""
 
         def made(one: Record, filt: Filter) -> Array:
+            if self.free == "momentum":  # it goes on, whatever noise says
+                return np.full(len(one.time), np.sign(one.position[-1] - one.position[0]))
             if one.velocity is not None:
                 v = filt(one.velocity, wider=2.0, full=True)
                 noise = one.velocity_noise * math.sqrt(min(4.0 * filt.step * filt.band, 1.0))
