@@ -30,7 +30,7 @@ MOST_ROWS = 5000
 """Rows of all records; beyond it fewer for each 1/fc, three at least."""
 STILL = 8.0
 """Range of positions within 1/fc that is rest, over their noise."""
-SAMPLES = 16.0
+SAMPLES = 40.0
 """Samples for each 1/fc of what is integrated along a free motion."""
 LEAST_ENERGY = 0.02
 """Part of the energy that is lost from which its noise grows no less."""
