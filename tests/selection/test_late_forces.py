@@ -8,9 +8,10 @@ from benchmarks import force_maps
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit
 from stickslip.errors import InputError, ParameterError
-from stickslip.identification import asked_of, model_errors
+from stickslip.identification import model_errors
 from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.identification.settings import PROMPT, SensorResponse
+from stickslip.identification.terms.findings import asked_of
 
 LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
 AXIS = Axis(inertia=1.0)

@@ -8,8 +8,9 @@ import pytest
 from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SpringBlock, fit, simulate
 from stickslip.drives import Sampled
 from stickslip.evidence.series import Series, outliers
-from stickslip.identification import asked_of, model_errors
+from stickslip.identification import model_errors
 from stickslip.identification.settings import PROMPT
+from stickslip.identification.terms.findings import asked_of
 
 AXIS = Axis(inertia=1.1, stiffness=420.0)
 T = np.arange(0.0, 16.0, 0.004)

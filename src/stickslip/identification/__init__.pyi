@@ -9,6 +9,8 @@ from stickslip.identification.estimation.containment import FittedLaw as FittedL
 from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
 from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
 from stickslip.identification.estimation.estimates import bounds_met as bounds_met
+from stickslip.identification.estimation.estimates import estimates_of as estimates_of
+from stickslip.identification.estimation.estimates import sentences_of as sentences_of
 from stickslip.identification.estimation.estimates import step_intervals as step_intervals
 from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
@@ -84,6 +86,8 @@ from stickslip.identification.series.inverse_dynamics import InverseDynamics as 
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
+from stickslip.identification.series.start_values import Scales as Scales
+from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings
