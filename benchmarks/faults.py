@@ -28,22 +28,22 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.finding_kinds import NEUTRAL, parts_of
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
-from benchmarks.whole_verdicts import NEUTRAL, Known, in_line, parts_of, selected, totals, values_of
 from stickslip import Axis, DirectionDependent, FrictionLaw, Measurement, Stribeck, check, fit
 from stickslip.errors import StickslipError
-from stickslip.identification import ModelError, RecordFit, asked_of, model_errors
+from stickslip.identification import ModelError, RecordFit, model_errors
 from stickslip.identification.settings import PROMPT, RecordSettings
+from stickslip.identification.terms.findings import asked_of
 
 RESULTS = "faults.jsonl"
-ROUTES = ("shooting", "inverse-dynamics", "explain", "select")
+ROUTES = ("shooting", "inverse-dynamics", "explain")
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
 LATE = ("delay", "lag", "late or elastic")
 USUAL = ("effective size",)
@@ -409,26 +409,6 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     if route == "explain":
         right = (*fault.named, *fault.terms)
         return row | explained(Axis(inertia=given), measurement, unknown, right)
-    if route == "select":
-        true = fault.law(machine)
-        values = {} if true is None else values_of(true, axis)
-        return (
-            row
-            | {"truth": name}
-            | selected(
-                Known(
-                    given=Axis(inertia=given),
-                    law=true,
-                    values={k: v for k, v in values.items() if k not in fault.free},
-                    measurement=measurement,
-                    fresh=moving(machine, random),
-                    unknown=unknown,
-                    fault=True,
-                    right=(*fault.named, *fault.terms),
-                    parts=fault.parts,
-                )
-            )
-        )
     began = time.perf_counter()
     try:
         found = fit(
@@ -468,25 +448,12 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
             machine = machine_of(random)
             found_machine = machine.run(random)
         law, axis, measurement = machine.rig.law, machine.rig.axis, found_machine
-        again = partial(moving, machine, random)
     else:
         assert truth in TRUTHS
         rig = draw(random, truth)
         law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
-        again = lambda: record(rig, random)[0]  # noqa: E731
     if route == "explain":
         return row | explained(Axis(inertia=1.0), measurement, ("mechanism.inertia",), ())
-    if route == "select":
-        return row | selected(
-            Known(
-                given=Axis(inertia=1.0),
-                law=law,
-                values=values_of(law, axis),
-                measurement=measurement,
-                fresh=again(),
-                unknown=("mechanism.inertia",),
-            )
-        )
     plain = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
     free = plain if truth == "dahl" else ("friction.*",)
     try:
@@ -533,9 +500,6 @@ def run(
             row = task.result()
             file.write(json.dumps(row) + "\n")
             file.flush()
-            if row["route"] == "select":
-                yield in_line(f"{row['fault']}, seed {row['seed']}", row)
-                continue
             said = row.get("refused") or f"said {row['said']}, outside {row.get('wrong', [])}"
             verdict = "WRONG" if row.get("false") else "named" if row.get("named") else "-"
             yield (
@@ -616,7 +580,7 @@ def main() -> None:
         row for row in stored(given.results)
         if row["seed"] in given.seeds and row["route"] == given.route
     ]  # fmt: skip
-    print("\n".join(totals(rows) if given.route == "select" else summary(rows)))
+    print("\n".join(summary(rows)))
 
 
 if __name__ == "__main__":

@@ -25,8 +25,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from benchmarks.faults import explained
+from benchmarks.finding_kinds import parts_of
 from benchmarks.rigs import Array, Random, between
-from benchmarks.whole_verdicts import Known, in_line, parts_of, selected, totals, values_of
 from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck
 from stickslip.friction import law as composed
 from stickslip.identification.estimation.bristle_integration import Path as Motion
@@ -218,34 +218,12 @@ def _by_temperature(law: FrictionLaw, size: float) -> FrictionLaw | None:
     return made
 
 
-def judged(number: int, seed: int) -> dict[str, Any]:
-    """Return what a selection without named laws says of a record."""
-    row, law, record, fresh = drawn(number, seed)
-    fault = row["fault"]
-    warm = fault == "temperature"
-    true = _by_temperature(law, row["size"]) if warm else law
-    either = [EITHER] if row["truth"] == "dahl" else []
-    return row | selected(
-        Known(
-            given=AXIS,
-            law=true,
-            values=values_of(true or law, AXIS),
-            measurement=record,
-            fresh=fresh,
-            fault=fault in ("delay", "lag", "drift", "outliers"),
-            right=(*NAMED.get(fault, ()), *either, "outliers" if fault == "outliers" else ""),
-        )
-    )
-
-
 def summary(row: Mapping[str, Any]) -> str:
     """Return a record in a line."""
     title = (
         f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15}"
         f" {row['motion']:8} {row['rate']:5.0f}"
     )
-    if ("verdict" in row and "structure" not in row) or "refused" in row:
-        return in_line(title, row)
     return f"{title} {row['seconds']:5.1f}s {row['verdict']} {row['said']} {row['structure']}"
 
 
@@ -254,21 +232,17 @@ def main() -> None:
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 30])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
-    parser.add_argument("--route", choices=("explain", "select"), default="select")
     given = parser.parse_args()
-    judge, rows = explained_of if given.route == "explain" else judged, []
+    rows = []
     with given.results.open("a", encoding="utf-8") as file:
         for number in range(*given.numbers):
-            row = judge(number, given.seed)
+            row = explained_of(number, given.seed)
             rows.append(row)
             file.write(json.dumps(row) + "\n")
             file.flush()
             print(summary(row), flush=True)
-    if given.route == "explain":
-        count = Counter(row["verdict"] for row in rows)
-        print(", ".join(f"{name} {count[name]}" for name in ("right", "wrong", "nothing")))
-    else:
-        print("\n".join(totals(rows)))
+    count = Counter(row["verdict"] for row in rows)
+    print(", ".join(f"{name} {count[name]}" for name in ("right", "wrong", "nothing")))
 
 
 if __name__ == "__main__":

@@ -482,8 +482,9 @@ CASES: tuple[Case, ...] = (
         commands=(
             stickslip(
                 "select",
-                "select axis.toml --laws coulomb,coulomb-viscous,stribeck,direction-dependent"
-                " --starts 2",
+                "select axis.toml",
+                0,
+                3,
             ),
             stickslip("check", "check axis.toml --json"),
         ),
@@ -493,7 +494,7 @@ CASES: tuple[Case, ...] = (
         seconds=10,
         prepare=force_map,
         commands=(
-            stickslip("select", "select map.toml --laws coulomb,coulomb-viscous,stribeck"),
+            stickslip("select", "select map.toml"),
             stickslip("fit", "fit map.toml --law coulomb-viscous --json -o fitted.toml"),
             stickslip("check", "check map.toml"),
         ),
@@ -505,7 +506,7 @@ CASES: tuple[Case, ...] = (
         commands=(
             stickslip(
                 "select",
-                "select tribometer.toml --laws coulomb,dahl,dahl-exponent --purpose compensate",
+                "select tribometer.toml",
             ),
             stickslip("fit", "fit tribometer.toml --law dahl --json -o fitted.toml"),
         ),
@@ -515,7 +516,7 @@ CASES: tuple[Case, ...] = (
         seconds=22,
         prepare=pendulum,
         commands=(
-            stickslip("select", f"select pendulum.toml --laws {PLAIN},viscous"),
+            stickslip("select", "select pendulum.toml"),
             stickslip("simulate", f"simulate driven.toml {RUN} --json"),
             stickslip("fit", "fit pendulum.toml --law coulomb-viscous --starts 2"),
         ),
@@ -544,7 +545,7 @@ CASES: tuple[Case, ...] = (
         seconds=16,
         prepare=torque_cart,
         commands=(
-            stickslip("select", f"select cart.toml --laws {PLAIN} --starts 2"),
+            stickslip("select", "select cart.toml"),
             stickslip("simulate", f"simulate cart.toml {RUN} --json"),
         ),
     ),
@@ -567,8 +568,7 @@ CASES: tuple[Case, ...] = (
         commands=(
             stickslip(
                 "select",
-                "select axis.toml --laws coulomb,coulomb-viscous,stribeck"
-                " --route inverse-dynamics --horizon 0.5 --validate later.csv",
+                "select axis.toml --validate later.csv",
                 0,
                 3,
             ),
@@ -578,11 +578,7 @@ CASES: tuple[Case, ...] = (
         name="axis-lugre",
         seconds=40,
         prepare=controlled("lugre", 4),
-        commands=(
-            stickslip(
-                "select", "select axis.toml --laws coulomb-viscous,stribeck,lugre --starts 2", 0, 3
-            ),
-        ),
+        commands=(stickslip("select", "select axis.toml", 0, 3),),
     ),
     Case(
         name="exports",

@@ -21,7 +21,6 @@ from stickslip import (
     Measurement,
     Stribeck,
     TowedBlock,
-    select,
 )
 from stickslip.catalogue import dataset
 from stickslip.errors import StickslipError
@@ -31,7 +30,6 @@ from stickslip.identification.force_map.problem import force_map
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 from stickslip.kinds import features_of, fit_features, fit_rate_state
-from stickslip.kinds.records.verdict import RecordVerdict
 
 AXIS = Axis(inertia=95.0)
 """EMPS; its mass is looked for."""
@@ -89,21 +87,6 @@ def emps_stribeck() -> Iterator[Row]:
         bar="reported as undetermined",
         reached=told[0] if told else "told",
         met=bool(told),
-    )
-
-
-def emps_selection() -> Iterator[Row]:
-    verdict = select(
-        AXIS, None, dataset("emps").measurement(), vary=["friction.*", "mechanism.inertia"]
-    )
-    assert isinstance(verdict, RecordVerdict)
-    picked = verdict.best.name if verdict.best else "none"
-    yield Row(
-        record="emps",
-        what="selection picks",
-        bar="direction-dependent",
-        reached=picked,
-        met=picked == "direction-dependent",
     )
 
 
@@ -248,7 +231,6 @@ PARTS: tuple[tuple[str, Callable[[], Iterator[Row]]], ...] = (
     ("rock_velocity_step", rock),
     ("spring_pulled_slider", slider),
     ("spring_pulled_slider", drifting_slider),
-    ("emps", emps_selection),  # takes longer than all others together
 )
 
 

@@ -27,9 +27,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.finding_kinds import parts_of
 from benchmarks.rigs import TRUTHS as USUAL
 from benchmarks.rigs import Array, Random, Sizes, between
-from benchmarks.whole_verdicts import parts_of
 from stickslip import Dahl, FrictionLaw, Measurement, RecordSettings, TwoLinkArm, check, fit, select
 from stickslip.errors import StickslipError
 from stickslip.formulation import JointTorques

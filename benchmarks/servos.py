@@ -38,7 +38,8 @@ from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, containment_of, law
-from stickslip.identification import FittedLaw, fit_record
+from stickslip.identification import FittedLaw
+from stickslip.identification.records.fitting import fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")

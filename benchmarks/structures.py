@@ -22,14 +22,11 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from benchmarks.axis_records import ALL, FAULTS, FURTHER, RATE, TRUTHS, AxisRecord, Truth, record
-from benchmarks.whole_verdicts import Known, in_line, selected
-from benchmarks.whole_verdicts import totals as totals_told
-from stickslip import Axis, FrictionLaw, Measurement
+from stickslip import Measurement
 from stickslip.errors import InputError
 from stickslip.evidence import (
     Balance,
@@ -47,9 +44,6 @@ from stickslip.evidence import (
 )
 from stickslip.evidence.fits import design, matched
 from stickslip.evidence.intervals import refined
-from stickslip.identification import asked_of
-from stickslip.identification.settings import PROMPT
-from stickslip.identification.terms.composed_laws import composed_law
 
 RULES = {
     "B": Rule(1.0, 0.02, 0.005, False, False, None),
@@ -80,7 +74,6 @@ TOLD = {
 """Kinds of findings that name a fault."""
 ALSO = {"ri1": ("position force",), "da3": ("load",), "lo1": ("load",)}
 """Kinds of findings that are true of structures without a fault."""
-ROUTES = ("explain", "select")
 OF_PLANT = ("inertia", "flexible", "loose", "saturation", "backlash")
 """Kinds that are not friction."""
 STRESSED = ("cv1", "pv1", "ds1", "da1", "lg1", "f_gap1", "f_flex1")
@@ -276,32 +269,6 @@ def score(truth: Truth, *, seed: int, rule: Rule, every: int = 1) -> Score:
     )
 
 
-def told(truth: Truth, *, seed: int) -> dict[str, Any]:
-    """Return what a whole selection says of a record; the inertia is looked for."""
-    plant = truth.plant
-    one, second = (measured(record(truth, at)) for at in (seed, seed + 1))
-    given, unknown = Axis(inertia=1.3 * plant.inertia), ("mechanism.inertia",)
-    asked = asked_of(given, one, "zero", unknown, PROMPT)
-    assert asked is not None
-    balance = asked.explanation.balance
-    load = float(np.median(one.records()[0].load)) if plant.by_load else 1.0
-    true = composed_law(refined(balance, fit(balance, true_structure(truth, balance))), load)
-    law = None if true is None else true.specification.law
-    found = selected(
-        Known(
-            given=given,
-            law=law if isinstance(law, FrictionLaw) else None,
-            values=true_parameters(truth),
-            measurement=one,
-            fresh=second,
-            unknown=unknown,
-            fault=bool(truth.fault),
-            right=(*TOLD.get(truth.fault, ()), *ALSO.get(truth.name, ())),
-        )
-    )
-    return {"name": truth.name, "seed": seed} | found
-
-
 def measured(found: AxisRecord) -> Measurement:
     """Return a record as a user has it."""
     known = dict(found.covariates)
@@ -407,18 +374,6 @@ def stressed(truths: Sequence[Truth]) -> list[tuple[str, int, list[Truth]]]:
     ]
 
 
-def tell(truths: Sequence[Truth], seed: int, jobs: int, out: Path | None) -> None:
-    """Print what whole selections say, and totals."""
-    job, rows = partial(told, seed=seed), []
-    with ProcessPoolExecutor(max_workers=jobs) as pool:
-        for row in pool.map(job, truths) if jobs > 1 else map(job, truths):
-            print(in_line(row["name"], row), flush=True)
-            rows.append(row)
-            if out:
-                out.write_text(json.dumps(rows, indent=1))
-    print("\n".join(totals_told(rows)))
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print a line for each record, and totals."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -428,13 +383,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--stress", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path)
-    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
     chosen = parser.parse_args(arguments)
     names = chosen.names or (STRESSED if chosen.stress else [one.name for one in ALL])
     truths = [one for one in ALL if one.name in names]
-    if chosen.route == "select":
-        tell(truths, chosen.seed, chosen.jobs, chosen.out)
-        return
     variants = stressed(truths) if chosen.stress else [("", 1, truths)]
     kept = []
     for title, every, some in variants:

@@ -22,14 +22,9 @@ import numpy as np
 import pandas as pd
 
 from benchmarks import (
-    closed_loop_axes,
-    faults,
-    force_maps,
     joints,
     pulled_sliders,
-    structures,
     travel_truth,
-    whole_verdicts,
 )
 from benchmarks.axis_records import FAULTS, FURTHER, TRUTHS
 from benchmarks.faults import stored
@@ -83,29 +78,6 @@ def _slider(row: Row) -> Outcome:
     return Outcome(row["right"], row["false"], sum(held), len(held))
 
 
-def _axis(row: Row) -> Outcome:
-    held = [one["covered"] for one in row["intervals"] if one["bounded"]]
-    return Outcome(
-        closed_loop_axes.right(row),
-        closed_loop_axes.falsely_certain(row),
-        sum(held),
-        len(held),
-        _regret(row["fresh"], row["named"]),
-    )
-
-
-def _whole(row: Row) -> Outcome:
-    found = [one["covered"] for one in row["intervals"] if not row["kinds"]]
-    good = whole_verdicts.named(row) if row["built_in"] else whole_verdicts.right(row)
-    return Outcome(
-        good,
-        bool(whole_verdicts.false_certainties(row)),
-        sum(found),
-        len(found),
-        _regret(row["fresh"], row["closest"]),
-    )
-
-
 def _arm(row: Row) -> Outcome:
     known = {name: one for name, one in row["joints"].items() if "named" in one}
     wrong = [one for one in known.values() if one["outcome"] == "wrong"]
@@ -124,26 +96,6 @@ STUDIES: Mapping[str, Study] = {
     "travels": Study(count=200, judge=travel_truth.judge, outcome=_travel),
     "features": Study(count=20, judge=pulled_sliders.pulled, outcome=_slider),
     "velocity steps": Study(count=20, judge=pulled_sliders.stepped, outcome=_slider),
-    "axes": Study(
-        count=40,
-        judge=lambda seed, number: closed_loop_axes.judge(
-            seed, number, candidates=(), route=closed_loop_axes.CHOSEN
-        ),
-        outcome=_axis,
-    ),
-    "force maps": Study(
-        count=30, judge=lambda seed, number: force_maps.judged(number, seed), outcome=_whole
-    ),
-    "faults": Study(
-        count=len(faults.FAULTS),
-        judge=lambda seed, number: faults.judge([*faults.FAULTS][number], seed, "select"),
-        outcome=_whole,
-    ),
-    "structures": Study(
-        count=len(STRUCTURES),
-        judge=lambda seed, number: structures.told(STRUCTURES[number], seed=seed),
-        outcome=_whole,
-    ),
     "joints": Study(
         count=len(joints.CASES),
         judge=lambda seed, number: joints.judged(*joints.CASES[number], number, seed),

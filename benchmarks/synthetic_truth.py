@@ -1,4 +1,4 @@
-"""Random rigs with known friction: do intervals cover the truth, and does selection pick well?
+"""Random rigs with known friction: do intervals cover the truth?
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
 file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
@@ -14,35 +14,21 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.rigs import FREE, TRUTHS, Array, Random, Rig, draw, record
-from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit, select
+from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
+from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.settings import RecordSettings
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.choice import choose
-from stickslip.selection.cross_validation import CrossValidation
 
-CANDIDATES = (
-    "viscous", "coulomb", "coulomb-viscous", "direction-dependent", "power-viscous",
-    "quadratic-drag", "stribeck", "dahl",
-)  # fmt: skip
-"""Compared by selection. Left out: LuGre and Dahl with exponent, which take most of the time."""
-FAST = CANDIDATES[:6]
-"""Those without bristles or a peak at rest: a fifth of the time."""
 ALWAYS = "coulomb-viscous"
-HORIZON = 4.0
-"""Length [s] of the runs that are predicted on fresh records."""
-FRESH = 5
-"""Fresh records of each rig: on a single one, luck decides between laws that are equally right."""
 ROUTES = ("shooting", "inverse-dynamics")
 KINDS = ("jackknife", "bootstrap", "naive")
 FURTHER = ("not widened", "limit", "limit, not widened")
@@ -56,7 +42,6 @@ TOGETHER = 6
 """Fresh records whose fit stands for what a law comes to with data without end."""
 COVERAGE = (0.90, 0.99)
 """Targets for nominal 95 %."""
-REGRET = 0.10
 RESULTS = "synthetic_truth.jsonl"
 
 
@@ -128,53 +113,6 @@ def fitted(
     return found
 
 
-def regrets(
-    measurement: Measurement,
-    fresh: Sequence[Measurement],
-    *,
-    candidates: Sequence[str] = CANDIDATES,
-    starts: int = 2,
-    route: str = ROUTES[0],
-) -> dict[str, Any]:
-    """Return what was picked, and the errors of all candidates on each fresh record."""
-    verdict = select(
-        Axis(inertia=1.0),
-        candidates,
-        measurement,
-        vary=["friction.*", "mechanism.inertia"],
-        route=route,
-        settings=RecordSettings(starts=starts),
-    )
-    assert isinstance(verdict, RecordVerdict)
-    errors = {c.name: [_error(c, one) for one in fresh] for c in verdict.candidates}
-    picks = {
-        "selected": verdict.closest.name,
-        f"always {ALWAYS}": ALWAYS,
-        **{name: verdict.picks[name] for name in ("held-out blocks", "AIC", "BIC")},
-        "training error": verdict.picks["training error"],
-    }
-    judged = {
-        c.name: {
-            "losses": c.validation.losses,
-            "parameters": c.parameters,
-            "dropped": c.dropped or c.doubt,
-            "residual": c.residual,
-            "effective": c.effective,
-            "simpler": list(c.simpler),
-            "is_simpler": list(c.is_simpler),
-        }
-        for c in verdict.candidates
-        if c.validation
-    }
-    return {"errors": errors, "picks": picks, "judged": judged}
-
-
-def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
-    if candidate.fit is None:
-        return math.inf
-    return candidate.fit.score(fresh, horizon=HORIZON).rms
-
-
 def violated(rig: Rig, violation: str, random: Random) -> Rig:
     """Return a rig that the law that is fitted to it does not hold for."""
     if violation == "drift":
@@ -188,11 +126,12 @@ def judge(
     seed: int,
     number: int,
     *,
-    candidates: Sequence[str] = CANDIDATES,
+    candidates: Sequence[str] = (),  # of studies that compare laws
     route: str = ROUTES[0],
     variant: str = "",
 ) -> dict[str, Any]:
-    """Return what fits, and selection if there are candidates, make of one random rig."""
+    """Return what fits make of one random rig."""
+    del candidates
     random = np.random.default_rng([seed, number])
     own = {"drag": "quadratic-drag", "clean": ALWAYS}
     truth = own.get(variant) or list(TRUTHS)[number % len(TRUTHS)]
@@ -208,7 +147,6 @@ def judge(
             rig = violated(rig, variant, random)
             law = CoulombViscous if variant == "drag" else None
         measurement, _ = record(rig, random)
-        fresh = [record(rig, random)[0] for _ in range(FRESH if candidates else 0)]
         found = fitted(rig, measurement, law=law, route=route)
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
@@ -223,8 +161,6 @@ def judge(
             "contradicting": bool(found.halves and found.halves.contradicting),
             "chance": float(min(found.halves.chances)) if found.halves else None,
         }
-        if candidates:
-            row |= regrets(measurement, fresh, candidates=candidates, route=route)
     except StickslipError as error:
         row["failed"] = str(error)
     return row | {"seconds": time.perf_counter() - began}
@@ -242,47 +178,8 @@ def judged(
             continue
         same = row.get("route", ROUTES[0]) == route and row.get("variant", "") == variant
         if row["seed"] == seed and same:
-            rows.append(repicked(row))
+            rows.append(row)
     return rows
-
-
-@dataclass(frozen=True, kw_only=True)
-class Stored:
-    """A candidate as a line of results has it, for the rule that chooses among candidates."""
-
-    name: str
-    parameters: int
-    dropped: str
-    validation: CrossValidation
-    residual: float
-    effective: float
-    simpler: tuple[str, ...]
-    is_simpler: tuple[str, ...]
-
-    @property
-    def score(self) -> float:
-        return self.validation.score
-
-
-def repicked(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with what the present rule selects: the rule may have changed since the fits."""
-    if "judged" not in row or any("effective" not in one for one in row["judged"].values()):
-        return row  # of fits that kept less than the rule asks for
-    candidates = [
-        Stored(
-            name=name,
-            parameters=one["parameters"],
-            dropped=one["dropped"],
-            validation=CrossValidation(losses=tuple(one["losses"]), extrapolation=math.nan),
-            residual=one["residual"],
-            effective=one["effective"],
-            simpler=tuple(one["simpler"]),
-            is_simpler=tuple(one["is_simpler"]),
-        )
-        for name, one in row["judged"].items()
-    ]
-    best = choose(candidates)
-    return row | {"picks": row["picks"] | {"selected": best.name}}
 
 
 def run(
@@ -291,7 +188,7 @@ def run(
     rigs: int | Sequence[int],
     seed: int,
     jobs: int,
-    candidates: Sequence[str],
+    candidates: Sequence[str] = (),
     route: str = ROUTES[0],
     variant: str = "",
     rated: Callable[..., dict[str, Any]] | None = None,
@@ -328,31 +225,8 @@ def share(hits: Sequence[bool]) -> str:
     return f"{100 * p:5.1f} +- {100 * error:.1f} % of {len(hits)}"
 
 
-def regret(row: Mapping[str, Any], rule: str) -> float:
-    """Return the error of a rule's pick on all fresh records over that of the best, less 1."""
-    errors = {name: np.atleast_1d(found) for name, found in row["errors"].items()}
-    return _excess({name: _rms(found) for name, found in errors.items()}, row["picks"][rule])
-
-
-def regret_on_one(row: Mapping[str, Any], rule: str) -> float:
-    """Return the mean regret on each fresh record alone, where the luckiest law is the best."""
-    errors = {name: np.atleast_1d(found) for name, found in row["errors"].items()}
-    count = len(next(iter(errors.values())))
-    picked = row["picks"][rule]
-    alone = [_excess({n: float(e[i]) for n, e in errors.items()}, picked) for i in range(count)]
-    return sum(alone) / count
-
-
-def _rms(errors: Array) -> float:
-    return math.sqrt(float(np.mean(errors**2)))
-
-
-def _excess(errors: Mapping[str, float], picked: str) -> float:
-    return errors[picked] / min(errors.values()) - 1.0
-
-
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the tables: coverage by kind of interval and by parameter, regret by rule."""
+    """Return the tables: coverage by kind of interval and by parameter."""
     failed = [row for row in rows if "failed" in row]
     rows = [row for row in rows if "failed" not in row]
     intervals = [one for row in rows for one in row["intervals"]]
@@ -377,38 +251,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     for truth in TRUTHS:
         own = [o for row in rows if row["truth"] == truth for o in row["intervals"] if o["bounded"]]
         lines.append(f"  {truth:22}{share([one['jackknife'] for one in own])}")
-    chosen = [row for row in rows if "picks" in row]
-    if chosen:
-        lines += regret_lines(chosen)
     return [*lines, *(f"rig {row['rig']} failed: {row['failed']}" for row in failed)]
-
-
-def regret_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the table of regrets, and how often the true law is picked."""
-    counts = {len(np.atleast_1d(next(iter(row["errors"].values())))) for row in rows}
-    fresh = " or ".join(str(count) for count in sorted(counts))
-    lines = [
-        f"regret on {fresh} fresh records of a rig, {len(rows)} rigs"
-        f" (target: mean under {100 * REGRET:.0f} %), and mean regret on a single one:"
-    ]
-    for rule in (*rows[0]["picks"], "the true law"):
-        taken = [row | {"picks": row["picks"] | {"the true law": row["truth"]}} for row in rows]
-        taken = [row for row in taken if row["picks"][rule] in row["errors"]]  # it was a candidate
-        if not taken:
-            continue
-        values = 100.0 * np.array([regret(row, rule) for row in taken])
-        alone = 100.0 * np.array([regret_on_one(row, rule) for row in taken])
-        right = [row["picks"][rule] == row["truth"] for row in taken]
-        lines.append(
-            f"  {rule:24} mean {_mean(values)}, median {np.median(values):5.1f} %, worst"
-            f" {values.max():7.1f} %; single {_mean(alone)}; the true law in {share(right)}"
-        )
-    return lines
-
-
-def _mean(values: Array) -> str:
-    """Return a mean with its standard error."""
-    return f"{values.mean():6.1f} +- {values.std() / len(values) ** 0.5:.1f} %"
 
 
 def main() -> None:
@@ -417,12 +260,6 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
-    parser.add_argument(
-        "--candidates",
-        choices=("all", "fast", "none"),
-        default="all",
-        help="laws that selection compares; none: fits of the true law only",
-    )
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0], help="how records are fitted")
     parser.add_argument(
         "--variant",
@@ -431,13 +268,11 @@ def main() -> None:
         help="clean: encoder noise alone; drag: left out of the law; drift: of the levels",
     )
     given = parser.parse_args()
-    candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
     for line in run(
         given.results,
         rigs=given.rigs,
         seed=given.seed,
         jobs=given.jobs,
-        candidates=candidates,
         route=given.route,
         variant=given.variant,
     ):

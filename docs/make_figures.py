@@ -23,7 +23,6 @@ from stickslip import (
     FixedStep,
     Measurement,
     PendulumCart,
-    RecordSettings,
     animate,
     load_rig,
     select,
@@ -42,8 +41,6 @@ from stickslip.plots import (
     SURFACE,
     Draw,
     Size,
-    plot_friction_map,
-    plot_scores,
     standalone_svg,
 )
 from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
@@ -173,38 +170,27 @@ def report() -> None:
         position=1e-3 * table["position [mm]"].to_numpy(),
         force=table["force [N]"].to_numpy(),
     )
-    verdict = select(
-        Axis(inertia=1.0),
-        None,
-        measured,
-        vary=["friction.*", "mechanism.inertia"],
-        settings=RecordSettings(hold="first"),
-    )
-    found = verdict.to_dict()
-    fits = {one.title: one.fit for one in verdict.candidates if one.name == "viscous"}
-    assert verdict.best is not None
-    fits = {verdict.best.title: verdict.best.fit} | fits
+    verdict = select(Axis(inertia=1.0), None, measured, vary=["friction.*", "mechanism.inertia"])
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
-        verdict_lines = textwrap.wrap(found["verdict"], 88)
+        lines = textwrap.wrap(verdict.sentence, 88)
+        figure.text(0.02, 0.96, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
+        lines = textwrap.wrap(verdict.words.lede, 150)
+        figure.text(0.02, 0.84, "\n".join(lines), fontsize=9, color=MUTED, va="top")
+        verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.6)))
+        for k, one in enumerate(verdict.intervals):
+            figure.text(0.65, 0.66 - 0.09 * k, str(one), fontsize=11, color=INK, va="top")
         figure.text(
-            0.02, 0.96, "\n".join(verdict_lines), fontsize=13, weight="bold", color=INK, va="top"
-        )
-        next_lines = textwrap.wrap(f"Measure next: {found['measure_next'][0]}", 150)
-        figure.text(0.02, 0.84, "\n".join(next_lines), fontsize=9, color=MUTED, va="top")
-        left = figure.add_axes((0.075, 0.12, 0.38, 0.6))
-        plot_friction_map(fits, ax=left)
-        right = figure.add_axes((0.68, 0.12, 0.30, 0.6))
-        plot_scores(verdict, ax=right)
-        right.set_xscale("log")
-        right.set_xlim(0.01, 20.0)
+            0.65, 0.66 - 0.09 * len(verdict.intervals), "(95 %, whichever law holds)",
+            fontsize=9, color=MUTED, va="top",
+        )  # fmt: skip
 
     card(
         "report.svg",
         draw,
         (880, 420),
-        "Verdict, friction map and held-out errors of laws fitted to a record of an axis",
+        "Verdict, friction with its band, and parameters, of a record of an axis",
     )
 
 
@@ -230,22 +216,17 @@ BOXES = (
     (430, 262, "Simulated segments of 1 s, unless\nthe law of the force balance\n"
      "leaves over 5 % of the motion", False),
     (430, 345, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
-    (733, 107, "Fit the laws that the force balance\nasks for; where there is none,\n"
-     "all laws, the simplest first", False),
-    (733, 202, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
-     " above it", False),
-    (733, 290, "Which laws predict held-out blocks\nas well as the best, within 1.1\nstandard"
-     " errors of the ratio?", False),
-    (733, 375, "Of these the one with the fewest\nparameters, if it explains the\nrecord and holds"
-     " on the second one", False),
+    (733, 180, "Search from several starts,\nand from the fits of laws that\nthe law contains",
+     False),
+    (733, 290, "Does it fit worse than a law it\ncontains? The search failed:\nthis is said",
+     False),
 )  # fmt: skip
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
     (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, "no"), (3, 5, "yes"), (5, 6, "yes"),
-    (5, 7, "no"), (2, 8, ""), (4, 8, ""), (6, 8, ""), (7, 8, ""), (8, 9, ""), (9, 10, ""),
-    (10, 11, ""),
+    (5, 7, "no"), (2, 8, ""), (4, 8, ""), (6, 8, ""), (7, 8, ""), (8, 9, ""),
 )  # fmt: skip
 
 
@@ -281,7 +262,7 @@ def judge() -> None:
 
 
 def choices() -> None:
-    """How route, segments and law are chosen."""
+    """How route and segments of a fit are chosen."""
     chart(
         "choices.svg",
         BOXES,
@@ -289,8 +270,7 @@ def choices() -> None:
         425,
         "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
         " driven records to simulated segments or, where these do not predict the motion, to"
-        " inverse dynamics; then the laws that the force balance asks for are fitted, compared and"
-        " one is named",
+        " inverse dynamics; then the law is searched from several starts",
     )
 
 

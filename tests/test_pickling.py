@@ -120,7 +120,6 @@ MADE = {
     "estimate": lambda: fit(BLOCK, Coulomb, TRAVEL).estimates[0],
     "travel verdict": lambda: select(BLOCK, ["coulomb", "viscous"], TRAVEL),
     "record fit": lambda: fit(AXIS, CoulombViscous, series(), **BY_INVERSE),
-    "record verdict": lambda: select(AXIS, ["coulomb", "coulomb-viscous"], series(), **BY_INVERSE),
     "band verdict": lambda: select(AXIS, None, TABLE),
     "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
     "comparison": lambda: compare_trials(
@@ -166,7 +165,7 @@ NUMBERS_ONLY = {
 }  # fmt: skip
 """Kinds without rows."""
 
-ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict", "Optimum"}
+ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict", "Optimum", "RecordVerdict"}
 """Results whose parts are those of others here, and that take minutes."""
 
 

@@ -25,7 +25,6 @@ import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
 from stickslip.identification.records.route_choice import OwnRouteName
-from stickslip.kinds.kind import PURPOSES, PurposeName
 from stickslip.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
 from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
@@ -107,7 +106,7 @@ if isinstance(found, RecordFit):
     reveal_type(found.score(record))
 reveal_type(sample_posterior(found, steps=100))
 
-verdict = select(block, [Coulomb, "lugre", Stribeck], record, purpose="position")
+verdict = select(block, [Coulomb, "lugre", Stribeck], record, validate=record)
 reveal_type(verdict)
 reveal_type(verdict.sentence)
 if verdict.best is not None:
@@ -237,7 +236,7 @@ fit(block, Coulomb, reading, route=3)  # !
 select(block, None, reading).experiments  # !
 fit(block, Coulomb, reading).residuals  # !
 select(block, [Coulomb, SpringBlock], reading)  # !
-select(block, None, reading, purpose="positon")  # !
+select(block, None, reading, routes="balance")  # !
 select(block, None, reading, unknown=["mass"])  # !
 select(block, reading, [Coulomb])  # !
 select(block, None, reading).best.name  # !
@@ -422,7 +421,6 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
     ("type_", "names"),
     [
         (OwnRouteName, {name for kind in OWN for name in kind.routes if "route" in kind.uses}),
-        (PurposeName, tuple(PURPOSES)),
         (GoalName, tuple(GOALS)),
         (KindName, (*KINDS, *TYPES)),
     ],

@@ -1,9 +1,6 @@
 """Options of ``fit`` and ``select`` for records: used, or refused; and what is told meanwhile."""
 
 import json
-import os
-import re
-import signal
 
 import numpy as np
 import pytest
@@ -11,10 +8,8 @@ from tests.commands import commands
 
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli.inputs import measured
-from stickslip.cli.progress import Interrupts
 from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
-from stickslip.kinds.records import selection
 from stickslip.solver.compile.modules import notice
 
 RIG = """
@@ -57,11 +52,8 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
         (("fit", "map.toml", "--segment", "1"), "it has no effect on tables of friction"),
         (("fit", "map.toml", "--hold", "first"), "it has no effect on tables of friction"),
         (("fit", "axis.toml", "--route", "inverse-dynamics", "--segment", "1"), "the route is inv"),
-        (("select", "axis.toml", "--purpose", "compensate", "--segment", "1"), "the route is inv"),
-        (
-            ("select", "map.toml", "--purpose", "compensate"),
-            "it has no effect on tables of friction",
-        ),
+        (("select", "axis.toml", "--segment", "1"), "it has no effect on `select`"),
+        (("select", "axis.toml", "--horizon", "1"), "it has no effect on `select`"),
         (
             ("select", "map.toml", "--starts", "2"),
             "--starts applies to `fit` of tables of friction",
@@ -136,43 +128,8 @@ def test_what_nobody_gives_is_still_asked_for(run):
 
 
 @pytest.mark.slow
-def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
-    code, _, err = run("select", "axis.toml", "--laws", "coulomb,coulomb-viscous", *ONCE)
-    assert code == 0
-    lines = [line for line in err.splitlines() if line.endswith(" ...")]
-    # where a step took long there is a time in parentheses, and perhaps a line of its own
-    steps = list(dict.fromkeys(re.sub(r" \(.*\) \.\.\.$", " ...", line) for line in lines))
-    assert steps[:5] == [
-        "Explaining the force balance ...",
-        "Fitting coulomb ...",
-        "Fitting coulomb-viscous ...",
-        "Validating on held-out blocks: coulomb, 1 of 2 ...",
-        "Validating on held-out blocks: coulomb-viscous, 2 of 2 ...",
-    ]
-
-
-@pytest.mark.slow
-def test_an_interrupt_while_laws_are_judged_says_that_it_waits(run, monkeypatch):
-    told = []
-    monkeypatch.setattr("stickslip.cli.progress.note", told.append)
-    original, pressed = selection.cross_validate, []
-
-    def judged(fit, plan):
-        if not pressed:
-            pressed.append(True)
-            os.kill(os.getpid(), signal.SIGINT)
-        return original(fit, plan)
-
-    monkeypatch.setattr(selection, "cross_validate", judged)
-    code, _, _ = run("select", "axis.toml", "--laws", "coulomb,coulomb-viscous", *ONCE)
-    assert code == 0
-    assert told == ["Held-out blocks are evaluated to the end; press Ctrl-C again to cancel."]
-    assert Interrupts().promise.startswith("Stopping with the best fit so far")
-
-
-@pytest.mark.slow
 def test_the_command_in_a_report_is_quoted(run, monkeypatch, tmp_path):
-    command = ["select", "axis.toml", "--laws", "coulomb", *ONCE, "-o", "emps a"]
+    command = ["select", "axis.toml", "--laws", "coulomb", "-o", "emps a"]
     monkeypatch.setattr("sys.argv", ["stickslip", *command])
     assert run(*command)[0] in (0, 3)
     page = (tmp_path / "emps a" / "index.html").read_text(encoding="utf-8")
@@ -205,14 +162,12 @@ def pushed(run):
 @pytest.mark.slow
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
-    kind, request, _ = measured(rig, reading=Reading(), given=True)
+    kind, request, _ = measured(rig, reading=Reading(), given=True, law=lambda _: "coulomb")
     assert kind.residual_text(1.0, request) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(
         out.split()
     )
-    _, out, _ = run("select", pushed, "--laws", "coulomb-viscous", "--json", *ONCE)
-    assert "Fitted by inverse dynamics, because" in json.loads(out)["why"]
 
 
 def test_the_length_of_segments_is_refused_where_the_route_taken_has_none(run, pushed):

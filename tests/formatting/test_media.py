@@ -8,9 +8,8 @@ from html import unescape
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip import Axis, Measurement, RecordSettings, select
 from stickslip.cli.console import plain, show_table
-from stickslip.documents import document, json_text
+from stickslip.documents import json_text
 from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
@@ -97,37 +96,3 @@ def test_the_terminal_leaves_numbers_as_they_are(capsys):
     told = Scale(1e3, "mN").estimate(0.0195, 0.00073)
     assert told == "19.5 ± 0.7 mN"
     assert printed(capsys, "dahl", told) == f"h0 h1 dahl {told}"
-
-
-def test_one_verdict_has_one_held_out_error(capsys):
-    """The fault: "0.02 N, standard error 0.00073 N" in one place, "0.0195 ± 0.0007 N" elsewhere."""
-    import numpy as np
-
-    from stickslip.cli.select import show_verdict
-    from stickslip.kinds.report import verdict_page
-    from stickslip.report import render
-    from stickslip.report.core.documents import Origin
-
-    time = np.linspace(0.0, 12.0, 240, endpoint=False)
-    speed = 0.3 * np.sin(2.0 * time + 0.3)
-    noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))
-    friction = 0.3 * np.sign(speed) + 0.5 * speed + noise
-    record = Measurement(time=time, velocity=speed, friction=friction)
-    verdict = select(
-        Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], record, settings=RecordSettings(starts=1)
-    )
-    best = verdict.closest
-    told = verdict.scale.estimate(best.score, best.score_error)
-    number = told.removesuffix(f" {verdict.scale.unit}")
-    assert "±" in told
-    page = seen_on(render(verdict_page(verdict, Origin(title="Axis", data="", file="axis.toml"))))
-    assert page.count(number) >= 3  # first paragraph, fact, table
-    assert f"Held-out error: {told}" in page
-    assert f"Held-out error: {told}" in str(
-        json.loads(json_text(document("select", verdict.to_dict())))
-    )
-    capsys.readouterr()
-    show_verdict(verdict)
-    terminal = " ".join(capsys.readouterr().out.split())
-    assert f"Held-out error: {told}" in terminal
-    assert terminal.count(number) == 2  # first paragraph, table

@@ -10,13 +10,13 @@ from benchmarks.faults import FAULTS, faulty
 from stickslip import Axis, CoulombViscous, LuGre, Measurement, SpringBlock, fit, select
 from stickslip.evidence import SIGN, Balance, Fit, Series, Structure, Term, explain
 from stickslip.friction import law
-from stickslip.identification import ModelError, RecordSettings, asked_of, model_errors
+from stickslip.identification import ModelError, RecordSettings, model_errors
 from stickslip.identification.settings import PROMPT, SensorResponse
 from stickslip.identification.terms import composed_laws
 from stickslip.identification.terms.composed_laws import Asked, composed_law, structure_of
 from stickslip.identification.terms.dense_series import dense_series, is_dense
-from stickslip.identification.terms.findings import _inside
-from stickslip.kinds.records.explained import Explained, _compared, explained
+from stickslip.identification.terms.findings import _inside, asked_of
+from stickslip.kinds.joints.explained import Explained, _compared, explained
 from stickslip.selection.verdict import friction_of
 
 FADES = (0.1, 2.0)

@@ -16,7 +16,7 @@ from stickslip.identification.estimation.jackknife import (
     infer,
 )
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.kinds.records.admissibility import objection
+from stickslip.kinds.joints.admissibility import objection
 
 
 def autoregression(count, decay, random):

@@ -7,7 +7,8 @@ import pytest
 
 from stickslip.identify.comparison import compare, family_members
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import Record, RecordsProblem, bristle
+from stickslip.identify.kinds.record_signals import Record, bristle
+from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.search import Search
 from stickslip.kernels import observer

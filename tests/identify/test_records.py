@@ -9,17 +9,16 @@ from stickslip import Axis, Measurement, Pendulum
 from stickslip.errors import InputError
 from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import (
+from stickslip.identify.kinds.record_signals import (
     Filter,
     Record,
-    RecordsProblem,
     bristle,
     coasting,
     followed,
     noise_of,
-    readings,
     records_of,
 )
+from stickslip.identify.kinds.records import RecordsProblem, readings
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 
@@ -138,7 +137,7 @@ def test_slow_sampling_of_a_coast_down_finds_level_and_drag():
     ratio = np.sqrt(level / drag)
     v = ratio * np.tan(np.arctan(8.0 / ratio) - np.sqrt(level * drag) * t / mass)
     v = v + 0.02 * np.random.default_rng(4).normal(size=len(t))
-    records = records_of(Axis(inertia=mass), Measurement(time=t, velocity=v), find_inertia=False)
+    records = records_of(Axis(inertia=mass), Measurement(time=t, velocity=v))
     problem = RecordsProblem(records)
     search = Search(problem).run()
     comparison = compare(search)
@@ -152,7 +151,7 @@ def test_weight_of_a_pendulum_is_no_friction():
     arm = Pendulum(mass=0.2, length=0.5)
     t = np.arange(0.0, 4.0, 0.01)
     still = Measurement(time=t, position=0.5 + 0.3 * np.sin(t), force=0.0 * t + 1.0)
-    (record,) = records_of(arm, still, find_inertia=False)
+    (record,) = records_of(arm, still)
     np.testing.assert_allclose(record.mechanism, -0.2 * 9.81 * 0.5 * np.sin(record.position))
     assert record.inertia == pytest.approx(0.2 * 0.5**2)
 
@@ -240,4 +239,4 @@ def test_noise_is_that_of_the_quiet_parts_or_the_step_of_the_encoder():
 )
 def test_bad_records_are_refused_with_their_cure(measurement, find, said):
     with pytest.raises(InputError, match=said):
-        records_of(Axis(inertia=1.0), measurement, find_inertia=find)
+        records_of(Axis(inertia=1.0), measurement, unknown=["mechanism.inertia"] * find)

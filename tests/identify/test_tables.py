@@ -242,7 +242,7 @@ def test_samples_are_laws_whose_spread_is_that_of_the_band(verdict):
 
 def test_a_verdict_is_a_document_and_its_law_a_rig_file(verdict):
     said = json.loads(json.dumps(verdict.to_dict()))
-    assert said["best"] == "level + stribeck + viscous"
+    assert said["best"] == "stribeck"
     assert len(said["band"]["velocity"]) == len(said["band"]["low"])
     assert "[friction.stribeck]" in verdict.best.fit.to_toml()
 

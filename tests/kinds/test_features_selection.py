@@ -201,8 +201,8 @@ def test_another_route_says_how_a_force_alone_is_fitted(record):
 
 
 def test_what_features_have_no_use_for_is_refused(record):
-    with pytest.raises(InputError, match="horizon applies to records of motion"):
-        select(STATED, [Coulomb], record, horizon=1.0)
+    with pytest.raises(InputError, match="starts applies to"):
+        select(STATED, [Coulomb], record, settings=RecordSettings(starts=3))
     with pytest.raises(InputError, match="nothing to fit"):
         fit(STATED, Viscous, record)
 

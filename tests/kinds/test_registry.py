@@ -37,12 +37,12 @@ KINDS = {
     ),
     "spring force": (TOWED, {"time": T, "spring_force": WAVE}, "features"),
     "velocity steps": (TOWED, {"time": T, "pull": RISE, "friction": 0.6 + WAVE}, "rate-state"),
-    "motion and force": (AXIS, {"time": T, "position": WAVE, "force": WAVE}, "shooting"),
+    "motion and force": (AXIS, {"time": T, "position": WAVE, "force": WAVE}, "balance"),
     "friction over velocity": (AXIS, {"velocity": WAVE, "friction": WAVE}, "table"),
     "friction of a measured motion": (
         TOWED,
         {"time": T, "pull": RISE, "velocity": WAVE, "friction": WAVE},
-        "shooting",
+        "balance",
     ),
 }
 """Mechanism, values and the first name of the route."""
@@ -50,14 +50,12 @@ USED = {
     "travel": {"assumed", "t_end"},
     "features": {"route", "settings", "validate", "executor"},
     "rate-state": {"route", "settings", "validate", "executor"},
-    "shooting": {"route", "settings", "purpose", "horizon", "validate", "executor"},
+    "balance": {"route", "settings", "validate"},
     "table": {"route", "settings", "validate"},
 }
 GIVEN = {
     "route": "shooting",
     "settings": RecordSettings(starts=2),
-    "purpose": "position",
-    "horizon": 1.0,
     "validate": Measurement(time=T, position=WAVE, force=WAVE),
     "assumed": {"coulomb": ["friction.kinetic_coefficient"]},
     "t_end": 5.0,
@@ -128,7 +126,7 @@ def test_a_route_of_another_package_needs_names_of_its_own(monkeypatch):
 def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
     mechanism, record = measured(kind)
     route = KINDS[kind][-1]
-    if (route, name) in {("table", "route"), ("table", "settings")}:
+    if route in ("table", "balance") and name in ("route", "settings"):
         return  # the next test
     if name in USED[route]:
         refuse_unused(
@@ -166,9 +164,14 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
         (select, TABLE, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
         (select, TABLE, {"vary": ["inertia"]}, r"vary applies to `fit`.*, got inertia"),
         (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),
+        (select, MOTION, {"route": "shooting"}, "route 'shooting' applies to `fit` of records"),
+        (fit, MOTION, {"route": "balance"}, "route 'balance' applies to `select` of records"),
+        (select, MOTION, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
     ],
 )
-def test_of_tables_each_verb_refuses_what_the_other_uses(verb, measurement, options, said):
+def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(
+    verb, measurement, options, said
+):
     with pytest.raises(InputError, match=rf"^{said}.*: leave it out\.$") as refused:
         verb(AXIS, "coulomb", measurement, **options)
     assert str(refused.value).count(". ") == 0
@@ -214,8 +217,8 @@ def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, mo
     way, seen = type(kind_of(record, asked)), []
     for method in ("fit", "select"):
         monkeypatch.setattr(way, method, lambda self, request: seen.append(request))
-    # of tables, select uses no settings at all
-    for verb in (fit,) if kind == "friction over velocity" else (fit, select):
+    # of tables and records, select uses no settings at all
+    for verb in (fit,) if kind in ("friction over velocity", "motion and force") else (fit, select):
         if name not in unused:
             verb(mechanism, law, record, route=asked, settings=settings)
             assert getattr(seen[-1].settings, name) == SETTINGS[name]
@@ -232,7 +235,7 @@ def test_settings_beside_a_choice_that_has_its_own_are_refused():
     choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings(starts=3))
     with pytest.raises(InputError, match="settings has no effect beside a `RouteChoice`"):
         fit(mechanism, "coulomb", record, route=choice, settings=RecordSettings(starts=2))
-    asked = {"route": choice, "settings": RecordSettings(starts=3)}
+    asked = {"law": "coulomb", "route": choice, "settings": RecordSettings(starts=3)}
     request = Request(mechanism=mechanism, measurement=record, **asked)
     refuse_unused(kind_of(record), {"settings": "settings"}, request)
 
@@ -261,7 +264,7 @@ def test_the_least_residual_has_words_on_every_route():
             "travel": "residual 0.012",
             "rate-state": "coefficient off by 0.012",
             "joints": "residual 0.012",
-            "shooting": "12 mN",
+            "balance": "12 mN",
             "table": "12 mN",
         }.items()
     )

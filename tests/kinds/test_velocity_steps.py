@@ -220,7 +220,6 @@ def test_a_rig_file_of_the_law_is_refused_before_the_work(run, monkeypatch, tmp_
             "records of several joints and records of motion or friction",
         ),
         (("select", "--horizon", "1"), "records of motion or friction"),
-        (("select", "--purpose", "position"), "records of motion or friction"),
         (("select", "--enforce"), "travels"),
     ],
 )

@@ -403,18 +403,13 @@ def test_runs_that_ended_early_are_told_apart_from_the_others(results):
         plots.plot_ensemble(runs, parameter="mass")
 
 
-def test_a_verdict_is_plotted_by_held_out_error_the_law_to_use_in_blue(results):
+def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
     verdict = results["record verdict"]
     ax = verdict.plot(Figure())
-    best, *_ = [text.get_text() for text in ax.get_yticklabels()]
-    assert best == verdict.best.title
-    shown = [line for line in ax.lines if line.get_marker() == "o"]
-    assert shown[0].get_color() == plots.C1
-    scores = sorted(one.score for one in verdict.candidates)
-    unit = ax.get_xlabel()
-    factor = {"held-out error, N": 1.0, "held-out error, mN": 1e3}[unit]
-    found = [float(line.get_xdata()[0]) / factor for line in shown]
-    assert found == pytest.approx(scores, rel=1e-12)  # the same numbers, scaled
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("velocity, m/s", "friction, N")
+    shades = [one.get_paths()[0].vertices for one in ax.collections if len(one.get_paths()) == 1]
+    widest = max(shades, key=len)
+    assert widest[:, 1].min() < verdict.friction.median.min()
 
 
 def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):

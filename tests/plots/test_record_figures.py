@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from stickslip.friction import Coulomb, CoulombViscous, Stribeck
 from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, house_style
 from stickslip.plots.laws.friction_map import MapLaw, draw_friction_map
-from stickslip.plots.laws.hysteresis import Loop, draw_loops
 from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces
 
 T = np.linspace(0.0, 1.0, 50)
@@ -24,26 +23,6 @@ def series(axes):
     """Horizontal and vertical values of the lines of a panel with points, by colour."""
     lines = [line for line in axes.get_lines() if len(line.get_xdata()) > 2]
     return {line.get_color(): np.array(line.get_data()) for line in lines}
-
-
-def loop():
-    x, friction = 1e-3 * np.sin(6.28 * T), np.cos(6.28 * T)
-    return Loop(x, friction, {"Coulomb": np.sign(friction), "Dahl": 0.9 * friction})
-
-
-def test_loops_are_dots_with_each_law_in_a_panel_of_its_own_the_chosen_one_first():
-    first, second = drawn(draw_loops([loop(), loop()], chosen="Dahl"))
-    assert first.get_title(loc="left") == "Dahl"
-    assert set(series(first)) == {DATA, C1}
-    assert set(series(second)) == {DATA, C2}
-    one = loop()
-    # millimetres
-    np.testing.assert_allclose(
-        series(first)[C1], [1e3 * one.displacement, one.predicted["Dahl"]], rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        series(second)[DATA], [1e3 * one.displacement, one.measured], rtol=1e-12
-    )
 
 
 def test_pieces_show_predictions_over_the_data_and_errors_below_in_one_range():

@@ -54,7 +54,7 @@ def test_page_document_and_law_say_what_the_verdict_says(verdict, tmp_path):
     assert content["schema"] == "stickslip/select/1"
     assert content["stickslip"] == stickslip.__version__
     assert content["verdict"] == verdict.sentence
-    assert content["best"] == verdict.best.name == "level + viscous"
+    assert content["best"] == verdict.best.name == "coulomb-viscous"
     rig = load_rig(folder / "law.toml")
     assert rig.laws["coulomb-viscous"] == verdict.best.fit.law
     assert rig.mechanism.load == 4.0

@@ -19,7 +19,7 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.friction import law
-from stickslip.kinds.records.admissibility import objection
+from stickslip.kinds.joints.admissibility import objection
 from stickslip.mechanisms import DCMotor
 
 T = np.arange(0.0, 12.0, 4e-3)

@@ -1,5 +1,6 @@
 """Usual candidates of records are fitted a part at a time, as far as a part is shown to gain."""
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from types import SimpleNamespace
@@ -7,15 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, RecordSettings, select, simulate
-from stickslip.drives import Sampled
+from stickslip import Axis, Measurement, RecordSettings
 from stickslip.friction import law, specification, usual_specifications
 from stickslip.friction.registry import rungs
-from stickslip.identification import Parameters, RouteChoice
+from stickslip.identification import RouteChoice
 from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.kinds.records.ladder import climbed
-from stickslip.kinds.records.selection import candidate_of, laws_for, with_contained
-from stickslip.selection import effective_aic, fitted_side_by_side
+from stickslip.identification.records.fitting import fit_record
+from stickslip.kinds.joints.joint_verdict import RecordCandidate
+from stickslip.kinds.joints.judging import with_contained
+from stickslip.kinds.joints.ladder import climbed
+from stickslip.selection import LEFT_OUT, effective_aic, fitted_side_by_side
 from stickslip.selection.candidates import contains
 
 AXIS = Axis(inertia=1.0)
@@ -53,15 +55,21 @@ def plain(**more):
     return table("level + viscous", kinetic_coefficient=2.0, viscous_coefficient=3.0, **more)
 
 
+def fitted_to(measurement, one, contained=(), rival=0.0, watch=None):
+    """Fit a law; one that the watcher stops before is left out."""
+    own = {"name": one.name, "title": one.title, "validation": None}
+    if watch is not None and watch(one.name, math.nan) is False:
+        return RecordCandidate(**own, fit=None, dropped=LEFT_OUT)
+    fit = fit_record(
+        AXIS, one.law, measurement, route=ROUTE, free=one.free, contained=[*contained], rival=rival,
+        watch=None if watch is None else partial(watch, one.name),
+    )  # fmt: skip
+    return RecordCandidate(**own, fit=fit)
+
+
 def climb(measurement, *, watch=None, executor=None, noise=0.0, usual=True, laws=None):
     """Climb the laws without memory on friction at speeds, which are fitted in milliseconds."""
-    fitted = partial(
-        candidate_of,
-        parameters=Parameters.of(AXIS, None, None, None, measurement=measurement),
-        measurement=measurement,
-        route=ROUTE,
-        starts={},
-    )
+    fitted = partial(fitted_to, measurement)
     chosen = laws or [one for one in usual_specifications() if not one.law.states]
     return climbed(
         chosen,
@@ -176,29 +184,6 @@ def test_a_search_that_is_stopped_climbs_no_further():
     assert law(TWO_SIDED).name not in names(found)
     assert {*told} <= FIRST
     assert "not tried: the search was stopped." in found.why
-
-
-@pytest.mark.parametrize(("motion", "expected"), [(np.abs, False), (np.asarray, True)])
-def test_directions_are_not_told_apart_on_motion_of_one_direction(motion, expected):
-    t = np.arange(0.0, 4.0, 0.01)
-    v = motion(np.sin(3.0 * t))
-    kinds = [one.law for one in laws_for(None, Measurement(time=t, velocity=v, friction=v))]
-    assert any(kind.directional for kind in kinds) is expected
-
-
-@pytest.mark.slow
-def test_memory_is_not_tried_where_the_force_balance_does_not_ask_for_it():
-    t = np.arange(0.0, 6.0, 2e-3)
-    force = 6.0 * np.sin(2.0 * t) + 3.0 * np.sin(5.0 * t)
-    friction = law("level + viscous")(kinetic_coefficient=2.0, viscous_coefficient=1.0)
-    driven = Axis(inertia=1.0, drive=Sampled(times=t.tolist(), values=force.tolist()))
-    x = np.asarray(simulate(driven, friction, t_end=float(t[-1])).at(t)["x"])
-    x = x + 1e-4 * np.random.default_rng(2).normal(size=t.size)
-    record = Measurement(time=t, position=x, force=force)
-    found = select(AXIS, None, record, route="shooting", settings=QUICK)
-    assert found.best.name == "coulomb-viscous"
-    assert len(found.candidates) <= 5
-    assert not any(one.law.states for one in found.candidates)
 
 
 def test_every_rung_contains_those_that_it_is_reached_from():

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from benchmarks import force_maps
 
-from stickslip import Axis, CoulombViscous, Dahl, Measurement, RecordSettings, fit, select
+from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit
 from stickslip.errors import InputError, ParameterError
-from stickslip.identification import asked_of, model_errors
+from stickslip.identification import model_errors
 from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.identification.settings import PROMPT, SensorResponse
+from stickslip.identification.terms.findings import asked_of
 
 LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
 AXIS = Axis(inertia=1.0)
@@ -43,53 +44,6 @@ def record(response=None, *, law=None, drift=0.0, seed=0):
 
 LATE = SensorResponse(delay=0.02)
 SLOW = SensorResponse(lag=0.012)
-
-
-@pytest.fixture(scope="module")
-def late():
-    return select(AXIS, LAWS, record(LATE), settings=QUICK)
-
-
-@pytest.mark.slow
-def test_friction_that_is_recorded_late_is_not_called_presliding(late):
-    assert late.closest.name == "coulomb-viscous"  # though Dahl predicts as well, without a delay
-    assert not late.sentence.startswith("Use")
-    assert "the recorded force lags the motion by " in late.sentence
-
-
-def test_the_delay_has_an_interval_and_a_cure(late):
-    error = late.model_errors[0]
-    assert error.kind == "delay"
-    assert error.interval[0] < -0.02 < error.interval[1]
-    # samples are 4 ms apart, and reversals are seen to a part of that
-    assert error.effect == pytest.approx(-0.02, abs=1e-3)
-    assert "RecordSettings(friction_delay=0.0" in error.consequence
-
-
-@pytest.mark.slow
-def test_with_its_delay_a_record_is_that_of_the_true_law():
-    own = replace(QUICK, friction_delay=0.02)
-    found = select(AXIS, LAWS, record(LATE), settings=own)
-    assert found.sentence.startswith("Use Coulomb + viscous friction")
-    values = {e.path: e for e in found.best.fit.estimates}
-    assert values["friction.kinetic_coefficient"].value == pytest.approx(LEVEL, rel=0.01)
-    assert found.model_errors == ()
-
-
-@pytest.mark.slow
-def test_true_presliding_is_presliding():
-    law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
-    found = select(AXIS, LAWS, record(law=law), settings=QUICK)
-    assert found.sentence.startswith("Use Dahl friction")
-    assert found.model_errors == ()
-
-
-@pytest.mark.slow
-def test_presliding_that_is_recorded_late_is_named_with_its_delay():
-    law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
-    found = select(AXIS, LAWS, record(LATE, law=law), settings=QUICK)
-    assert found.model_errors[0].kind == "delay"
-    assert found.model_errors[0].effect == pytest.approx(-0.02, abs=1e-3)
 
 
 @pytest.mark.slow
@@ -208,11 +162,3 @@ def test_presliding_that_explains_more_behind_a_late_channel_is_in_doubt(number,
     found = model_errors(asked.explanation, measured, "zero", PROMPT)
     assert [one.kind for one in found] == ["delay or presliding"] * (row["fault"] != "none")
     assert late is bool(found)
-
-
-@pytest.mark.slow
-def test_a_model_that_does_not_hold_proposes_no_measurement_by_its_predictions():
-    found = select(AXIS, LAWS, record(drift=0.8), settings=QUICK)
-    assert found.model_errors[0].kind == "drift of the offset"
-    assert found.experiments == ()
-    assert found.words.measure_next[0].startswith("Before any further measurement, find the cause")

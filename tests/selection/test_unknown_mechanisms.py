@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SpringBlock, fit, select, simulate
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SpringBlock, fit, simulate
 from stickslip.drives import Sampled
 from stickslip.evidence.series import Series, outliers
-from stickslip.identification import asked_of, model_errors
+from stickslip.identification import model_errors
 from stickslip.identification.settings import PROMPT
+from stickslip.identification.terms.findings import asked_of
 
 AXIS = Axis(inertia=1.1, stiffness=420.0)
 T = np.arange(0.0, 16.0, 0.004)
@@ -36,17 +37,6 @@ def driven():
         position=x + 2e-6 * random.normal(size=T.size),
         force=FORCE + 0.02 * random.normal(size=T.size),
     )
-
-
-@pytest.mark.slow
-def test_of_a_free_decay_the_force_balance_names_the_law_and_its_fit_the_values():
-    found = select(AXIS, None, decay(LEVEL))
-    assert found.best.name == "coulomb"
-    (level,) = [e for e in found.best.fit.estimates if e.path.startswith("friction.")]
-    # about ten standard errors: whether intervals hold it is asked of several records below
-    assert level.value == pytest.approx(0.45, rel=5e-5)
-    # a power of the speed with an exponent near 0 is the same friction
-    assert found.words.verdict.startswith("Use Coulomb friction")
 
 
 def test_intervals_of_free_decays_hold_the_level_in_most_records():
@@ -90,23 +80,6 @@ def test_an_unknown_stiffness_is_a_term_of_the_force_balance(driven):
 
 
 @pytest.mark.slow
-def test_a_record_with_an_unknown_stiffness_is_selected_on_by_the_force_balance(driven):
-    given = replace(AXIS, stiffness=250.0)
-    found = select(given, None, driven, vary=["friction.*", "mechanism.stiffness"])
-    assert found.best.name == "coulomb-viscous"
-    truth = {
-        "friction.kinetic_coefficient": 3.0,
-        "friction.viscous_coefficient": 6.0,
-        "mechanism.stiffness": 420.0,
-    }
-    estimates = {e.path: e for e in found.best.fit.estimates}
-    for path, value in truth.items():
-        # of three 95 % intervals one may miss by a little
-        assert estimates[path].value == pytest.approx(value, rel=0.01)
-    assert not [one for one in found.model_errors if one.share > 0.0]
-
-
-@pytest.mark.slow
 def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(driven):
     unknown = ("mechanism.damping",)
     asked = asked_of(AXIS, driven, "zero", unknown, PROMPT)
@@ -124,21 +97,6 @@ def test_a_given_spring_that_is_wrong_is_said_to_be_an_error_of_given_values(dri
     (said,) = model_errors(asked.explanation, driven, "zero", PROMPT)
     assert "an error of the given parameters of the mechanism" in said.finding
     assert said.effect == pytest.approx(20.0, rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_free_motion_of_unknown_mass_and_stiffness_holds_the_mass_and_says_so():
-    vary = ["friction.*", "mechanism.stiffness", "mechanism.inertia"]
-    wrong = replace(AXIS, stiffness=500.0, inertia=2.2)
-    found = select(wrong, None, decay(LEVEL), vary=vary)
-    estimates = {e.path: e for e in found.closest.fit.estimates}
-    assert "mechanism.inertia" not in estimates
-    # the given mass is twice the true one, and so is all that is found
-    assert estimates["mechanism.stiffness"].value == pytest.approx(840.0, rel=1e-3)
-    assert estimates["friction.kinetic_coefficient"].value == pytest.approx(0.9, rel=1e-2)
-    (said,) = [one for one in found.model_errors if one.kind == "scale"]
-    assert "known only in proportion to the mass, which is held at 2.2 kg" in said.finding
-    assert said.finding[1:] in found.sentence
 
 
 def test_what_changes_the_load_as_well_is_no_term_of_the_force_balance():

@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated
 
 import typer
 
@@ -31,7 +31,6 @@ from stickslip.cli.options import (
     ParameterOptions,
     PlannedLaws,
     ProfileOptions,
-    Purpose,
     ReadingOptions,
     Record,
     Rig,
@@ -41,9 +40,6 @@ from stickslip.cli.options import (
     Workers,
 )
 from stickslip.errors import InputError
-
-if TYPE_CHECKING:
-    from stickslip.kinds import PurposeName
 
 app = typer.Typer(
     cls=Panels,
@@ -86,7 +82,6 @@ def select(
     allow_import: AllowImport = False,
     laws: Laws = None,
     parameters: ParameterOptions,
-    purpose: Purpose = None,
     estimation: EstimationOptions,
     count: Workers = None,
     executor: ExecutorAt = None,
@@ -97,10 +92,10 @@ def select(
 ) -> None:
     """Fit and compare friction laws; write a report.
 
-    Every law is fitted to the measurements, and the verdict names the law to use.
+    The verdict names the law to use, with what is known of its parameters.
 
-    While laws are fitted to a record, press Ctrl-C once to stop with the best fit so far, twice
-    to cancel.
+    While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
+    so far, twice to cancel.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import measured
@@ -108,7 +103,6 @@ def select(
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
     ask = partial(ask, parameters=parameters, estimation=estimation)
-    ask = partial(ask, purpose=cast("PurposeName | None", purpose))  # checked where it is used
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, ask, changes or [], laws, output, count=count, executor=executor)
 

@@ -25,7 +25,7 @@ from stickslip.identification import (
     law_quantities,
     refuse_of_laws,
 )
-from stickslip.kinds import AnyKind, Law, PurposeName, Request, kind_of, refuse_unused
+from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
 from stickslip.quantities import Quantity, all_paths, full_path
 from stickslip.selection import Wording
 
@@ -43,7 +43,6 @@ def measured(
     data: Sequence[Path] = (),
     parameters: ParameterOptions = ALL_PARAMETERS,
     estimation: EstimationOptions = USUAL,
-    purpose: PurposeName | None = None,
     given: bool,
     law: Callable[[AnyKind], Law] | None = None,
 ) -> tuple[AnyKind, Request, list[Path]]:
@@ -91,13 +90,12 @@ def measured(
         fixed=held,
         route=route,
         settings=None if numerics == RecordSettings() else numerics,
-        purpose=purpose,
         horizon=horizon,
         validate=second,
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    options = {"purpose": purpose, "horizon": horizon, "route": route, **said}
+    options = {"horizon": horizon, "route": route, **said}
     options["validate"] = validate
     typed = {
         name: f"--{name.replace('_', '-')}" for name, one in options.items() if one is not None

@@ -286,12 +286,6 @@ FrictionLag = Annotated[
         help="For measured friction: time constant of a first-order filter of it [s] (default 0).",
     ),
 ]
-Purpose = Annotated[
-    str | None,
-    typer.Option(
-        "--purpose", help="Intended use of the law, for records: simulate, position or compensate."
-    ),
-]
 Workers = Annotated[
     int | None,
     typer.Option("--workers", min=1, help="Number of processes that share the work."),

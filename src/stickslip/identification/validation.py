@@ -1,7 +1,7 @@
 """What verbs take: which parameters are varied and which fixed; slips that Python lets pass."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import Generic, TypeAlias, TypeVar, cast, final
 
@@ -89,12 +89,6 @@ class Parameters(Generic[L]):
             unknown=tuple(path for path in varied if not path.startswith("friction.")),
             held=tuple(own),
         )
-
-    def without_mass(self) -> "Parameters[L]":
-        """Return the same with the mass held, where the record tells no scale of forces."""
-        mass = tuple(path for path in self.unknown if path.endswith(("inertia", "mass")))
-        rest = tuple(path for path in self.unknown if path not in mass)
-        return replace(self, unknown=rest, held=(*self.held, *mass))
 
 
 def law_quantities(law: AnyLaw) -> Mapping[str, Quantity]:

@@ -21,6 +21,11 @@ from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structur
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
+REDRAWN = 20
+"""Draws for each that is wanted, of which those that are physics are kept."""
+LEAST_KEPT = 0.005
+"""Part of them that has to be physics."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,11 +94,24 @@ class Ensemble:
 
     def sampled(self, structure: Structure, count: int, rng: np.random.Generator) -> Array:
         """Return coefficients (count, p) of draws of one structure, alike many of each twin."""
-        fits = [self.fit(structure), *(twin.fit(structure) for twin in self._twins)]
+        twins = [twin for twin in self._twins if twin.problem.serves(structure)]
+        fits = [self.fit(structure), *(twin.fit(structure) for twin in twins)]
         parts = allotted(np.ones(len(fits)), count)
         return np.vstack(
-            [fit.coefficients + student(fit, n, rng) for fit, n in zip(fits, parts, strict=True)]
+            [self._drawn(structure, fit, n, rng) for fit, n in zip(fits, parts, strict=True)]
         )
+
+    def _drawn(
+        self, structure: Structure, fit: Fitted, count: int, rng: np.random.Generator
+    ) -> Array:
+        """Return coefficients (count, p) that are physics; any, where hardly any are."""
+        found = fit.coefficients + student(fit, count, rng)
+        kept = self.problem.physical(structure, found)
+        if np.all(kept):
+            return found
+        more = fit.coefficients + student(fit, REDRAWN * count, rng)
+        some = np.vstack([found[kept], more[self.problem.physical(structure, more)]])
+        return np.resize(some, found.shape) if len(some) > LEAST_KEPT * len(more) else found
 
     @cached_property
     def _twins(self) -> "list[_Twin]":

@@ -1,6 +1,7 @@
 """The figure of a verdict: what was measured, the band, and the law."""
 
 import math
+import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
@@ -25,6 +26,8 @@ ALIKE = 0.05
 """Logarithm of the ratio up to which loads are the same."""
 LOADS = 4
 """Loads that are drawn at most."""
+NARROW, WIDE = 36, 64
+"""Letters of a line of the legend."""
 MARKERS = ("o", "s", "^", "D")
 
 
@@ -77,7 +80,8 @@ def draw_band(what: BandDrawing) -> "Draw":
                 linewidth=0,
                 label="95 % band, whichever law holds" if first else None,
             )
-            label = what.title if first else None
+            # a law of many terms would leave no room for the axes
+            label = textwrap.fill(what.title, NARROW if narrow else WIDE) if first else None
             axes.plot(x[part], force * what.law[part], color=C1, label=label)
         for k, load in enumerate(_loads(what.load)):
             at = np.isclose(what.load, load, rtol=0.05) if load else np.ones(len(v), dtype=bool)

@@ -163,6 +163,9 @@ class _Composer:
             parts.append("logarithmic")
             self.values["logarithmic_coefficient"] = self.first("logarithmic")
             self.shape("logarithmic", "reference_velocity")
+        if "gear" in self.terms:
+            parts.append("weight[transmitted]")
+            self.values["transmitted_coefficient"] = self.first("gear")
         text = " + ".join(parts)
         if smooth:
             text = f"tanh({text})"
@@ -275,6 +278,8 @@ RIG_QUANTITIES: Mapping[str, Quantity] = {
     "mechanism": Quantity("g", "1"),
     "lag": Quantity("t_l", "s"),
     "delay": Quantity("t_d", "s"),
+    "latency": Quantity("t_l", "s"),
+    "hose": Quantity("k_h", "N/m"),
     "clip": Quantity("F_max", "N"),
     "backlash": Quantity("x_b", "m"),
     "flexible": Quantity("f_0", "Hz"),

@@ -33,7 +33,8 @@ from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.records import Record, RecordsProblem, mean_frequency, noise_of
+from stickslip.identify.kinds.record_signals import Record, noise_of
+from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.problem import Array, Fitted, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
@@ -66,7 +67,7 @@ OUTLIER = 3.0
 """Standard deviations from which innovations weigh less."""
 LEAST_GAIN = 0.1
 """Standard deviations by which estimates move in the last round."""
-UNSEEN = frozenset({"backlash", "flexible"})
+UNSEEN = frozenset({"backlash", "flexible", "hose", "latency"})
 """Terms that no observer of one inertia has."""
 OF_TIME = frozenset({"drift", "adhesion", "offset_drift", "mechanism", "viscous_drift"})
 """Terms whose coefficients act at samples."""
@@ -92,6 +93,14 @@ class _Probe:
 
     def seen(self, x: Array) -> Array:
         return x
+
+    acting = seen
+
+    @property
+    def acceleration(self) -> Array:
+        return np.zeros(len(self.velocity))
+
+    inertial = acceleration
 
     def state(self, *_: float) -> Array:
         return np.ones(len(self.velocity))
@@ -242,6 +251,8 @@ class ObservedLaw:
             columns = self.problem.terms[name].columns
             if name == "inertia":
                 inertia = float(c[0])
+            elif name == "inertia_error":
+                inertia += float(c[0])
             elif name == "second":
                 second = (float(c[0]), shape[0], shape[1])
             elif name in ("delay", "lag"):
@@ -436,16 +447,17 @@ class Observer:
 
     @property
     def possible(self) -> bool:
-        """Whether there are places that an inertia takes."""
+        """Whether a force drives an inertia alone to places."""
         first = self.problem.records[0]
-        return not first.friction and first.located
+        driven = not self.problem.free and not first.friction
+        return driven and first.located and not first.unknown
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
         if not self.possible:
             return self.ensemble
         candidates = self._candidates()
-        if not candidates:
+        if not candidates or not self._has_inertia(candidates[0]):
             return self.ensemble
         step = self.runs[0].step
         self.noise_bandwidth = self._explained(candidates[0])
@@ -493,7 +505,7 @@ class Observer:
         kin += [comparison.structures[i] for i in order]
         kin += [comparison.curve]
         allowed = (one for one in dict.fromkeys(kin) if not UNSEEN & {name for name, _ in one})
-        found = [one for one in allowed if problem.allowed(one)]
+        found = [one for one in allowed if one and problem.allowed(one)]
         self.ensemble.regression.add(column for one in found for column in one)
         return found
 
@@ -511,6 +523,10 @@ class Observer:
         return [*best.values()]
 
     # ---- fits
+    def _has_inertia(self, structure: Structure) -> bool:
+        known = self.problem.records[0].inertia is not None
+        return known or any(name == "inertia" for name, _ in structure)
+
     def _explained(self, structure: Structure) -> float:
         """Return the bandwidth that the noise of the force explains [rad/s]."""
         inertia = self.problem.records[0].inertia
@@ -520,11 +536,7 @@ class Observer:
             inertia = float(fit.coefficients[sum(law.widths[: names.index("inertia")])])
         force = max(noise_of(one.force) for one in self.problem.rows.records)
         place = max(noise_of(run.place) for run in self.runs)
-        explained = math.sqrt(force / (abs(inertia) * place + 1e-300))
-        if np.any(self.problem.rows.raw):
-            return explained
-        # nothing drives a free motion: no noise moves it, and it is followed as fast as it swings
-        return 2.0 * math.pi * mean_frequency(self.problem.records)
+        return math.sqrt(force / (abs(inertia) * place + 1e-300))
 
     def _innovations(self, law: ObservedLaw, theta: Array, gains: tuple[float, float]) -> Array:
         every = zip(law.innovations(theta, gains), self._kept, strict=True)

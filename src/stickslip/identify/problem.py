@@ -119,11 +119,13 @@ class Problem(ABC):
     references: Sequence[Structure]
     """Structures of the measured curve, which is no law."""
     always: frozenset[str] = frozenset()
-    """Terms without which no structure of two or more terms stands."""
+    """Terms without which no others stand."""
     curved: frozenset[str] | None = None
     """Terms that the measured curve stands for; None: all parts of laws."""
     usual: Sequence[Family] = ()
     """Families that are always compared: the laws that the field uses."""
+    instead: Mapping[str, str] = {}
+    """By name of a term, what the same columns could be too, which the vocabulary leaves out."""
     only: Sequence[Family] = ()
     """Families whose laws are compared beside properties of the rig; empty for all."""
     independent: bool
@@ -187,16 +189,24 @@ class Problem(ABC):
         """
         return 0.0
 
+    def physical(self, structure: Structure, coefficients: Array) -> Mask:  # noqa: ARG002
+        """Return which coefficients (d, p) of a structure are physics (d,)."""
+        return np.ones(len(coefficients), dtype=bool)
+
     @property
     def twins(self) -> Sequence["Problem"]:
         """The same measurement prepared otherwise, whose differences count as uncertainty."""
         return ()
 
+    def serves(self, structure: Structure) -> bool:  # noqa: ARG002
+        """Return whether this problem, as a twin of another, is one for a structure."""
+        return True
+
     def allowed(self, structure: Structure) -> bool:
         """Return whether the terms of a structure may stand together."""
         names, shared = {name for name, _ in structure}, set()
         memories = {self._memory(column) for column in structure} - {()}
-        if len(memories) > 1 or (len(names) > 1 and not self.always <= names):
+        if len(memories) > 1 or not (self.always <= names or names <= self.always):
             return False
         if self.only and not self._is_asked(names):
             return False

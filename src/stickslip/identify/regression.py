@@ -294,6 +294,9 @@ class BlockRegression:
             np.add.at(scores, problem.stretches, a * e[:, None])
             freedom = count - 1.0
             root = scores @ inverse * math.sqrt(problem.spread * count / freedom)
+            prior = np.sqrt(self._precision[columns]) / size * float(np.median(w))
+            if np.any(prior):  # where rows tell nothing, the prior does
+                root = np.vstack([root, (prior[:, None] * inverse)[prior > 0.0]])
             covariance, root = root.T @ root, root / size
         return Fitted(
             fitted=x @ c,

@@ -9,6 +9,10 @@ from stickslip.identify.problem import Family
 
 IGNORED = ("peak", "step")
 """Optional parts: without a value for them, a law lacks them."""
+NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
+"""Terms that are not called as the part is."""
+REMEMBERED = ("dahl",)
+"""Memories that records tell: they mark a family."""
 BOTH_WAYS: Mapping[str, str] = {
     "level": "level_direction",
     "stribeck": "stribeck_sides",
@@ -45,7 +49,7 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     for part in parts:
         if part.startswith(("both_ways", "linear[")) or part in IGNORED:
             continue
-        name = "tanh" if smooth and part == "level" else part
+        name = "tanh" if smooth and part == "level" else NAMES.get(part, part)
         if name not in known:
             unknown.append(part)
             continue

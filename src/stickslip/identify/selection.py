@@ -3,23 +3,28 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from stickslip.experiments import Measurement, speeds_in_order
 from stickslip.formatting import quantity
-from stickslip.identification import load_of
+from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import band_of
+from stickslip.identify.forces import load_slopes, with_gear
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.records import RecordsProblem, readings, records_of
+from stickslip.identify.kinds.record_signals import Record, records_of
+from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
-from stickslip.identify.requests import families_of
+from stickslip.identify.problem import Family
+from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
 
 
@@ -80,43 +85,114 @@ def select_table(
     )
 
 
+def _is_held(measurement: Measurement) -> bool:
+    """Return whether what drives the records holds from sample to sample."""
+    return all(not goes_straight(one, "zero") for one in measurement.records())
+
+
+def _remarks(problem: RecordsProblem, validate: Measurement | None) -> tuple[str, ...]:
+    """Return what the number of records leaves to say."""
+    if len(problem.records) > 1:
+        return (DIFFER,) if problem.spread > SPREAD else ()
+    return (OTHERS,) if validate is None else ()
+
+
+def _problem(
+    mechanism: Mechanism, records: Sequence[Record], vary: Sequence[str], *, offset: bool
+) -> RecordsProblem:
+    """Return records with the normal force, and the parameters that are looked for."""
+    loads = [one.load for one in records if one.load is not None]
+    slopes: dict[str, tuple[float, float]] = {}
+    if loads:
+        normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
+    else:
+        normal, slopes = load_of(mechanism), load_slopes(mechanism, vary)
+    constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
+    inertias = [path for path in vary if path not in records[0].unknown and path != constant]
+    return RecordsProblem(
+        records,
+        normal=normal,
+        inertia_path=inertias[0] if inertias else "",
+        load_slopes=slopes,
+        offset=constant,
+    )
+
+
+def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
+    """Compare only laws of some families, with a memory or without as each says."""
+    own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
+    problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
+    problem.remembering = {
+        (frozenset(one), one != family) for one, family in zip(own, families, strict=True)
+    }
+
+
+def found_values(judgement: Judgement) -> dict[str, float]:
+    """Return parameters of the mechanism as they were found, by path."""
+    rig = judgement.composition.rig
+    return {path: float(x[0]) for path, x in rig.items() if path.startswith("mechanism.")}
+
+
+def _judged(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    rig: Mechanism,
+    laws: Any,
+    vary: Sequence[str],
+    *,
+    offset: bool,
+) -> tuple[RecordsProblem, Judgement]:
+    """Return records as a problem and its judgement, with the torques that the gear of a rig has.
+
+    Forces that are taken as held and go straight from sample to sample are taken as such.
+    """
+    seen = with_gear(rig, measurement)
+    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset)
+    problem = _problem(mechanism, records(held=_is_held(measurement)), vary, offset=offset)
+    if goes_straighter(problem):
+        problem = _problem(mechanism, records(held=False), vary, offset=offset)
+    if laws is not None:
+        only_laws(problem, families_of(laws, [*problem.terms, *REMEMBERED]))
+    judgement = Judgement.of(problem)
+    if not problem.records[0].unknown:  # no observer has the forces of other parameters
+        judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
+    return problem, judgement
+
+
 def select_record(
     mechanism: Mechanism,
     measurement: Measurement,
     *,
     laws: Any = None,
     vary: Sequence[str] = (),
+    held: bool = False,
     validate: Measurement | None = None,
     route: str = "balance",
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate, unknown=vary)
-    held = "force" in measurement.quantities()
-    normal, unit = load_of(mechanism), {"find_inertia": bool(vary), "held": held}
-    records = records_of(mechanism, measurement, **unit)
-    loads = [one.load for one in records if one.load is not None]
-    if loads:
-        normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
-    path = vary[0] if vary else "mechanism.inertia"
-    problem = RecordsProblem(records, normal=normal, inertia_path=path)
-    if laws is not None:
-        asked = families_of(laws, problem.terms)
-        problem.only = [tuple(sorted({*problem.always, *one})) for one in asked]
-    judgement = Judgement.of(problem)
-    refined = Observer(judgement.ensemble).refined()
-    judgement = replace(judgement, ensemble=refined)
+    measurement, far = without_outliers(mechanism, measurement)
+    problem, judgement = _judged(mechanism, measurement, mechanism, laws, vary, offset=not held)
+    rig = mechanism
+    if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
+        rig = with_values(mechanism, "mechanism", found_values(judgement))
+        problem, judgement = _judged(mechanism, measurement, rig, laws, vary, offset=not held)
+    first = problem.records[0]
     words = Words(
         measured="record",
         held_out="stretches",
         response="force" if problem.finds_inertia else "friction",
-        force_unit=measurement.unit("friction" if records[0].friction else "force"),
+        force_unit=measurement.unit("friction" if first.friction else "force"),
         speed_unit=measurement.unit("velocity"),
     )
     steady = problem.asked()
     band = band_of(judgement.ensemble.curves(steady))
     inside, count = math.nan, 0
     if validate is not None:
-        other = problem.of(records_of(mechanism, validate, **unit))
+        again = with_gear(rig, validate)
+        other = problem.of(
+            records_of(mechanism, again, unknown=vary, offset=not held, held=first.held)
+        )
         found = readings(judgement.ensemble, judgement.regression.held_out(judgement.named), other)
         inside = float(np.mean((other.response >= found.low) & (other.response <= found.high)))
         count = len(other.response)
@@ -136,5 +212,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=() if validate is not None or len(records) > 1 else (OTHERS,),
+        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
     )

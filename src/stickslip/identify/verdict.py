@@ -43,7 +43,9 @@ from stickslip.identify.wording import (
     pattern_sentence,
     phrase_of,
     second_sentence,
+    tells_friction,
     title_of,
+    untold_sentence,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, turned, vary
@@ -531,7 +533,7 @@ def verdict_on(
     together = set(comparison.set)
     candidates = tuple(
         LawCandidate(
-            name=" + ".join(family(one)),
+            name=name_of(judgement, one),
             title=title_of(judgement, one) + beside_of(judgement, one),
             fit=fit_of(judgement, one, mechanism, measurement, largest_speed),
             outcome=_outcome(one, comparison.named, together),
@@ -546,6 +548,7 @@ def verdict_on(
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
+    told = not judgement.named or tells_friction(band)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]
@@ -567,7 +570,7 @@ def verdict_on(
         mechanism=mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(judgement, words),
+            verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
             lede=band_sentence(speeds, band, words),
             settles=(*settles, *said),
             cannot_tell=tuple(doubts),
@@ -575,7 +578,7 @@ def verdict_on(
             no_score="",
         ),
         candidates=candidates,
-        best=None if no_law(judgement) else first,
+        best=first if told and not no_law(judgement) else None,
         ranked=True,
         judgement=judgement,
         speeds=speeds,
@@ -590,15 +593,30 @@ def verdict_on(
     )
 
 
+def name_of(judgement: Judgement, structure: Structure) -> str:
+    """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
+    problem, fit = judgement.problem, judgement.ensemble.fit(structure)
+    law = problem.composition(structure, fit.coefficients[None]).law()
+    parts, beside = list[str](), list[str]()
+    for name in problem.family(structure):
+        if name not in problem.always:
+            of_law = name not in problem.terms or problem.terms[name].role == "law"
+            (parts if of_law else beside).append(name)
+    return " + ".join([*(parts if law is None else [law.name]), *beside])
+
+
 def groups_of(judgement: Judgement) -> list[list[str]]:
     """Return titles of what stands beside the law with what could stand in its place."""
     terms = judgement.problem.terms
     spans = same_span(judgement.regression, judgement.named)
-    return [
-        [terms[name].title, *(terms[other].title for other, _ in others)]
+    found = {
+        name: [terms[name].title, *(terms[other].title for other, _ in others)]
         for name, others in spans.instead.items()
         if terms[name].role != "law"
-    ]
+    }
+    for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
+        found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])
+    return [*found.values()]
 
 
 def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:

@@ -141,6 +141,23 @@ def _others(judgement: Judgement, title: str, own: str) -> list[str]:
     return [*found]
 
 
+def tells_friction(band: PredictionBand) -> bool:
+    """Return whether a band tells friction from zero at most of its places."""
+    half, size = 0.5 * (band.high - band.low), np.abs(band.median)
+    typical = float(np.median(size))
+    return typical > 0.0 and float(np.median(half / np.maximum(size, 0.1 * typical))) <= 1.0
+
+
+def untold_sentence(judgement: Judgement, words: Words) -> str:
+    """Return that no law can be recommended, as friction may be zero."""
+    these = "do" if words.measured.endswith("s") else "does"
+    title = friction_of(title_of(judgement, judgement.named))
+    return (
+        f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
+        f" units, gains and signs; {title}{beside_of(judgement, judgement.named)} is the closest."
+    )
+
+
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
     """Return how well friction is known over the speeds, whichever law holds."""
     half = 0.5 * (band.high - band.low)
@@ -151,7 +168,7 @@ def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
     relative = half / np.maximum(size, 0.1 * typical + 1e-300)
     worst = int(np.argmax(relative))
     span = f"From {quantity(low, words.speed_unit)} to {quantity(high, words.speed_unit)}"
-    if not typical > 0.0 or float(np.median(relative)) > 1.0:
+    if not tells_friction(band):
         widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
         return f"{span}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
     said = f"{span}, friction is known to ± {percent(float(np.median(relative)))}"
@@ -245,6 +262,12 @@ ORDERED = (
 OTHERS = (
     "One record says nothing of how much others of the same machine differ: the band allows for as"
     " much as single stretches of it do. A second record (--validate) measures it."
+)
+
+
+DIFFER = (
+    "The records differ by more than stretches of one do: the law is an average of them, and the"
+    " band allows for it."
 )
 
 

@@ -12,18 +12,15 @@ from stickslip.kinds.features.selection import select_features as select_feature
 from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidate
 from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
+from stickslip.kinds.joints.joint_verdict import RecordCandidate as RecordCandidate
+from stickslip.kinds.joints.joint_verdict import RecordVerdict as RecordVerdict
 from stickslip.kinds.joints.selection import select_joints as select_joints
 from stickslip.kinds.joints.verdict import JointVerdict as JointVerdict
 from stickslip.kinds.kind import Comparison as Comparison
 from stickslip.kinds.kind import FitSummary as FitSummary
 from stickslip.kinds.kind import Kind as Kind
 from stickslip.kinds.kind import Law as Law
-from stickslip.kinds.kind import PURPOSES as PURPOSES
-from stickslip.kinds.kind import PurposeName as PurposeName
 from stickslip.kinds.kind import Request as Request
-from stickslip.kinds.records.selection import select_records as select_records
-from stickslip.kinds.records.verdict import RecordCandidate as RecordCandidate
-from stickslip.kinds.records.verdict import RecordVerdict as RecordVerdict
 from stickslip.kinds.registry import AnyKind as AnyKind
 from stickslip.kinds.registry import kind_of as kind_of
 from stickslip.kinds.registry import kind_of_route as kind_of_route
@@ -76,7 +73,6 @@ __all__ = [
     "Law",
     "OtherSpeed",
     "OtherStep",
-    "PURPOSES",
     "Plan",
     "RateStateCandidate",
     "RateStateFit",
@@ -109,7 +105,6 @@ __all__ = [
     "select_features",
     "select_joints",
     "select_rate_state",
-    "select_records",
     "select_travels",
     "simulate_velocity_steps",
     "terminal_table",

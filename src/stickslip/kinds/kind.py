@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, ClassVar, Generic, Literal, TypeAlias, final
+from typing import Any, ClassVar, Generic, TypeAlias, final
 
 from typing_extensions import TypeVar, override
 
@@ -34,9 +34,6 @@ Law: TypeAlias = Any
 """A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
 SeveralLaws: TypeAlias = Any
 """A mapping or a sequence of such laws."""
-PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
-PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
-"""Horizon [s] of what is predicted, by what the law is for."""
 
 
 @final
@@ -66,8 +63,6 @@ class Request:
     """Name of the route for records, or what `choose_route` returned."""
     settings: RecordSettings | None = None
     """Segments, starts and seed of fits to records."""
-    purpose: PurposeName | None = None
-    """What the law is for: ``"simulate"``, ``"position"`` or ``"compensate"``."""
     horizon: float | None = None
     """Length of the stretches that are predicted [s]."""
     validate: Measurement | None = None
@@ -96,7 +91,7 @@ class Request:
 
 
 OPTIONS = (
-    "route", "settings", "purpose", "horizon", "validate", "assumed", "t_end", "executor",
+    "route", "settings", "horizon", "validate", "assumed", "t_end", "executor",
 )  # fmt: skip
 """What may be said of how; each kind uses some of it."""
 

@@ -10,12 +10,11 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.friction import law_type
 from stickslip.identification import RouteChoice, called, check_inputs
-from stickslip.kinds.balances import BalanceKind
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.joints.kind import JointKind
 from stickslip.kinds.kind import Kind, Request
-from stickslip.kinds.records.kind import RecordKind
+from stickslip.kinds.records import RecordKind
 from stickslip.kinds.travels.kind import TravelKind
 from stickslip.kinds.velocity_steps.kind import VelocityStepKind
 from stickslip.mechanisms import Mechanism
@@ -29,7 +28,6 @@ OWN: tuple[AnyKind, ...] = (
     JointKind(),
     VelocityStepKind(),
     FrictionTableKind(),
-    BalanceKind(),
     RecordKind(),
 )
 """In the order in which they are asked."""

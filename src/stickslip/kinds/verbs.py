@@ -20,7 +20,7 @@ from stickslip.identification import (
     RouteName,
     check_given,
 )
-from stickslip.kinds.kind import PurposeName, Request, SeveralLaws
+from stickslip.kinds.kind import Request, SeveralLaws
 from stickslip.kinds.registry import (
     AnyKind,
     kind_of,
@@ -178,8 +178,6 @@ def select(
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     assumed: Mapping[str, Sequence[str]] | None = None,
-    purpose: PurposeName | None = None,
-    horizon: float | None = None,
     route: RouteName | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
@@ -196,10 +194,9 @@ def select(
     laws : mapping, sequence or a single law, or None
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
-        Stribeck, Dahl and LuGre; for records Coulomb + viscous friction and further laws with
-        one part more at a time, as far as a part is shown to gain, without bristles for several
-        joints; for features of stick-slip those with a step above sliding; for velocity steps
-        four forms of rate-and-state friction.
+        Stribeck, Dahl and LuGre; for records and tables all sums of the parts that explain them;
+        for several joints what their force balances ask for; for features of stick-slip those with
+        a step above sliding; for velocity steps four forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block, or
@@ -213,28 +210,20 @@ def select(
     assumed : mapping of str to sequence of str, optional
         By name of the law, parameters whose values were assumed, not measured, such as those of
         `Rig.assumed`: for travels, they are fitted where no law explains the readings without.
-    purpose : {"simulate", "position", "compensate"}, optional
-        What the law is for, of records; to simulate if not given. It sets what is scored: motion
-        over 4 s, motion over 1 s, or the friction force.
-    horizon : float, optional
-        Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state", "balance"} or \
-        RouteChoice
-        How the measurement is fitted, or ``"balance"`` for records of one coordinate that are
-        judged by the band of all laws, or what `choose_route` returned for records, with its
-        settings; or a route of another package. If not given, it follows from the
-        quantities measured; of records, `choose_route` chooses.
+    route : {"balance", "table", "features", "rate-state"}, optional
+        How the measurement is judged, or a route of another package. If not given, it follows from
+        the quantities measured.
     validate : Measurement, optional
-        A second record, which no fit sees; each law's error on it is reported.
+        A second record, which no fit sees; what it says of the verdict is reported.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records; of these, features use the seed and velocity
-        steps the starts and the seed. What is changed there without effect is refused.
+        Starts, seed and hold of fits to several joints; of these, features use the seed and
+        velocity steps the starts and the seed. What has no effect is refused.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
     progress : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far. For
-        records, False ends the search with the best so far; what was fitted is still judged.
+        joints, False ends the search with the best so far; what was fitted is still judged.
     executor : concurrent.futures.Executor, optional
         Fits laws at the same time, with the same result; processes, since threads gain nothing. A
         law's residual is then reported only when its search ends. Not for travels, whose laws are
@@ -243,8 +232,8 @@ def select(
     Returns
     -------
     Verdict
-        A `BandVerdict` of tables and of the route ``"balance"``, else a `TravelVerdict`,
-        `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a kind
+        A `BandVerdict` of tables and of records of one coordinate, else a `TravelVerdict`,
+        `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a kind
         of another package: candidates, the law to use, what the data settle and what they cannot
         tell.
 
@@ -280,8 +269,6 @@ def select(
         progress=progress,
         route=route,
         settings=settings,
-        purpose=purpose,
-        horizon=horizon,
         validate=validate and as_turning(validate, mechanism.units),
         assumed=assumed or None,
         t_end=t_end,

@@ -73,9 +73,6 @@ from stickslip.plots.laws.friction_map import MapSplit as MapSplit
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
 from stickslip.plots.laws.friction_map import draw_split_map as draw_split_map
 from stickslip.plots.laws.friction_map import split_sizes as split_sizes
-from stickslip.plots.laws.hysteresis import Loop as Loop
-from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
-from stickslip.plots.laws.hysteresis import loop_sizes as loop_sizes
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
 from stickslip.plots.runs.contacts import MOST_PANELS as MOST_PANELS
@@ -131,7 +128,6 @@ from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_joints as plot_joints
 from stickslip.plots.selection.fits import plot_residuals as plot_residuals
-from stickslip.plots.selection.fits import plot_scores as plot_scores
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
 from stickslip.plots.selection.prediction_excerpts import Piece as Piece
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces
@@ -179,7 +175,6 @@ __all__ = [
     "draw_fixed_steps",
     "draw_friction_map",
     "draw_friction_velocity",
-    "draw_loops",
     "draw_motion",
     "draw_overview",
     "draw_pieces",

@@ -11,7 +11,6 @@ from stickslip.selection.candidates import control as control
 from stickslip.selection.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.selection.candidates import one_way as one_way
 from stickslip.selection.candidates import specifications as specifications
-from stickslip.selection.candidates import takes_long as takes_long
 from stickslip.selection.candidates import watched as watched
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
@@ -51,7 +50,6 @@ from stickslip.selection.given_levels import refuted_by_record as refuted_by_rec
 from stickslip.selection.identifiable import disturbing as disturbing
 from stickslip.selection.identifiable import limit_of as limit_of
 from stickslip.selection.identifiable import limits_of as limits_of
-from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.verdict import Candidate as Candidate

@@ -16,18 +16,16 @@ import numpy as np
 from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, parameter_words, percent
-from stickslip.friction import CoulombViscous, FrictionLaw
+from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.problems import (
     RouteChoice,
     Wanted,
-    held_otherwise,
     per_current,
     prepared,
     simulated,
 )
-from stickslip.identification.residuals.holds import of_simulation
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.series.measured_load import has_one_load
 from stickslip.identification.settings import RecordSettings
@@ -55,8 +53,6 @@ COMPARED = ("inertia", "mass", "kinetic_coefficient")
 """Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
 STARTS = 2
 """Starts of a search where the regression leaves much: of a short record it may be far off."""
-NEARER = 3
-"""Steps at most to values at which runs under both holds are compared."""
 WHOLE = 5
 """Steps at most to the constant force with which whole records are simulated."""
 SHORTER = (0.5, 0.25, 0.125)
@@ -293,104 +289,6 @@ def _has_positions(mechanism: Mechanism, measurement: Measurement) -> bool:
 
 def _no_motion(settings: RecordSettings) -> str:
     return f"the motion cannot be simulated over {number(settings.segment)} s"
-
-
-def decided(
-    choice: RouteChoice,
-    mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw],
-    start: Mapping[str, float],
-    measurement: Measurement,
-    unknown: Sequence[str],
-) -> RouteChoice:
-    """Return a choice without an alternative, by what the law of the force balance leaves.
-
-    With the values that the balance gives it, so that nothing needs to be fitted by both routes.
-    """
-    if choice.alternative is None:
-        return choice
-    try:
-        asked = replace(_plain_fit(mechanism, unknown), law=law)
-        problem = simulated(choice, asked, measurement).problem
-        items = problem.free_parameters.items
-        values = np.array([start.get(item.path, item.start) for item in items])
-        left = math.sqrt(settled(problem, values).cost / max(problem.variation, 1e-300))
-    except StickslipError:
-        left = math.inf
-    if left <= SUSPECT:
-        return replace(choice, alternative=None)
-    why = (
-        "the law that the force balance asks for, simulated with the values it has there, leaves"
-        f" {percent(left)} of the motion within {number(choice.settings.segment)} s unexplained"
-        if math.isfinite(left)
-        else _no_motion(choice.settings)
-    )
-    return replace(choice, route=choice.alternative, reason=why, alternative=None)
-
-
-def with_simulated_hold(
-    choice: RouteChoice,
-    mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw],
-    start: Mapping[str, float],
-    measurement: Measurement,
-    unknown: Sequence[str],
-) -> RouteChoice:
-    """Return a choice with the hold that runs of a law tell, where the force balance does not.
-
-    Told once, before laws are compared, which all have to take the same.
-    """
-    hold = choice.hold
-    if hold is None or not hold.is_open or hold.simulated or choice.route != "shooting":
-        return choice
-    try:
-        asked = replace(_plain_fit(mechanism, unknown), law=law)
-        ready = simulated(choice, asked, measurement)
-        build = held_otherwise(ready.build)
-        opposite = build.fitted(measurement, ready.length) if build else None
-        if not isinstance(opposite, Shooting):
-            return choice
-        few, other = (
-            replace(one, segments=one.segments[:: max(1, len(one.segments) // LOOKED_AT)])
-            for one in (ready.problem, opposite)
-        )
-        items = few.free_parameters.items
-        values = np.array([start.get(item.path, item.start) for item in items])
-        here, _ = improve(few, values, rounds=NEARER)
-        other = other.with_free_parameters(few.free_parameters)
-        seen = of_simulation(hold, here, other.linearise(here.values, here))
-    except StickslipError:
-        return choice
-    return replace(choice, hold=seen, settings=seen.applied(choice.settings))
-
-
-def whole_record_error(fit: RecordFit) -> float:
-    """Return the root mean square error of the motion simulated over whole records, not in parts.
-
-    Besides the first states, a constant force beside friction is fitted: what a law lacks of it
-    grows with the square of time. Not a number where nothing drives, more than one body moves, or
-    the load changes.
-    """
-    mechanism, measurement = fit.mechanism, fit.measurement
-    alone = len(mechanism.coordinates) == 1 and not drives_itself(mechanism, measurement)
-    if fit.friction_was_measured or not alone or not driven(measurement):
-        return math.nan
-    if not has_one_load(measurement):
-        return math.nan
-    usual = RecordSettings() if fit.hold is None else fit.hold.applied(RecordSettings())
-    offset = ("mechanism.offset",) if "offset" in mechanism.__dataclass_fields__ else ()
-    # of a mechanism without such a force, all stays as it was fitted
-    free = () if offset else None
-    asked: Wanted = Parameters(mechanism=mechanism, law=fit.law, free=free, unknown=offset)
-    try:
-        whole = _by_segments(_whole(measurement, usual))
-        problem = simulated(whole, asked, measurement).problem
-        if not offset:
-            return settled(problem, problem.free_parameters.start).rms
-        start = np.full(len(problem.free_parameters), fit.offset)
-        return improve(problem, start, rounds=WHOLE, flat=SUSPECT)[0].rms
-    except StickslipError:
-        return math.inf
 
 
 def _motion_left(problem: Shooting) -> _Simulated:

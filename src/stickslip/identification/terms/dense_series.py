@@ -36,7 +36,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.settings import PROMPT, Hold, SensorResponse
-from stickslip.mechanisms import Mechanism, input_names, motor_of, of_contact
+from stickslip.mechanisms import Mechanism, input_names, of_contact
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -229,23 +229,6 @@ def finds_mass(unknown: Sequence[str]) -> bool:
     return any(path.endswith(("inertia", "mass")) for path in unknown)
 
 
-def loads_motor(mechanism: Mechanism, measurement: Measurement) -> bool:
-    """Whether the mechanism loads the gear of its motor with more than inertia and a constant.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Pendulum
-    >>> from stickslip.mechanisms import DCMotor
-    >>> motor = DCMotor(resistance=4.0, torque_constant=0.4)
-    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9], voltage=[1.0, 2.0])
-    >>> arm = Pendulum(mass=0.5, length=0.1, drive=motor)
-    >>> loads_motor(arm, record), loads_motor(Axis(inertia=1.0, drive=motor), record)
-    (True, False)
-    """
-    known = motor_of(mechanism) is not None and driven(measurement)
-    return known and varies_load(mechanism, measurement)
-
-
 def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
     """Whether forces other than the drive's change along a record, as weight does.
 
@@ -262,24 +245,6 @@ def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
         inputs = inputs_along(own, record, np.asarray(record.time), position=x, velocity=0.0)
         told.append(inputs.get("external", 0.0 * x))
     return bool(np.ptp(np.concatenate(told)) > 0.0)
-
-
-def tells_no_scale(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
-    """Whether the force balance holds with any multiple of all forces and of the mass.
-
-    So it does in a free motion whose mass is unknown, and whose stiffness is unknown or 0.
-    """
-    if not finds_mass(unknown) or "friction" in measurement.quantities() or driven(measurement):
-        return False
-    linear = [one for one in unknown if not one.endswith(FOUND)]
-    try:
-        found = [_forces(mechanism, one, linear) for one in measurement.records()]
-    except InputError:
-        return False
-    known = max(float(np.ptp(one.taken)) for one in found)
-    free = max((float(np.ptp(x)) for one in found for x in one.columns.values()), default=0.0)
-    size = max((abs(_value(mechanism, path)) for path in linear), default=0.0)
-    return known <= LINEAR * free * size
 
 
 def _value(mechanism: Mechanism, path: str) -> float:

@@ -428,24 +428,6 @@ def _damped(found: Explanation, measurement: Measurement) -> ModelError | None:
     return None
 
 
-def mass_held(mechanism: Mechanism, measurement: Measurement) -> ModelError:
-    """Return that a free motion tells forces only in proportion to the mass, which is held."""
-    mass = mass_of(mechanism)
-    size = quantity(mass, _unit("mass", measurement))
-    return ModelError(
-        kind="scale",
-        finding=(
-            "Nothing that was recorded drives the motion: forces and stiffness are known only in"
-            f" proportion to the mass, which is held at {size} as given."
-        ),
-        consequence="Give the true mass, hold a stiffness that is known, or record the force.",
-        effect=mass,
-        interval=(math.nan, math.nan),
-        share=0.0,
-        moved=(),
-    )
-
-
 def _earned(found: Explanation, term: Term) -> bool:
     """Whether a force along the way earns the margins of a fault; not beside presliding.
 

@@ -11,11 +11,10 @@ from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_join
 from stickslip.kinds.joints.selection import joint_specifications, select_joints
 from stickslip.kinds.joints.verdict import JointVerdict
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
-from stickslip.kinds.records.kind import title_of
-from stickslip.kinds.records.wording import restarts_text
+from stickslip.kinds.records import restarts_text
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import limits_of, score_text
+from stickslip.selection import CrossValidatedVerdict, limits_of, score_text
 
 
 @final
@@ -121,3 +120,9 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
 
 def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:
     return {name: one.rms for name, one in scores.items()}
+
+
+def title_of(verdict: CrossValidatedVerdict[Any]) -> str:
+    """Return the closest law as the title of its parameters, and whether it is recommended."""
+    title: str = verdict.closest.title
+    return title if verdict.best else f"{title}, fits best but not recommended"

@@ -13,19 +13,19 @@ import numpy as np
 from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
 from stickslip.identification import has_trend
+from stickslip.kinds.joints.joint_verdict import RecordVerdict
+from stickslip.kinds.joints.sections.appendix import dropped_section, record_figure
+from stickslip.kinds.joints.sections.certificate import certificate_section as certificate_of
+from stickslip.kinds.joints.sections.friction import map_section
+from stickslip.kinds.joints.sections.parameters import parameters_section
+from stickslip.kinds.joints.sections.reproduce import laws_as_code, lines_of, reproduced
+from stickslip.kinds.joints.sections.residuals import residuals_section
+from stickslip.kinds.joints.sections.scores import error_column, scores_section
+from stickslip.kinds.joints.sections.sections import trials_section
+from stickslip.kinds.joints.sections.summary import error_fact, law_lines
+from stickslip.kinds.joints.sections.texts import symbols_of
+from stickslip.kinds.joints.sections.validation_record import second_section
 from stickslip.kinds.joints.verdict import JointVerdict, joint_label, short_verdict
-from stickslip.kinds.records.page.appendix import dropped_section, record_figure
-from stickslip.kinds.records.page.certificate import certificate_section as certificate_of
-from stickslip.kinds.records.page.friction import map_section
-from stickslip.kinds.records.page.parameters import parameters_section
-from stickslip.kinds.records.page.reproduce import laws_as_code, lines_of, reproduced
-from stickslip.kinds.records.page.residuals import residuals_section
-from stickslip.kinds.records.page.scores import error_column, scores_section
-from stickslip.kinds.records.page.sections import trials_section
-from stickslip.kinds.records.page.summary import error_fact, law_lines
-from stickslip.kinds.records.page.texts import symbols_of
-from stickslip.kinds.records.page.validation_record import second_section
-from stickslip.kinds.records.verdict import RecordVerdict
 from stickslip.plots import (
     DOTS,
     MapSplit,
@@ -366,7 +366,7 @@ def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
 def _lines(verdict: JointVerdict, rig: str) -> str:
     """Return the lines of Python that make the selection again."""
     first = next(iter(verdict.joints.values()))
-    return lines_of(verdict, [one.name for one in first.candidates], (), rig)
+    return lines_of(verdict, [one.name for one in first.candidates], rig)
 
 
 OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (

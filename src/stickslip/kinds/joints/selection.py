@@ -22,11 +22,9 @@ from stickslip.identification import (
     joint_view,
     names_of,
 )
-from stickslip.kinds.joints.verdict import JointVerdict, combination_of, joint_wording
-from stickslip.kinds.kind import PURPOSES, PurposeName
-from stickslip.kinds.records.explained import Explained, told_to
-from stickslip.kinds.records.ladder import climbed
-from stickslip.kinds.records.selection import (
+from stickslip.kinds.joints.explained import Explained, told_to
+from stickslip.kinds.joints.joint_verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.judging import (
     unfitted,
     verdict_on,
     with_contained,
@@ -35,7 +33,8 @@ from stickslip.kinds.records.selection import (
     with_scores,
     without_spare,
 )
-from stickslip.kinds.records.verdict import RecordCandidate, RecordVerdict
+from stickslip.kinds.joints.ladder import climbed
+from stickslip.kinds.joints.verdict import JointVerdict, combination_of, joint_wording
 from stickslip.mechanisms import Mechanism
 from stickslip.selection import LEFT_OUT, Plan, Watch, checked, control, plan_of, specifications
 
@@ -44,8 +43,8 @@ SWEEPS = 6
 APART = 0.1
 """Share of the residual that laws of their own must take off for trials to count as different: what
 the filter makes of reversals differs by record, which a test of a few blocks takes for the law."""
-AIM: PurposeName = "compensate"
-"""What is scored: the force of each joint along the measured motion."""
+HORIZON = 1.0
+"""Length of held-out stretches [s]: what is scored is the force along the measured motion."""
 
 Chosen: TypeAlias = Mapping[str, CandidateSpec]
 """A candidate for each contact."""
@@ -166,7 +165,6 @@ def _explained(fitter: JointFitter, watch: Watch | None) -> dict[str, Explained]
             one,
             joint_record(fitter.mechanism, fitter.measurement, joint),
             fitter.settings,
-            decides=True,
         )
         for joint, one in fitter.asked(told).items()
     }
@@ -243,7 +241,7 @@ class _Descent:
             executor=executor,
             chosen=begun[at],
             fits={first.name: _told(first, begun[at], asked)},
-            plan=plan_of(first.fit, horizon=PURPOSES[AIM]),
+            plan=plan_of(first.fit, horizon=HORIZON),
             records={
                 contact: tuple((joint_record(fitter.mechanism, one, joint), one) for one in whole)
                 for joint, contact in fitter.contacts.items()
@@ -324,7 +322,6 @@ class _Descent:
             judged,
             views[-1] if without else None,
             self.plan,
-            AIM,
             replace(self.checks, findings=()),
             own[1][0] if len(own) > 1 else None,
             fault=self._fault(),

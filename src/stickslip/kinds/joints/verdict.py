@@ -11,7 +11,7 @@ from typing_extensions import override
 from stickslip.experiments import Checks
 from stickslip.formatting import Scale, capital, count, joined
 from stickslip.friction import CandidateSpec
-from stickslip.kinds.records.verdict import BlockwiseVerdict, RecordVerdict
+from stickslip.kinds.joints.joint_verdict import BlockwiseVerdict, RecordVerdict
 from stickslip.selection import Wording, corrections, in_sentence, longer, score_scale, score_text
 
 Lines: TypeAlias = Callable[[Wording], Sequence[str]]

@@ -1,0 +1,262 @@
+r"""What a mechanism says of the forces along a record, and what its unknown parameters change.
+
+Where the force balance is affine in the parameters :math:`p` that are looked for,
+
+.. math:: F(t; p) - J(p)\,\ddot x = F_0(t) - J_0\,\ddot x
+          + \sum_i p_i\,(F_i(t) - J_i\,\ddot x),
+
+each is the coefficient of a column :math:`J_i \ddot x - F_i`, as the inertia is that of
+:math:`\ddot x`. Whether it is affine is seen from two steps of each, and one of all together. What
+changes the force of the drive itself, as the constant of a motor does, is the coefficient of what
+it changes from its given value, so that the force as commanded stays one.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact_inputs import DRIVES
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Measurement, command_of
+from stickslip.formatting import joined
+from stickslip.identification import (
+    applied_force,
+    dense_series,
+    driven,
+    drives_itself,
+    known_forces,
+    load_of,
+    varies_load,
+)
+from stickslip.identify.inner import pushed
+from stickslip.mechanisms import Mechanism, input_names, motor_of
+from stickslip.quantities import all_paths, parameters, vary
+
+Array = NDArray[np.float64]
+
+STEP = 0.1
+"""Share of its value by which a parameter is moved; 1 where that is 0."""
+TRANSMITTED = "transmitted"
+"""Input of a contact: what goes through its gear."""
+LINEAR = 1e-6
+"""Share of a change by which a second step may differ from a first: rounding."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unknown:
+    """What the force balance changes by for each unit of a parameter that is looked for."""
+
+    force: Array
+    """Forces (n,) [N]."""
+    inertia: float
+    """Inertia [kg]."""
+    given: float = 0.0
+    """Value from which it counts: 0, or that which is given where it changes the drive's force."""
+    limits: tuple[float, float] = (-np.inf, np.inf)
+    """Range of what is counted."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Forces:
+    """Forces on a coordinate along a record, but for friction and a constant."""
+
+    driven: Array
+    """Of the drive (n,) [N]."""
+    still: Array
+    """Of the mechanism, where the drive gives none (n,) [N]."""
+    inertia: float
+    """What moves [kg]."""
+    unknown: Mapping[str, Unknown]
+    """By path, what is not in the other three."""
+    load: Array | None = None
+    """Normal force (n,) [N], where inner bodies change it."""
+
+
+def forces_along(
+    mechanism: Mechanism, record: Measurement, x: Array, v: Array, unknown: Sequence[str]
+) -> Forces:
+    """Return the forces along a record, split by parameters that are looked for.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.5], force=[0.0, 2.0])
+    >>> x, v = np.array([0.0, 0.5]), np.array([0.5, 0.5])
+    >>> spring = Axis(inertia=3.0, stiffness=4.0, damping=1.0)
+    >>> found = forces_along(spring, record, x, v, ["mechanism.stiffness"])
+    >>> found.still.tolist(), found.unknown["mechanism.stiffness"].force.round(6).tolist()
+    ([-0.5, -0.5], [0.0, -0.5])
+    """
+    if len(mechanism.coordinates) > 1:
+        if unknown:
+            raise InputError(_refusal(unknown))
+        inner, none = pushed(mechanism, record, x, v), np.zeros_like(x)
+        recorded = bool(command_of(record))
+        return Forces(
+            driven=inner.force if recorded else none,
+            still=none if recorded else inner.force,
+            inertia=inner.inertia,
+            unknown={},
+            load=inner.load,
+        )
+    count = len(x)
+
+    def on(changes: Mapping[str, float]) -> Array:
+        one = vary(mechanism, "mechanism", changes) if changes else mechanism
+        applied = _applied(one, record)
+        none = np.zeros_like(x)
+        mass, force = known_forces(one, x, v, none if applied is None else applied)
+        still = none
+        if motor_of(one) is not None:  # the back EMF is a part of what the motor gives
+            still = known_forces(replace(one, drive=None), x, v, none)[1]  # type: ignore[call-arg]
+        elif not _closes_loop(record):  # there, spring and damper are gains of a controller
+            still = known_forces(one, x, v, none)[1]
+        return np.concatenate([force - still, still, [mass]])
+
+    base = on({})
+    rest, found = base.copy(), dict[str, Unknown]()
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    ranges, moved = all_paths(mechanism, "mechanism"), dict[str, float]()
+    expected = base.copy()
+    for path in unknown:
+        if path.endswith(".offset"):  # a term of its own
+            continue
+        step = _step(mechanism, path, values[path])
+        first, second = (on({path: values[path] + n * step}) - base for n in (1.0, 2.0))
+        size = float(np.max(np.abs(first[:-1]))) + abs(float(first[-1]))
+        if np.max(np.abs(second - 2.0 * first)) > LINEAR * size or size == 0.0:
+            raise InputError(_refusal([path], changes=size > 0.0))
+        moved[path] = values[path] + step
+        expected += first
+        slope, low, high = first / step, ranges[path].low, ranges[path].high
+        drives = bool(np.max(np.abs(first[:count])) > LINEAR * size)
+        given = values[path] if drives else 0.0
+        found[path] = Unknown(
+            force=slope[:count] + slope[count:-1],
+            inertia=float(slope[-1]),
+            given=given,
+            limits=(low - given, high - given),
+        )
+        rest -= (values[path] - given) * slope
+    if len(moved) > 1:
+        off = np.max(np.abs(on(moved) - expected))
+        if off > LINEAR * float(np.max(np.abs(expected - base))):
+            raise InputError(_refusal([*moved]))
+    # what is left of unknowns is rounding
+    rest[np.abs(rest) <= LINEAR * np.max(np.abs(base)) * (rest != base)] = 0.0
+    return Forces(driven=rest[:count], still=rest[count:-1], inertia=float(rest[-1]), unknown=found)
+
+
+def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
+    """Return records with the torque that a gear transmits, where one can be told.
+
+    It is made of what the motion takes and of friction that grows with it, found beside: of the
+    measured torque friction is a part, which would explain whatever friction there is.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> t = np.arange(0.0, 10.0, 0.01)
+    >>> swing = Measurement(time=t, position=np.sin(t), force=9.81 * np.sin(np.sin(t)))
+    >>> found = with_gear(Pendulum(mass=1.0, length=1.0), swing)
+    >>> bool(np.max(np.abs(found.inputs["transmitted"])) > 15.0)  # the motor holds the weight
+    True
+    """
+    if len(mechanism.coordinates) > 1:
+        return measurement
+    if not (driven(measurement) and {"motor", "external"} <= {*input_names(mechanism)}):
+        return measurement
+    if "friction" in measurement.quantities() or not varies_load(mechanism, measurement):
+        return measurement
+    series = dense_series(mechanism, measurement, "zero", ())
+    if not all(TRANSMITTED in one.covariates for one in series):
+        return measurement
+    records = tuple(
+        replace(record, inputs={**record.inputs, TRANSMITTED: one.covariates[TRANSMITTED]})
+        for record, one in zip(measurement.records(), series, strict=True)
+    )
+    return replace(measurement, trials=records) if measurement.trials else records[0]
+
+
+def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Return inputs of a contact (n,) with the size of what a gear transmits for its forces.
+
+    Examples
+    --------
+    >>> both = {"motor": np.array([-1.0]), "external": np.array([2.0])}
+    >>> with_transmitted(both)["transmitted"].tolist()
+    [3.0]
+    """
+    found = {name: x for name, x in inputs.items() if name not in DRIVES}
+    if TRANSMITTED in inputs:
+        found[TRANSMITTED] = np.abs(inputs[TRANSMITTED])
+    elif {"motor", "external"} <= {*inputs}:
+        found[TRANSMITTED] = np.abs(inputs["motor"] - inputs["external"])
+    return found
+
+
+def load_slopes(mechanism: Mechanism, unknown: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Return by how much parameters that are looked for change the normal force, and their values.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> slopes = load_slopes(SpringBlock(mass=2.0, stiffness=1.0), ["mechanism.mass"])
+    >>> round(slopes["mechanism.mass"][0], 6)
+    9.81
+    """
+    base, found = load_of(mechanism), {}
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    for path in unknown:
+        step = _step(mechanism, path, values[path])
+        first, second = (
+            load_of(vary(mechanism, "mechanism", {path: values[path] + n * step})) - base
+            for n in (1.0, 2.0)
+        )
+        if abs(second - 2.0 * first) > LINEAR * abs(first):
+            raise InputError(_refusal([path]))
+        if abs(first) > LINEAR * base:
+            found[path] = first / step, values[path]
+    return found
+
+
+def _applied(mechanism: Mechanism, record: Measurement) -> Array | None:
+    """Return what drives a record: as recorded, or as a drive of the mechanism gives it."""
+    if not drives_itself(mechanism, record):
+        return applied_force(mechanism, record)
+    (drive,) = mechanism.drives().values()
+    time = np.asarray(record.time, dtype=float)
+    return np.array([drive.value(t) for t in time.tolist()])
+
+
+def _closes_loop(record: Measurement) -> bool:
+    """Return whether the force of a record is that of a controller that follows a reference."""
+    return command_of(record) == "reference"
+
+
+def _step(mechanism: Mechanism, path: str, value: float) -> float:
+    """Return a step of a parameter, two of which stay in its range."""
+    step = STEP * abs(value) or 1.0
+    for one in (step, -step, 1e-3 * step, -1e-3 * step):
+        try:
+            vary(mechanism, "mechanism", {path: value + 2.0 * one})
+        except ParameterError:
+            continue
+        return one
+    raise InputError(_refusal([path]))
+
+
+def _refusal(paths: Sequence[str], *, changes: bool = True) -> str:
+    names = joined([path.removeprefix("mechanism.") for path in paths])
+    if not changes:
+        return f"vary: nothing in this record changes with {names}: leave it out."
+    return (
+        f"vary: the force balance is not linear in {names}, so that `select` cannot find"
+        f" {'it' if len(paths) == 1 else 'them'} beside every law: give the value, or use `fit`"
+        " of one law."
+    )

@@ -1,0 +1,82 @@
+"""What a record has to be before it is judged: a force with one sign, which is that of the motion.
+
+A plain balance, of inertia, level, viscous friction and offset, is fitted to all rows. Where the
+sign of the force is turned in the first :math:`k` of the stretches, and that leaves much less than
+any other number does, it changes there. Where the friction that explains most of what the inertia
+leaves gives energy to the motion, the force is that of the other sign.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.identify.kinds.record_signals import Along
+from stickslip.identify.problem import Array
+
+TURNED = 0.25
+"""Part of the squared error that a change of the sign may leave of that without it."""
+POOR = 0.02
+"""Part of the square of the force that a plain balance has to leave before its sign is doubted."""
+EXPLAINED = 0.5
+"""Part of what the inertia leaves that friction of the wrong sign explains."""
+
+
+def refuse_wrong_signs(
+    rows: Along, response: Array, stretches: NDArray[np.intp], *, inertia: bool
+) -> None:
+    """Refuse records whose force has the other sign, or one that changes.
+
+    Parameters
+    ----------
+    rows : Along
+        Signals at the rows.
+    response : array (n,)
+        Their balance [N].
+    stretches : array (n,)
+        Number of the stretch of each.
+    inertia : bool
+        Whether the inertia is not known.
+
+    Raises
+    ------
+    InputError
+        Where the sign is wrong, with the cure.
+    """
+    direction = rows.seen(rows.direction * rows.load)
+    speed = rows.seen(rows.velocity)
+    rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
+    rig += [rows.taken(path) for path in rows.records[0].unknown]
+    x = np.column_stack([direction, speed, *rig])
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    x = x / size
+    gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
+    driven = rows.seen(rows.raw)
+    other = response - driven
+    count = int(stretches.max()) + 1
+    moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
+    left = []
+    for k in range(count):
+        sign = np.where(stretches < k, -1.0, 1.0)
+        y = sign * driven + other
+        side = np.where(np.arange(count) < k, -1.0, 1.0)
+        moment = side @ moments + x.T @ other
+        left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
+    best = int(np.argmin(left))
+    if left[0] > POOR * float(driven @ driven) and left[best] < TURNED * left[0]:
+        first = int(np.argmax(stretches == best))
+        raise InputError(
+            f"the sign of the force changes at about t = {rows.times[first]:.3g} s: turned before"
+            f" it, the force leaves {left[best] / left[0]:.0%} of the squared error of a plain"
+            " balance. Give the force the sign of the position all along."
+        )
+    c = np.linalg.solve(gram, x.T @ response)
+    friction = x[:, :2] @ c[:2]
+    plain = np.linalg.solve(gram[2:, 2:], x[:, 2:].T @ response)
+    without = response - x[:, 2:] @ plain
+    wrong = float(np.mean(friction * speed)) < 0.0
+    inertial = float(c[3]) < 0.0 if inertia else True
+    if wrong and inertial and left[0] < (1.0 - EXPLAINED) * float(without @ without):
+        raise InputError(
+            "with the sign that the force has, friction would drive the motion: turn the sign of"
+            " the force, or that of the position."
+        )

@@ -1,1 +1,0 @@
-"""Records in time, and measured friction: each law along the records."""

@@ -1,1 +1,0 @@
-"""Experiments that tell laws apart."""

@@ -1,0 +1,482 @@
+"""`select` on records of one coordinate: the law, the band and the parameters, by their balance."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    DirectionDependent,
+    Measurement,
+    Pendulum,
+    PendulumCart,
+    RecordSettings,
+    SpringBlock,
+    load_rig,
+    select,
+    simulate,
+    write_report,
+)
+from stickslip.drives import PiecewiseLinear, Sampled, Sine, Square
+from stickslip.errors import InputError
+from stickslip.friction import law
+from stickslip.mechanisms import DCMotor, PositionLoop, Torque
+from stickslip.results import BandVerdict
+
+RATE, SECONDS = 500.0, 12.0
+T = np.arange(0.0, SECONDS, 1.0 / RATE)
+TRUTH = law("level + viscous")(kinetic_coefficient=1.0, viscous_coefficient=0.3)
+INERTIA = 0.02
+
+
+def record(seed, gain=1.0):
+    random = np.random.default_rng(seed)
+    phases = random.uniform(0.0, 2.0 * np.pi, 4)
+    force = sum(
+        a * np.sin(2.0 * np.pi * f * T + p)
+        for a, f, p in zip((1.2, 0.8, 0.6, 0.4), (0.4, 0.9, 1.7, 3.1), phases, strict=True)
+    )
+    axis = Axis(inertia=INERTIA, drive=PiecewiseLinear(times=T, values=force))
+    x = simulate(axis, TRUTH, t_end=float(T[-1])).at(T)["x"]
+    return Measurement(time=T, position=x + 1e-5 * random.normal(size=len(T)), force=gain * force)
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(
+        Axis(inertia=1.0),
+        None,
+        record(1),
+        vary=["friction.*", "mechanism.inertia"],
+        validate=record(2),
+    )
+
+
+def test_law_inertia_and_levels_of_an_axis_lie_in_their_intervals(verdict):
+    assert {"level", "viscous"} <= set(verdict.family)
+    truth = {"inertia": INERTIA, "kinetic_coefficient": 1.0, "viscous_coefficient": 0.3}
+    found = {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+    for name, value in truth.items():
+        assert found[name].low_any <= value <= found[name].high_any
+        assert found[name].value == pytest.approx(value, rel=0.05)
+
+
+def test_the_band_of_an_axis_holds_its_steady_friction(verdict):
+    v = np.geomspace(0.2, float(verdict.speeds.max()), 20)
+    band = verdict.band(v)
+    assert np.mean((band.low <= 1.0 + 0.3 * v) & (1.0 + 0.3 * v <= band.high)) >= 0.9
+
+
+def test_a_second_record_lies_in_the_band_of_readings(verdict):
+    assert verdict.inside >= 0.9
+
+
+def test_a_record_is_judged_by_its_balance_without_being_asked(verdict):
+    assert isinstance(verdict, BandVerdict)
+    assert verdict.route == "balance"
+    assert ("inertia", "level", "viscous") in verdict.set
+
+
+def test_the_verdict_of_a_record_is_a_document_and_a_figure(verdict):
+    said = json.loads(json.dumps(verdict.to_dict()))
+    assert said["route"] == "balance"
+    assert said["outliers"] == {}
+    assert len(verdict.plot().lines) > 0
+
+
+def test_a_coast_down_at_one_sample_a_second_is_judged():
+    """76 kg, 1.2 N and 0.03 N s^2/m^2: v = sqrt(F/c) tan(phi - t sqrt(F c) / m), a closed form."""
+    level, drag, mass = 1.2, 0.03, 76.0
+    t = np.arange(0.0, 330.0)
+    scale = np.sqrt(level / drag)
+    v = scale * np.tan(np.arctan(8.0 / scale) - t * np.sqrt(level * drag) / mass)
+    read = v + 0.02 * np.random.default_rng(0).normal(size=len(t))
+    found = select(Axis(inertia=mass), None, Measurement(time=t, velocity=read))
+    u = np.linspace(1.0, 7.0, 13)
+    band = found.band(u)
+    truth = level + drag * u**2
+    assert ((band.low <= truth) & (truth <= band.high)).all()
+
+
+# ---- what the record says of the law
+
+AXIS = Axis(inertia=2.0)
+SIDES = DirectionDependent(
+    forward_kinetic_coefficient=4.0,
+    backward_kinetic_coefficient=5.0,
+    forward_viscous_coefficient=3.0,
+    backward_viscous_coefficient=9.0,
+)
+
+
+def moved(friction, *, axis=AXIS, seed=0, noise=1e-5, length=8.0, held=True):
+    """Return a record under a random force, as an encoder and a controller give it."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, length, 0.005)
+    phases, sizes = random.uniform(0.0, 2.0 * np.pi, 5), random.uniform(4.0, 9.0, 5)
+    force = sum(
+        a * np.sin(2.0 * np.pi * f * t + p)
+        for f, a, p in zip((0.23, 0.41, 0.67, 1.1, 1.7), sizes, phases, strict=True)
+    )
+    drive = Sampled(times=t, values=force, hold="zero" if held else "first")
+    x = simulate(replace(axis, drive=drive), friction, t_end=float(t[-1])).at(t)["x"]
+    return Measurement(time=t, position=x + random.normal(0.0, noise, len(t)), force=force)
+
+
+def intervals(verdict):
+    return {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+
+
+def assert_holds(verdict, truth):
+    found = intervals(verdict)
+    for name, value in truth.items():
+        assert found[name].low_any <= value <= found[name].high_any, name
+
+
+def test_levels_that_differ_by_direction_are_told_where_the_offset_is_held():
+    verdict = select(AXIS, None, moved(SIDES), fixed={"offset": 0.0})
+    assert verdict.best.name == "direction-dependent"
+    assert_holds(verdict, {name: getattr(SIDES, name) for name in type(SIDES).fit_order})
+
+
+def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told_from_it():
+    verdict = select(AXIS, None, moved(SIDES))
+    assert any(
+        "Constant offset or level that differs by direction: not separable" in line
+        for line in verdict.words.cannot_tell
+    )
+    found = intervals(verdict)
+    assert found["forward_viscous_coefficient"].value == pytest.approx(3.0, rel=0.05)
+    assert found["backward_viscous_coefficient"].value == pytest.approx(9.0, rel=0.05)
+
+
+def test_presliding_is_a_memory_of_the_way():
+    dahl = Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0)
+    verdict = select(AXIS, None, moved(dahl))
+    assert "memory" in verdict.family
+    assert_holds(verdict, {"kinetic_coefficient": 4.0, "bristle_stiffness": 3000.0})
+
+
+def test_only_laws_that_were_named_are_compared():
+    record = moved(Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0))
+    assert "memory" in select(AXIS, ["dahl", "coulomb"], record).family
+    plain = select(AXIS, ["coulomb", "coulomb-viscous"], moved(SIDES))
+    assert plain.best is None  # a curve over the speed predicts better than both
+    assert plain.closest.name.startswith("coulomb-viscous")
+    with pytest.raises(InputError, match="LuGre friction cannot be compared on this measurement"):
+        select(AXIS, ["lugre"], record)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_whether_forces_are_held_is_told_by_the_record(held):
+    truth = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
+    verdict = select(AXIS, None, moved(truth, held=held))
+    assert verdict.judgement.problem.records[0].held is held
+    assert verdict.causes == ()
+    assert_holds(verdict, {"kinetic_coefficient": 4.0, "viscous_coefficient": 6.0})
+
+
+def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
+    t = np.arange(0.0, 8.0, 0.004)
+    x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t)
+    v = 0.12 * np.cos(4.0 * t) + 0.113 * np.cos(11.3 * t)
+    friction = np.interp(t - 0.02, t, 2.0 * np.sign(v) + 3.0 * v)
+    friction += 0.02 * np.random.default_rng(1).normal(size=t.size)
+    verdict = select(AXIS, None, Measurement(time=t, position=x, friction=friction))
+    late = [one for one in verdict.intervals if one.path in ("delay", "lag")]
+    assert abs(late[0].value) == pytest.approx(0.02, rel=0.1)
+
+
+def test_samples_far_off_their_neighbours_are_left_out_and_said():
+    truth = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
+    record = moved(truth)
+    x = record.position.copy()
+    x[[300, 301, 900]] += 0.2
+    verdict = select(AXIS, None, replace(record, position=x))
+    assert any("3 samples of the position lie far off" in x for x in verdict.words.cannot_tell)
+    assert_holds(verdict, {"kinetic_coefficient": 4.0, "viscous_coefficient": 6.0})
+
+
+def test_numbers_that_a_law_made_are_judged_without_noise():
+    t = np.linspace(0.0, 12.0, 240, endpoint=False)
+    v = np.sin(2.0 * t + 0.3)
+    exact = Measurement(
+        time=t, position=-0.5 * np.cos(2.0 * t + 0.3), velocity=v,
+        friction=10.0 * np.sign(v) + 30.0 * v,
+    )  # fmt: skip
+    verdict = select(AXIS, None, exact)
+    assert verdict.best.name == "coulomb-viscous"
+    found = intervals(verdict)
+    assert found["kinetic_coefficient"].value == pytest.approx(10.0, rel=1e-4)
+    assert found["viscous_coefficient"].value == pytest.approx(30.0, rel=1e-4)
+
+
+def rubbed(*levels):
+    """Return trials of friction in time whose levels differ."""
+    random, v = np.random.default_rng(0), 0.3 * np.sin(0.07 * np.arange(400))
+    return Measurement(
+        trials=tuple(
+            Measurement(
+                time=0.01 * np.arange(400),
+                velocity=v,
+                friction=level * np.sign(v) + 4.0 * v + 0.1 * random.normal(size=400),
+            )
+            for level in levels
+        )
+    )
+
+
+def test_trials_that_differ_widen_the_band_and_are_said_to():
+    alike, unlike = select(AXIS, None, rubbed(5.0, 5.0, 5.0)), select(
+        AXIS, None, rubbed(5.0, 6.0, 7.0)
+    )  # fmt: skip
+    said = "The records differ by more than stretches of one do"
+    assert not any(said in line for line in alike.words.cannot_tell)
+    assert any(said in line for line in unlike.words.cannot_tell)
+    v = np.linspace(0.1, 0.3, 5)
+    band = unlike.band(v)
+    for level in (5.0, 7.0):
+        assert ((band.low < level + 4.0 * v) & (level + 4.0 * v < band.high)).all()
+    narrow = alike.band(v)
+    assert np.median(narrow.high - narrow.low) < 0.3 * np.median(band.high - band.low)
+
+
+# ---- what is refused, or recommended to nobody
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.1])
+def test_lengths_in_the_wrong_unit_leave_no_law(factor, tmp_path):
+    record = moved(SIDES)
+    verdict = select(AXIS, None, replace(record, position=factor * record.position))
+    assert verdict.best is None
+    assert "does not tell friction from zero. Check units, gains and signs" in verdict.sentence
+    write_report(verdict, tmp_path / "report")
+    assert not (tmp_path / "report" / "law.toml").exists()
+
+
+def test_a_record_without_motion_decides_nothing():
+    t = np.arange(0.0, 4.0, 0.01)
+    still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))
+    with pytest.raises(InputError, match="cannot be used for a selection"):
+        select(AXIS, None, still)
+    trials = tuple(replace(still, name=name) for name in ("north", "south"))
+    said = r"cannot be used for a selection\. north and south: Position is constant"
+    with pytest.raises(InputError, match=said) as seen:
+        select(AXIS, None, Measurement(trials=trials))
+    assert str(seen.value).count("Position is constant") == 1
+
+
+def test_a_frictionless_record_is_said_to_be_one():
+    verdict = select(AXIS, None, moved(Coulomb(kinetic_coefficient=1e-9)))
+    assert verdict.sentence.startswith("No friction stands above the noise")
+
+
+@pytest.mark.parametrize("options", [{"settings": RecordSettings(starts=2)}, {"route": "shooting"}])
+def test_what_has_no_effect_is_refused(options):
+    with pytest.raises(InputError, match="it has no effect on `select`: leave it out"):
+        select(AXIS, None, moved(SIDES), **options)
+
+
+# ---- parameters of the mechanism
+
+SPRING = Axis(inertia=1.1, stiffness=420.0)
+BOTH = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=6.0)
+
+
+@pytest.fixture(scope="module")
+def sprung():
+    t = np.arange(0.0, 16.0, 0.004)
+    force = sum(a * np.sin(2.0 * np.pi * f * t) for a, f in ((8.0, 0.23), (7.0, 0.61), (6.0, 1.37)))
+    axis = replace(SPRING, drive=Sampled(times=t, values=force))
+    random = np.random.default_rng(7)
+    return Measurement(
+        time=t,
+        position=simulate(axis, BOTH, t_end=16.0).at(t)["x"] + 2e-6 * random.normal(size=t.size),
+        force=force + 0.02 * random.normal(size=t.size),
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "vary", "truth"),
+    [
+        ({"stiffness": 250.0}, ["stiffness"], {"stiffness": 420.0}),
+        (
+            {"stiffness": 250.0, "inertia": 3.0},
+            ["stiffness", "inertia"],
+            {"stiffness": 420.0, "inertia": 1.1},
+        ),
+        ({}, ["offset"], {"offset": 0.0}),
+    ],
+)
+def test_parameters_in_which_the_balance_is_affine_are_found_beside_the_law(
+    sprung, given, vary, truth
+):
+    verdict = select(replace(SPRING, **given), None, sprung, vary=["friction.*", *vary])
+    assert verdict.best.name == "coulomb-viscous"
+    levels = {"kinetic_coefficient": 3.0, "viscous_coefficient": 6.0}
+    assert_holds(verdict, {**truth, **levels})
+    rig = verdict.best.fit.mechanism
+    for name, value in truth.items():
+        assert getattr(rig, name) == pytest.approx(value, rel=0.01, abs=0.01)
+
+
+def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(sprung):
+    verdict = select(SPRING, None, sprung, vary=["friction.*", "damping"])
+    assert verdict.best.name == "coulomb"
+    assert_holds(verdict, {"kinetic_coefficient": 3.0, "damping": 6.0})
+    assert any("Damping or viscous friction: not separable" in x for x in verdict.words.cannot_tell)
+
+
+def test_what_changes_nothing_is_no_parameter_to_find(sprung):
+    with pytest.raises(InputError, match="nothing in this record changes with load"):
+        select(SPRING, None, sprung, vary=["friction.*", "load"])
+
+
+def decays(*compressions, noise=2e-5):
+    """Return free decays of a block on a spring, and the block."""
+    rig = SpringBlock(mass=1.0, stiffness=400.0, compression=0.1, attached=True)
+    friction = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.3)
+    t, random = np.arange(0.0, 4.0, 0.01), np.random.default_rng(4)
+    trials = tuple(
+        Measurement(
+            time=t,
+            position=simulate(replace(rig, compression=x), friction, t_end=4.0).at(t)["x"]
+            + random.normal(0.0, noise, t.size),
+            overrides={"mechanism.compression": x},
+        )
+        for x in compressions
+    )
+    return rig, Measurement(trials=trials)
+
+
+@pytest.mark.parametrize(
+    ("given", "vary", "truth"),
+    [
+        ({}, [], {}),
+        ({"stiffness": 300.0}, ["stiffness"], {"stiffness": 400.0}),
+        ({"mass": 0.7}, ["mass"], {"mass": 1.0}),  # which the normal force grows with
+    ],
+)
+def test_free_decays_name_the_law_that_damps_them(given, vary, truth):
+    rig, record = decays(0.1, 0.06)
+    verdict = select(replace(rig, **given), None, record, vary=["friction.*", *vary])
+    assert verdict.best.name == "coulomb-viscous"
+    assert_holds(verdict, {**truth, "kinetic_coefficient": 0.02, "viscous_coefficient": 0.3})
+
+
+def test_a_free_motion_of_unknown_mass_and_stiffness_has_no_scale():
+    rig, record = decays(0.1, 0.06)
+    with pytest.raises(InputError, match="without a force only friction over inertia"):
+        select(rig, None, record, vary=["friction.*", "mass", "stiffness"])
+
+
+# ---- motors, gears, inner bodies, drives
+
+MOTOR = DCMotor(
+    resistance=3.2, torque_constant=0.35, rotor_inertia=2e-3, supply=7.4,
+    loop=PositionLoop(gain=25.0),
+)  # fmt: skip
+SERVO = Pendulum(mass=0.49, length=0.1, drive=MOTOR)
+
+
+def commanded(text, **values):
+    """Return angle, voltage and goal of a servo at 200 Hz."""
+    t = np.arange(0.0, 10.0, 0.005)
+    goal = 0.9 * np.sin(2.0 * np.pi * 0.45 * t) + 0.5 * np.sin(2.0 * np.pi * 1.3 * t + 1.0)
+    drive = Sampled(times=t, values=goal, hold="first")
+    rig = replace(SERVO, drive=replace(MOTOR, drive=drive))
+    run = simulate(rig, law(text)(**values), t_end=10.0).at(t)
+    return Measurement(
+        time=t,
+        position=run["theta"] + 2e-4 * np.random.default_rng(0).standard_normal(t.size),
+        voltage=np.clip(25.0 * (goal - run["theta"]), -7.4, 7.4),
+        reference=goal,
+        turning=True,
+    )
+
+
+@pytest.mark.parametrize("command", ["voltage", "reference"])
+def test_the_torque_of_a_motor_follows_from_its_voltage_or_its_goal(command):
+    record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
+    verdict = select(SERVO, None, record if command == "voltage" else replace(record, voltage=None))
+    assert verdict.best.name == "coulomb-viscous"
+    # the straight lines between samples of the truth cut corners of the voltage by less than 1 %
+    found = intervals(verdict)
+    assert found["kinetic_coefficient"].value == pytest.approx(0.05, rel=0.02)
+    assert found["viscous_coefficient"].value == pytest.approx(0.02, rel=0.02)
+
+
+def test_friction_that_grows_with_the_torque_of_a_gear_is_named():
+    record = commanded(
+        "level + weight[transmitted] + viscous",
+        kinetic_coefficient=0.02, transmitted_coefficient=0.2, viscous_coefficient=0.02,
+    )  # fmt: skip
+    verdict = select(SERVO, None, record)
+    assert verdict.best.name == "bam-m3"
+    assert_holds(
+        verdict,
+        {"kinetic_coefficient": 0.02, "transmitted_coefficient": 0.2, "viscous_coefficient": 0.02},
+    )
+
+
+def test_constants_of_a_motor_in_which_the_balance_is_bent_are_refused():
+    record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
+    with pytest.raises(InputError, match=r"not linear in drive\.torque_constant.*or use `fit`"):
+        select(SERVO, None, record, vary=["friction.*", "mechanism.drive.torque_constant"])
+
+
+def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=2.0, pivot_damping=0.02,
+        pendulum=Torque(drive=Square(high=0.5, low=-0.2, period=0.5, duty=0.3)),
+    )  # fmt: skip
+    t = np.arange(0.0, 3.0, 0.005)
+    truth = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
+    x = simulate(cart, truth, t_end=3.0).at(t)["x"]
+    x = x + 3e-4 * np.random.default_rng(1).normal(size=len(t))
+    verdict = select(cart, None, Measurement(time=t, position=x))
+    assert verdict.best.name.startswith("coulomb")
+    assert_holds(verdict, {"kinetic_coefficient": 0.18})
+    with pytest.raises(InputError, match="not linear in cart_mass"):
+        select(cart, None, Measurement(time=t, position=x), vary=["friction.*", "cart_mass"])
+
+
+def test_a_drive_of_the_mechanism_needs_no_record_of_the_force():
+    driven = Axis(inertia=2.0, drive=Sine(amplitude=20.0, frequency=0.8))
+    t = np.arange(0.0, 8.0, 0.005)
+    truth = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=4.0)
+    x = simulate(driven, truth, t_end=8.0).at(t)["x"]
+    x = x + 1e-5 * np.random.default_rng(0).normal(size=len(t))
+    verdict = select(driven, None, Measurement(time=t, position=x))
+    assert verdict.best.name == "coulomb-viscous"
+    assert_holds(verdict, {"kinetic_coefficient": 3.0, "viscous_coefficient": 4.0})
+
+
+# ---- what is done with a verdict
+
+
+def test_a_report_has_law_band_and_a_rig_file_that_simulates(verdict, tmp_path):
+    page = write_report(verdict, tmp_path / "report", title="Axis").read_text(encoding="utf-8")
+    assert "friction is known to ±" in page
+    assert "Coulomb + viscous" in page
+    rig = load_rig(tmp_path / "report" / "law.toml")
+    found = rig.laws[verdict.best.name]
+    assert found.kinetic_coefficient == pytest.approx(1.0, rel=0.05)
+    assert rig.mechanism.inertia == pytest.approx(INERTIA, rel=0.05)
+    run = simulate(
+        replace(rig.mechanism, drive=Sine(amplitude=2.0, frequency=1.0)), found, t_end=1.0
+    )
+    assert run.certificate.certified
+
+
+def test_laws_drawn_from_the_verdict_of_a_record_lie_in_its_band(verdict):
+    laws = [one for one in verdict.sample(60, seed=1) if not one.states]
+    assert len(laws) > 10
+    at = np.array([float(np.asarray(one.force(1.0, 1.0))) for one in laws])
+    band = verdict.band([1.0])
+    assert np.mean((at > band.low[0]) & (at < band.high[0])) > 0.9
