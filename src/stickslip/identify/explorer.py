@@ -183,7 +183,7 @@ class Explorer:
         self.held_out = regression.held_out(structure)
         self._every = slice(None, None, -(-count // MOST_ROWS))
         self.features = features_of(regression, structure, problem.rows)
-        side = self.features[SIDE][self._every] if self.features else np.zeros(0)
+        side = (self.features[SIDE] if self.features else np.zeros(count))[self._every]
         both = side if len(np.unique(side)) > 1 else None
         knots = int(np.clip(len(side) // ROWS_PER_KNOT, *KNOTS))
         self.curves: list[Curves] = []

@@ -129,7 +129,7 @@ def laws_section(verdict: BandVerdict) -> Section:
     )
     caption = (
         f"The law with the most evidence is named: it fits with few and usual parts. Laws within"
-        f" {THRESHOLDS.tie} of it, or more where readings are few, are not told apart. The band is"
+        f" {math.log(THRESHOLDS.odds):.1f} of it are not told apart. The band is"
         " made of all laws, and of the curve as measured, by how well they predict."
     )
     table = Table(columns=columns, rows=rows, caption=caption)

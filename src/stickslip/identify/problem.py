@@ -242,7 +242,7 @@ class Problem(ABC):
         return sum(self.terms[name].rank for name, _ in structure)
 
     def is_usual(self, structure: Structure) -> bool:
-        """Return whether a law is one that the field uses, whatever runs and faults do beside it."""
+        """Return whether the field uses a law, whatever runs and faults stand beside it."""
         parts = {name for name, _ in structure if self.terms[name].role not in ("run", "fault")}
         return parts in [set(family) for family in self.usual]
 
