@@ -5,7 +5,7 @@ import functools
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement, select
+from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 from stickslip.identification.settings import RecordSettings
@@ -102,20 +102,6 @@ def test_naive_intervals_are_several_times_too_narrow(by_motion):
         [found.estimates[0].low, found.estimates[0].high],
         rtol=0.02,
     )
-
-
-@pytest.mark.slow
-def test_selection_picks_the_law_with_levels_of_each_direction(emps):
-    verdict = select(
-        AXIS,
-        [CoulombViscous, DirectionDependent],
-        emps,
-        vary=["friction.*", "mechanism.inertia"],
-        settings=ONE,
-    )
-    assert verdict.best.name == "direction-dependent"
-    scores = {candidate.name: candidate.score for candidate in verdict.candidates}
-    assert scores["direction-dependent"] < 0.6 * scores["coulomb-viscous"]
 
 
 @pytest.mark.slow

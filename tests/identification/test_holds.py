@@ -8,7 +8,7 @@ from benchmarks.axis_records import ALL
 from benchmarks.axis_records import record as axis_record
 from benchmarks.structures import measured
 
-from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, select, simulate
+from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
 from stickslip.drives import Sampled
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 
@@ -70,16 +70,6 @@ def test_a_given_hold_is_used_and_what_contradicts_it_is_said(truth):
     assert right.assumptions == ()
 
 
-@pytest.mark.slow
-def test_a_selection_decides_the_hold_once_and_says_it():
-    verdict = select(
-        AXIS, ["coulomb", "coulomb-viscous"], record("first", seed=3), route="inverse-dynamics"
-    )
-    assert verdict.settings.hold == "first"
-    assert {c.fit.hold for c in verdict.candidates} == {verdict.closest.fit.hold}
-    assert 'the force goes straight to the next value (hold = "first")' in verdict.words.lede
-
-
 def test_a_slow_motion_at_a_high_rate_does_not_tell_the_hold():
     found = hold_of(AXIS, record("zero", rate=500.0, noise=3e-4, slow=0.2), None)
     assert found.shown is None
@@ -106,9 +96,6 @@ def test_runs_tell_the_hold_that_the_balance_of_forces_does_not(hold):
     viscous = found.estimate("viscous_coefficient")
     assert viscous.low < 6.0 < viscous.high
     assert viscous.value == pytest.approx(6.0, rel=1e-3)  # noise of 1e-5 m; half a sample takes 4 %
-    verdict = select(AXIS, ["coulomb", "coulomb-viscous"], seen, route="shooting", settings=ONCE)
-    assert verdict.settings.hold == hold
-    assert {c.fit.hold.hold for c in verdict.candidates if c.fit} == {hold}
 
 
 @pytest.mark.slow
@@ -146,16 +133,6 @@ def test_where_samples_are_too_coarse_for_accelerations_residuals_of_both_fits_t
         left[hold] = float(np.std(one.residual))
     assert min(left, key=left.__getitem__) == truth
     assert max(left.values()) > 10.0 * min(left.values())
-
-
-@pytest.mark.slow
-def test_a_selection_that_varies_the_mass_fits_the_laws_too():
-    verdict = select(
-        Axis(inertia=3.0), ["coulomb-viscous"], record("first", seed=3),
-        vary="mechanism.inertia", route="inverse-dynamics",
-    )  # fmt: skip
-    assert verdict.closest.fit.estimate("inertia").value == pytest.approx(2.0, rel=0.02)
-    assert verdict.closest.fit.law.kinetic_coefficient == pytest.approx(2.0, rel=0.05)
 
 
 @pytest.mark.parametrize(("lateness", "half_width"), [(6.45, 0.26), (-2.0, 0.5), (0.7, 5.7)])

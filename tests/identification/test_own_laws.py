@@ -12,7 +12,6 @@ from stickslip import (
     Axis,
     CoulombViscous,
     Measurement,
-    RecordSettings,
     SpringBlock,
     TowedBlock,
     fit,
@@ -192,12 +191,9 @@ def test_several_travels_give_a_law_of_ones_own_back():
         assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=0.02)
 
 
-@pytest.mark.slow
-def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(driven):
-    rig, settings = Axis(inertia=4.0), RecordSettings(starts=1)
-    verdict = select(rig, [CoulombViscous, Weakening], driven, settings=settings)
-    assert verdict.best is not None
-    assert verdict.best.name == "weakening"
+def test_a_law_of_ones_own_that_is_no_sum_of_parts_is_for_fits(driven):
+    with pytest.raises(InputError, match=r"it is no sum of parts: use stickslip\.fit"):
+        select(Axis(inertia=4.0), [CoulombViscous, Weakening], driven)
 
 
 def test_features_of_a_law_of_ones_own_are_levels_and_speeds():

@@ -4,7 +4,7 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
-from tests.selection.test_records import AXIS, QUICK, TRUTH, recorded
+from tests.selection.test_held_out_fits import AXIS, QUICK, TRUTH, recorded
 
 import stickslip
 from stickslip import CoulombViscous, Measurement, SpringBlock, Viscous

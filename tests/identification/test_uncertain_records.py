@@ -247,14 +247,6 @@ def test_halves_of_a_record_do_not_contradict_each_other_for_a_mass_that_is_off(
     assert np.all(np.abs(known.halves.distance) < np.abs(sure.halves.distance))
 
 
-@pytest.mark.slow
-def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval():
-    record = replace(rubbed(), parameter_uncertainties={N: 0.4})
-    verdict = select(AXIS, [Coulomb, CoulombViscous], record)
-    said = next(line for line in verdict.words.settles if "mu_k" in line)
-    assert said.endswith("The load (2 %) contributes more to its uncertainty than the record.")
-
-
 def test_uncertainties_without_effect_are_refused():
     weighed = replace(rubbed(), load=20.0, parameter_uncertainties={N: 0.4})
     with pytest.raises(InputError, match="measured load replaces"):

@@ -56,21 +56,10 @@ def swung(*, fading):
 
 
 @pytest.mark.slow
-def test_a_load_that_fades_with_speed_is_named_and_its_intervals_hold():
-    verdict = select(RIG, None, swung(fading=0.1), settings=SETTINGS, purpose="compensate")
-    assert verdict.best.name == "bam-m4"
-    found = {one.path.removeprefix("friction."): one for one in verdict.best.fit.estimates}
-    true = {
-        "kinetic_coefficient": 0.1,
-        "static_coefficient": 0.15,
-        "stribeck_velocity": 0.4,
-        "transmitted_coefficient": 0.2,
-        "transmitted_static_surplus": 0.1,
-        "viscous_coefficient": 0.05,
-        "fading_exponent": 1.0,  # held at 2, this friction was given to M5
-    }
-    for name, value in true.items():
-        assert found[name].low <= value <= found[name].high, name
+def test_a_load_that_fades_with_speed_is_a_load_and_accuses_no_rig():
+    verdict = select(RIG, None, swung(fading=0.1))
+    assert "gear" in verdict.family
+    assert not [one.term for one in verdict.causes]
 
 
 @pytest.mark.slow
@@ -152,18 +141,3 @@ def test_constants_of_a_motor_hold_with_the_viscous_part_that_was_held():
     assert "$R$ and $k_t$ hold only if friction has the viscous part that was held" in objection(
         found
     )
-
-
-@pytest.mark.slow
-def test_a_servo_whose_motor_is_not_known_has_its_gear_named():
-    from benchmarks.servos import VARIED, draw, recorded
-
-    servo = draw(np.random.default_rng([1, 3]))
-    verdict = select(servo.rig, None, recorded(servo), vary=["friction.*", *VARIED])
-    assert verdict.best.name == "bam-m4"
-    assert verdict.best.fit.problem.simulates
-    motor = servo.rig.drive
-    for one in verdict.best.fit.estimates:
-        if one.path in VARIED:
-            true = getattr(motor, one.path.rpartition(".")[2])
-            assert one.low <= true <= one.high

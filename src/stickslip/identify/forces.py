@@ -89,7 +89,7 @@ def forces_along(
     >>> x, v = np.array([0.0, 0.5]), np.array([0.5, 0.5])
     >>> spring = Axis(inertia=3.0, stiffness=4.0, damping=1.0)
     >>> found = forces_along(spring, record, x, v, ["mechanism.stiffness"])
-    >>> found.still.tolist(), found.unknown["mechanism.stiffness"].force.round(6).tolist()
+    >>> found.still.round(6).tolist(), found.unknown["mechanism.stiffness"].force.round(6).tolist()
     ([-0.5, -0.5], [0.0, -0.5])
     """
     if len(mechanism.coordinates) > 1:

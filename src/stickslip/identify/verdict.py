@@ -130,6 +130,11 @@ class LawCandidate(Candidate[LawFit]):
         return family_of(self.structure)
 
     @property
+    def law(self) -> FrictionLaw | None:
+        """The fitted law."""
+        return self.fit.law if self.fit else None
+
+    @property
     @override
     def parameters(self) -> int:
         return self.count

@@ -78,7 +78,7 @@ def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) ->
     ('travel',)
     >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
     >>> kind_of(record).routes, kind_of(record, "shooting").routes[0]
-    (('features',), 'shooting')
+    (('features',), 'balance')
     """
     usual = next(kind for kind in kinds() if kind.serves(measurement))
     if asked is None:

@@ -136,6 +136,7 @@ INSIDE = {
     "panel_of": "selection.fit_data",
     "picture_of": "animation.animation",
     "piece_sizes": "selection.prediction_excerpts",
+    "plot_scores": "selection.fits",
     "postures_of": "selection.fit_data",
     "presliding_sizes": "laws.curves",
     "record_sizes": "data.record",

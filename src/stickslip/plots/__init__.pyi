@@ -128,6 +128,7 @@ from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_joints as plot_joints
 from stickslip.plots.selection.fits import plot_residuals as plot_residuals
+from stickslip.plots.selection.fits import plot_scores as plot_scores
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
 from stickslip.plots.selection.prediction_excerpts import Piece as Piece
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces
