@@ -1,5 +1,6 @@
 """The page of a verdict: law, band and figure on the first screen; then what they rest on."""
 
+import math
 from functools import partial
 from typing import Final
 

@@ -167,12 +167,26 @@ class Search:
         )
 
     def _begin(self) -> list[Structure]:
-        """Return the structures from which the search begins: none, or the laws asked for."""
-        front: list[Structure] = [()]
-        if self.problem.only:
-            self._compare(self.problem.only, ())
-            front = sorted((one for one in self.structures if self.problem.allowed(one)),
+        """Return the structures from which the search begins: none, or the laws asked for.
+
+        The best usual laws in their first shapes join, as terms that replace each other, such as a
+        memory and a delay, are not reached from a structure that has the other.
+        """
+        problem, front = self.problem, list[Structure]([()])
+        if problem.only:
+            self._compare(problem.only, ())
+            front = sorted((one for one in self.structures if problem.allowed(one)),
                            key=self._order)[: THRESHOLDS.beam]  # fmt: skip
+        else:
+            terms = problem.terms
+            usual = [
+                tuple(sorted((name, terms[name].shapes[0]) for name in family))
+                for family in problem.usual
+                if set(family) <= terms.keys()
+            ]
+            usual = [one for one in usual if problem.allowed(one) and self._is_determined(one)]
+            self.regression.losses(usual)
+            front += sorted(usual, key=self._order)[: THRESHOLDS.beam - 1]
         self.regression.losses(front)
         return front
 
