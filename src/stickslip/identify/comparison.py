@@ -7,10 +7,10 @@ over the draws (pseudo-BMA+, Yao, Vehtari, Simpson, Gelman 2018). :math:`\pi_S` 
 the same prior, spread evenly over the logarithms of its shapes. The curve as measured, which is no
 law, has at least the share `Thresholds.curve_share`.
 
-The named family has the most *evidence* (`stickslip.identify.evidence`); those whose odds against
-it are less than `Thresholds.odds` are *not told apart* from it. On
-dense records everything is significant: there the name is that of the family whose held-out error
-is the least when each parameter has to save a share of it (`Thresholds.material`).
+The named family has the most *evidence* (`stickslip.identify.evidence`); those against which the
+odds are less than `Thresholds.odds` are *not told apart* from it. On dense records everything is
+significant: there the evidence is the logarithm of the held-out error, when each parameter has to
+save a share of it (`Thresholds.material`), times the number of blocks.
 """
 
 import math
@@ -75,23 +75,21 @@ def compare(search: Search) -> Comparison:
     laws = np.array([problem.is_law(one) for one in structures])
     priors = priors_of(search.regression, structures)
     shares = stacked_shares(scores, priors)
-    shares = _with_likelihood(search, shares, priors)
+    if problem.independent:
+        shares = _with_likelihood(search, shares, priors)
     curve_share = float(shares[~laws].sum())
     shares = with_curve(shares, laws)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
         best_of.setdefault(families[i], int(i))
     top = min(best_of.values())
-    if not problem.independent:
-        error = np.log(np.sqrt(losses.mean(axis=1)) + 1e-300)
-        price = search.regression.price
-        value = {i: round(error[i] + price * problem.parameters(structures[i]), 9)
-                 for i in np.flatnonzero(laws).tolist()}  # fmt: skip
-        named = min(value, key=lambda i: (value[i], problem.rank(structures[i]), i))
-        best_of[families[named]] = named
-    evidence = evidence_of(search.regression, structures, best_of)
     if problem.independent:
-        named = min(evidence, key=lambda i: (-round(evidence[i], DIGITS), i))
+        evidence = evidence_of(search.regression, structures, best_of)
+    else:
+        evidence = _material_evidence(search, losses, best_of)
+    named = min(
+        evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
+    )
     least = evidence[named] - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
     curve = int(np.flatnonzero(~laws)[0])
@@ -127,6 +125,25 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
     z = -0.5 * count * (scores @ draws.T) + np.log(priors)[:, None]
     e = np.exp(z - z.max(axis=0))
     return np.asarray((e / e.sum(axis=0)).mean(axis=1))
+
+
+def _material_evidence(
+    search: Search, losses: Array, best_of: Mapping[Family, int]
+) -> dict[int, float]:
+    """Return the evidence of families whose rows are dense, by the place of their best structures.
+
+    It is less the logarithm of the held-out error for each block, each parameter at its price.
+    """
+    problem, price, blocks = search.problem, search.regression.price, losses.shape[1]
+    error = 0.5 * np.log(losses.mean(axis=1) + LEAST**2)
+    count = np.array([problem.parameters(one) for one in search.structures])
+    value = -blocks * (error + price * count)
+    places: dict[Family, int] = {}
+    for i in np.argsort(-np.round(value, DIGITS), kind="stable").tolist():
+        family = problem.family(search.structures[i])
+        if family in best_of:
+            places.setdefault(family, i)
+    return {i: float(value[i]) for i in places.values()}
 
 
 def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:

@@ -172,18 +172,15 @@ class BlockRegression:
     def _marginal(self, columns: NDArray[np.intp]) -> Array:
         """Return the logarithms of the marginal likelihoods of columns (s, k)."""
         problem = self.problem
-        # rows of a stretch are not independent: each stretch counts once
-        rows = len(problem.response)
-        count = rows if problem.independent else int(problem.stretches.max()) + 1
-        part = count / rows
+        count = len(problem.response)
         weighted = self.weights * problem.response
         spread = float(np.sqrt(np.mean(problem.response**2))) + NOTHING
         penalty = self._penalty[columns]
         t = np.where(penalty > 0.0, 1.0 / np.sqrt(penalty + NOTHING), spread)
-        gram = part * self._total[columns[:, :, None], columns[:, None, :]]
+        gram = self._total[columns[:, :, None], columns[:, None, :]]
         values, vectors = np.linalg.eigh(gram * t[:, :, None] * t[:, None, :])
-        z = np.einsum("skl,sk->sl", vectors, part * t * self._moment[columns])
-        squared = part * float(weighted @ weighted)
+        z = np.einsum("skl,sk->sl", vectors, t * self._moment[columns])
+        squared = float(weighted @ weighted)
 
         def log(scales: Array) -> Array:
             """Return the logarithm of the likelihood at scales of the noise (s, g)."""
