@@ -20,7 +20,7 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import read_data
-from stickslip.kinds.joints.wording import error_text
+from stickslip.kinds.records import error_text
 
 
 @pytest.fixture

@@ -91,7 +91,13 @@ def compare(search: Search) -> Comparison:
         evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
     )
     least = evidence[named] - math.log(THRESHOLDS.odds)
-    near = {i for i, e in evidence.items() if e >= least}
+    parts = set(families[named])
+    # on dense rows a term that is not needed costs little: a law with more is no rival
+    near = {
+        i
+        for i, e in evidence.items()
+        if e >= least and (problem.independent or i == named or not parts < set(families[i]))
+    }
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
         structures=structures,
