@@ -91,13 +91,16 @@ def compare(search: Search) -> Comparison:
         evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
     )
     least = evidence[named] - math.log(THRESHOLDS.odds)
-    parts = set(families[named])
-    # on dense rows a term that is not needed costs little: a law with more is no rival
-    near = {
-        i
-        for i, e in evidence.items()
-        if e >= least and (problem.independent or i == named or not parts < set(families[i]))
-    }
+    near = {i for i, e in evidence.items() if e >= least}
+    if not problem.independent:
+        # terms that are not needed cost little on dense rows: laws with more are no rivals
+        parts, count = set(families[named]), problem.parameters(structures[named])
+        near = {
+            i
+            for i in near
+            if i == named
+            or (problem.parameters(structures[i]) <= count and not parts < set(families[i]))
+        }
     curve = int(np.flatnonzero(~laws)[0])
     return Comparison(
         structures=structures,
