@@ -236,7 +236,8 @@ JUDGED = (
     (130, 220, "Weights from what the most\nevident family leaves", False),
     (430, 40, "Scores bounded by block; shares by\nbootstrap and likelihood;\n"
      "the measured curve has a tenth", False),
-    (430, 145, "Named: the family with the most\nevidence; not told apart: odds\nof less than 50", False),
+    (430, 145, "Named: the family with the most\nevidence; not told apart: odds\n"
+     "of less than 50", False),
     (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
      True),
     (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),

@@ -26,21 +26,8 @@ def refuse_wrong_signs(
 ) -> None:
     """Refuse records whose force has the other sign, or one that changes.
 
-    Parameters
-    ----------
-    rows : Along
-        Signals at the rows.
-    response : array (n,)
-        Their balance [N].
-    stretches : array (n,)
-        Number of the stretch of each.
-    inertia : bool
-        Whether the inertia is not known.
-
-    Raises
-    ------
-    InputError
-        Where the sign is wrong, with the cure.
+    Taken are signals at the rows, their balance (n,) [N], the number of the stretch of each (n,),
+    and whether the inertia is not known.
     """
     direction = rows.seen(rows.direction * rows.load)
     speed = rows.seen(rows.velocity)
