@@ -237,7 +237,7 @@ JUDGED = (
     (430, 40, "Scores bounded by block; shares by\nbootstrap and likelihood;\n"
      "the measured curve has a tenth", False),
     (430, 145, "Named: the family with the most\nevidence; not told apart: odds\n"
-     "of less than 50", False),
+     "of less than 100", False),
     (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
      True),
     (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),

@@ -14,8 +14,8 @@ import numpy as np
 
 from stickslip.identify.problem import Array
 
-HALF = 0.4
-"""Expected width over today's at which enough is measured: what is then measured is .5."""
+HALF = 0.35
+"""Expected width over today's at which enough is measured: .4 is then measured in the median."""
 MOST = 4
 """Readings that are proposed at most, over those that were taken."""
 

@@ -46,6 +46,8 @@ SCALES = np.geomspace(3e-4, 1.0, 30)
 """Scales of the noise over the size of the response, for the marginal likelihood."""
 SLOPES = (0.5, 1.0)
 """Powers of the force or the speed with which the scatter may grow."""
+FEW = 2.0
+"""Degrees of freedom from which residuals of independent rows tell the noise."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -282,8 +284,11 @@ class BlockRegression:
         )
         root = None
         if problem.independent:
-            freedom = max(len(y) - float(np.trace(inverse @ gram)) - shaped, 2.0)
+            spare = len(y) - float(np.trace(inverse @ gram)) - shaped
+            freedom = max(spare, FEW)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
+            if spare < FEW:  # a fit through all rows says nothing of their noise
+                variance = max(variance, float(np.mean((w * self.held_out(structure)) ** 2)))
             covariance = inverse * variance
         else:
             count = int(problem.stretches.max()) + 1

@@ -45,7 +45,7 @@ class Thresholds:
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
     unknown: float = 2.0
     """Evidence that a sum of terms costs which is no law that the field uses (study: names)."""
-    odds: float = 50.0
+    odds: float = 100.0
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
