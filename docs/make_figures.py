@@ -177,8 +177,8 @@ def report() -> None:
         lines = textwrap.wrap(verdict.sentence, 88)
         figure.text(0.02, 0.96, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
         lines = textwrap.wrap(verdict.words.lede, 150)
-        figure.text(0.02, 0.84, "\n".join(lines), fontsize=9, color=MUTED, va="top")
-        verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.6)))
+        figure.text(0.02, 0.89, "\n".join(lines), fontsize=9, color=MUTED, va="top")
+        verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.54)))
         for k, one in enumerate(verdict.intervals):
             figure.text(0.65, 0.66 - 0.09 * k, str(one), fontsize=11, color=INK, va="top")
         figure.text(
