@@ -1,8 +1,6 @@
 """Records of measured friction with a faulty force channel: what does a selection say of them?
 
 ``python -m benchmarks.force_maps --numbers 0 30``; results are appended to a file line by line.
-With ``--route explain`` the force balance alone is asked, without a fit, in seconds a record;
-else what a user is told is judged, see `benchmarks.whole_verdicts`.
 
 Each record is made up: a law, a motion, sampling, noise, and one of these: nothing else, a delay of
 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20 to 60 % of the level, a

@@ -3,8 +3,7 @@
 ``python -m benchmarks.structures --seed 11`` makes a record of each of 24 structures, 12 faults and
 8 further truths, explains it, and predicts the friction of a second one (the next seed). With
 ``--names cv1 f_gap1`` it does so for some, with ``--rule E`` by another rule, and with ``--stress``
-for seven truths at low rates, with small motions, a coarse encoder and noise. ``--route select``
-judges what a user is told of them instead, see `benchmarks.whole_verdicts`.
+for seven truths at low rates, with small motions, a coarse encoder and noise.
 
 A structure is right if it holds the terms of the truth and no others. It is equal if its friction
 on the second record is as near the truth as that of the true structure: within 15 %, or within

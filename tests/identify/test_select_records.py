@@ -165,6 +165,8 @@ def test_presliding_is_a_memory_of_the_way():
 def test_only_laws_that_were_named_are_compared():
     record = moved(Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0))
     assert "memory" in select(AXIS, ["dahl", "coulomb"], record).family
+    both = select(AXIS, ["direction-dependent"], moved(SIDES))
+    assert both.closest.name.startswith("direction-dependent")
     plain = select(AXIS, ["coulomb", "coulomb-viscous"], moved(SIDES))
     assert plain.best is None  # a curve over the speed predicts better than both
     assert plain.closest.name.startswith("coulomb-viscous")

@@ -56,6 +56,14 @@ def test_the_band_holds_the_true_curve(name):
     found = select(AXIS, None, table(curve, seed=3)).band(v)
     inside = (found.low <= curve(v)) & (curve(v) <= found.high)
     assert np.mean(inside) >= 0.9
+
+
+def test_a_second_table_of_other_friction_is_said_to_differ():
+    other = table(stribeck, np.geomspace(0.02, 0.8, 20), seed=9)
+    faulty = Measurement(velocity=other.velocity, friction=1.3 * np.asarray(other.friction))
+    verdict = select(AXIS, None, table(stribeck), validate=faulty)
+    assert verdict.inside < 0.5
+    assert any("differs by more" in line for line in verdict.words.cannot_tell)
     # a curve through 20 readings is about as uncertain as one of them, of four times its noise
     assert np.median(found.high - found.low) < 2.0 * 4.0 * 0.02
 
@@ -222,14 +230,15 @@ def test_too_few_readings_are_refused():
         select(AXIS, None, few)
 
 
-def test_a_second_table_of_the_same_friction_lies_in_the_band(verdict):
-    other = table(stribeck, np.geomspace(0.02, 0.8, 20), seed=9)
-    found = select(AXIS, None, table(stribeck), validate=other)
-    assert found.inside >= 0.85
-    faulty = Measurement(velocity=other.velocity, friction=1.3 * np.asarray(other.friction))
-    said = select(AXIS, None, table(stribeck), validate=faulty)
-    assert said.inside < 0.5
-    assert any("differs by more" in line for line in said.words.cannot_tell)
+def test_second_tables_of_the_same_friction_lie_in_the_band():
+    v = np.geomspace(0.02, 0.8, 20)
+    inside = [
+        select(
+            AXIS, None, table(stribeck, seed=seed), validate=table(stribeck, v, seed=20 + seed)
+        ).inside
+        for seed in range(6)
+    ]
+    assert np.mean(inside) >= 0.9
 
 
 def test_samples_are_laws_whose_spread_is_that_of_the_band(verdict):
@@ -292,10 +301,26 @@ def test_a_static_level_below_the_kinetic_one_of_its_direction_is_no_law():
 
 
 def test_a_law_with_bristles_is_refused_where_no_displacement_was_measured():
-    with pytest.raises(InputError, match="does not tell its memory: give friction and position"):
+    with pytest.raises(InputError, match="tells the memory of Dahl alone, and only in time"):
         select(AXIS, ["coulomb", "lugre"], table(stribeck))
 
 
 def test_a_law_that_is_no_sum_of_parts_is_refused_with_what_can_be_compared():
     with pytest.raises(InputError, match=r"no sum of parts.* Compared can be level, viscous"):
         families_of([SimpleNamespace(title="Own", composition=None)], ["level", "viscous"])
+
+
+@pytest.mark.parametrize("height", [0.3, 1.0])
+def test_a_peak_over_several_speeds_is_friction_and_no_outlier(height):
+    v = np.geomspace(0.01, 1.0, 20)
+    peak = 2.0 + height * np.exp(-(((np.log(v) + 2.3) / 0.35) ** 2))
+    noise = 0.02 * np.random.default_rng(1).normal(size=20)
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=peak + noise))
+    band = verdict.band(v)
+    assert np.mean((band.low <= peak) & (peak <= band.high)) >= 0.9
+
+
+def test_bands_of_higher_levels_are_wider(verdict):
+    bands = [verdict.band([0.3], level=level) for level in (0.5, 0.9, 0.95, 0.96, 0.99)]
+    widths = [float(band.high[0] - band.low[0]) for band in bands]
+    assert widths == sorted(widths)

@@ -33,7 +33,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "init": ("stickslip init record.csv", "stickslip init record.csv --columns force=Kanal3"),
     "select": (
         "stickslip select rig.toml",
-        "stickslip select rig.toml --laws coulomb,stribeck --workers 2 -o report",
+        "stickslip select rig.toml --laws coulomb,stribeck -o report",
     ),
     "fit": ("stickslip fit rig.toml --law stribeck -o law.toml",),
     "check": ("stickslip check rig.toml", "stickslip check record.csv --columns position=q"),

@@ -168,11 +168,14 @@ def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:
 def with_curve(shares: Array, laws: Mask) -> Array:
     """Return shares of which the measured curves have at least `Thresholds.curve_share`."""
     least = THRESHOLDS.curve_share
-    own = float(shares[~laws].sum())
-    if own >= least:
+    curves = float(shares[~laws].sum())
+    if curves >= least:
         return shares
-    times = np.where(laws, (1.0 - least) / max(1.0 - own, LEAST), least / max(own, LEAST**2))
-    return np.asarray(shares * times)
+    found = np.where(laws, shares * (1.0 - least) / max(float(shares[laws].sum()), LEAST), 0.0)
+    first = np.flatnonzero(~laws)[0]  # structures are in the order of their scores
+    found[~laws] = least * shares[~laws] / curves if curves > LEAST else 0.0
+    found[first] += 1.0 - found.sum()
+    return np.asarray(found)
 
 
 def family_members(comparison: Comparison, family: Family) -> Mapping[Structure, float]:

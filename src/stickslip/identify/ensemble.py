@@ -7,7 +7,6 @@ the quantiles of the drawn curves: point by point, or widened until that share o
 inside all along.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,6 +24,10 @@ REDRAWN = 20
 """Draws for each that is wanted, of which those that are physics are kept."""
 LEAST_KEPT = 0.005
 """Part of them that has to be physics."""
+
+
+USUAL = 0.95
+"""Level of bands from which they are widened."""
 
 
 @final
@@ -216,9 +219,11 @@ def _root(covariance: Array) -> Array:
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
     """Return quantiles of curves (d, n): point by point, or so that they hold all along.
 
-    The quantiles of 95 % are those of `Thresholds.level`; others are as they are said.
+    The quantiles of 95 % are those of `Thresholds.level`, higher ones as much nearer to 1; lower
+    ones are as they are said.
     """
-    level = THRESHOLDS.level if math.isclose(level, 0.95) else level
+    if level >= USUAL - 1e-9:  # wider, as what no draw holds is the more, the rarer
+        level = 1.0 - (1.0 - level) * (1.0 - THRESHOLDS.level) / (1.0 - USUAL)
     low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
     if all_along:
         above = (curves - median) / (high - median + 1e-300)

@@ -337,8 +337,8 @@ def noise_weights(
     """Return weights (n,) by the scatter of what a structure leaves, and standardised residuals.
 
     The scatter is constant, or a power of what it may grow with where odds are that it does. Rows
-    beyond `Thresholds.outlier` standard deviations lose weight. The mean square of weighted
-    residuals is 1.
+    beyond `Thresholds.outlier` standard deviations lose weight, single ones where rows are
+    independent. The mean square of weighted residuals is 1.
     """
     problem = regression.problem
     held_out = regression.held_out(structure)
@@ -360,6 +360,9 @@ def noise_weights(
     typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
     robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
+    if problem.independent:
+        side = np.sign((problem.response - fitted) * problem.response)
+        robust[_beside_another(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))] = 1.0
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
     rank = min(problem.parameters(structure), len(e) - 2)
@@ -367,6 +370,19 @@ def noise_weights(
     # a fit without residuals still has the rounding of its numbers
     least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
     return weights / math.sqrt(float(e @ e) / count + least + NOTHING), z
+
+
+def _beside_another(side: Array, speeds: Array) -> NDArray[np.intp]:
+    """Return the outliers whose neighbour in speed is off to the same side: these are friction.
+
+    Examples
+    --------
+    >>> _beside_another(np.array([1.0, 0.0, 1.0, -1.0]), np.array([1.0, 2.0, 1.1, 3.0])).tolist()
+    [0, 2]
+    """
+    order = np.argsort(speeds, kind="stable")
+    alike = np.flatnonzero((side[order][1:] == side[order][:-1]) & (side[order][1:] != 0.0))
+    return np.unique(np.concatenate([order[alike], order[alike + 1]]))
 
 
 def noise_at(regression: BlockRegression, rows: Any) -> Array:

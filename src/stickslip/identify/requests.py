@@ -68,7 +68,7 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     if unknown:
         memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
         why = (
-            "does not tell its memory: give friction and position in time"
+            "tells the memory of Dahl alone, and only in time: use stickslip.fit for its parameters"
             if memory
             else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
         )

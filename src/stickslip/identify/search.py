@@ -18,6 +18,8 @@ from typing import final
 
 import numpy as np
 
+from stickslip.errors import InputError
+from stickslip.formatting import joined
 from stickslip.identify.evidence import evidence_of
 from stickslip.identify.problem import Array, Column, Family, Problem, Shape, Structure
 from stickslip.identify.regression import BlockRegression, noise_weights
@@ -57,8 +59,6 @@ class Search:
             )
         )
         self._orders: dict[Structure, tuple[float, int, Structure]] = {}
-        self.residual = np.zeros(len(problem.response))
-        """Held-out residuals over their scale (n,), before rows lose weight."""
 
     def run(self) -> "Search":
         """Search with weights that follow from the best structure before; return itself."""
@@ -74,7 +74,7 @@ class Search:
         for k in range(THRESHOLDS.weighings):
             last = weights
             # errors of a curve between the readings are no scatter
-            weights, self.residual = noise_weights(regression if k else first, best, even=k == 0)
+            weights, _ = noise_weights(regression if k else first, best, even=k == 0)
             if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
                 break
             regression.weigh(weights)
@@ -177,6 +177,12 @@ class Search:
             self._compare(problem.only, ())
             front = sorted((one for one in self.structures if problem.allowed(one)),
                            key=self._order)[: THRESHOLDS.beam]  # fmt: skip
+            if not front:
+                laws = joined([" + ".join(family) for family in problem.only])
+                raise InputError(
+                    f"this measurement cannot tell the parameters of {laws}: measure more, or"
+                    " compare other laws."
+                )
         else:
             terms = problem.terms
             usual = [

@@ -34,7 +34,7 @@ def select_table(
     *,
     laws: Any = None,
     validate: Measurement | None = None,
-    route: str = "force-map",
+    route: str = "table",
 ) -> BandVerdict:
     """Judge a table of friction: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate)
@@ -122,8 +122,9 @@ def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
     """Compare only laws of some families, with a memory or without as each says."""
     own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
     problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
+    laws = [frozenset(name for name in one if problem.terms[name].role == "law") for one in own]
     problem.remembering = {
-        (frozenset(one), one != family) for one, family in zip(own, families, strict=True)
+        (law, one != family) for law, one, family in zip(laws, own, families, strict=True)
     }
 
 
@@ -152,7 +153,13 @@ def _judged(
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
     if laws is not None:
-        only_laws(problem, families_of(laws, [*problem.terms, *REMEMBERED]))
+        known = [
+            name
+            for name, term in problem.terms.items()
+            # without a memory, a level that differs by direction is an offset
+            if name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes)
+        ]
+        only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
     judgement = Judgement.of(problem)
     if not problem.records[0].unknown:  # no observer has the forces of other parameters
         judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())

@@ -245,10 +245,12 @@ class RecordsProblem(Problem):
 
     @override
     def scales(self, fitted: Array) -> Sequence[Array]:
-        """Return the speed, with which noise grows, or the root of the energy."""
+        """Return the speed, with which noise grows or falls, or the root of the energy."""
         if self.free:
             return [np.sqrt(self.rows.energy)] if self.free == "work" else []
-        return [np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)]
+        # what is badly known about a turn stands out at low speeds
+        speed = np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)
+        return [speed, 1.0 / speed]
 
     @override
     def physical(self, structure: Structure, coefficients: Array) -> Mask:
