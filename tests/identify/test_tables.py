@@ -318,6 +318,7 @@ def test_a_peak_over_several_speeds_is_friction_and_no_outlier(height):
     verdict = select(AXIS, None, Measurement(velocity=v, friction=peak + noise))
     band = verdict.band(v)
     assert np.mean((band.low <= peak) & (peak <= band.high)) >= 0.9
+    assert not any("standard deviations from" in line for line in verdict.words.cannot_tell)
 
 
 def test_bands_of_higher_levels_are_wider(verdict):

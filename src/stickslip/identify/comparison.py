@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy.special import softmax
 
 from stickslip.identify.evidence import evidence_of, price_of, priors_of
 from stickslip.identify.problem import Array, Family, Mask, Structure
@@ -132,8 +133,7 @@ def stacked_shares(scores: Array, priors: Array) -> Array:
     count = scores.shape[1]
     draws = np.random.default_rng(1).dirichlet(np.ones(count), THRESHOLDS.draws)
     z = -0.5 * count * (scores @ draws.T) + np.log(priors)[:, None]
-    e = np.exp(z - z.max(axis=0))
-    return np.asarray((e / e.sum(axis=0)).mean(axis=1))
+    return np.asarray(softmax(z, axis=0).mean(axis=1))
 
 
 def _material_evidence(
@@ -158,11 +158,9 @@ def _material_evidence(
 def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:
     """Return the geometric means of shares (s,) and posterior probabilities, in sum 1."""
     problem, structures = search.problem, search.structures
-    log = search.regression.marginal(structures) + np.log(priors)
-    log -= np.array([price_of(problem, one) for one in structures])
-    mean = 0.5 * (np.log(shares + LEAST) + log)
-    both = np.exp(mean - mean.max())
-    return np.asarray(both / both.sum())
+    prices = np.array([price_of(problem, structure) for structure in structures])
+    log = search.regression.marginal(structures) + np.log(priors) - prices
+    return np.asarray(softmax(0.5 * (np.log(shares + LEAST) + log)))
 
 
 def with_curve(shares: Array, laws: Mask) -> Array:

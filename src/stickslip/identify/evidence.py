@@ -8,8 +8,7 @@ terms that no usual law is,
 .. math:: E = \log \int p(y | \theta)\, \pi(\theta)\, d\theta - 0.25\,\mathrm{rank}\;[-\,2].
 
 Held-out losses judge how a law predicts what was not measured; the likelihood of all rows tells
-few rows apart better (of 144 tables with a law, it named it or one as good on .88, the sum of
-held-out scores on .85).
+few rows apart better (decision 0143).
 """
 
 import math
@@ -31,12 +30,11 @@ def evidence_of(
     members: dict[Family, list[int]] = {family: [] for family in best_of}
     for i, structure in enumerate(structures):
         members.get(problem.family(structure), []).append(i)
-    laws = [i for own in members.values() for i in own]
-    log = dict(zip(laws, regression.marginal([structures[i] for i in laws]), strict=True))
     prior = np.log(priors_of(regression, structures))
     evidence = {}
     for family, own in members.items():
-        each = np.array([log[i] for i in own]) + prior[own] - float(logsumexp(prior[own]))
+        log = regression.marginal([structures[i] for i in own])
+        each = log + prior[own] - float(logsumexp(prior[own]))
         evidence[best_of[family]] = float(logsumexp(each)) - price_of(problem, structures[own[0]])
     return evidence
 

@@ -94,7 +94,9 @@ def forces_along(
     """
     if len(mechanism.coordinates) > 1:
         if unknown:
-            raise InputError(_refusal(unknown))
+            names = joined([path.removeprefix("mechanism.") for path in unknown])
+            why = "`select` finds no parameters of a mechanism with inner bodies"
+            raise InputError(f"vary: {why}, got {names}: give the values, or use `fit` of one law.")
         inner, none = pushed(mechanism, record, x, v), np.zeros_like(x)
         recorded = bool(command_of(record))
         return Forces(

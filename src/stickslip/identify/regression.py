@@ -63,6 +63,7 @@ class BlockRegression:
         self.weights = np.ones(len(problem.response))
         self.price = 0.0
         """What a parameter costs, as a share of the held-out error."""
+        self._marginals: dict[Structure, float] = {}
         self._at: dict[Column, NDArray[np.intp]] = {}
         self._size = np.zeros(0)
         self._precision = np.zeros(0)
@@ -93,6 +94,7 @@ class BlockRegression:
     def weigh(self, weights: Array) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices."""
         self.weights, self.losses_of, self._weighed = weights, {}, True
+        self._marginals.clear()
         y = self.problem.response * weights
         self.price = self.problem.price(float(np.sqrt(np.mean(y**2))))
         self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
@@ -159,17 +161,19 @@ class BlockRegression:
             self.losses_of[structure] = losses[:, i] if physical else np.full(len(losses), math.inf)
 
     def marginal(self, structures: Sequence[Structure]) -> Array:
-        """Return the logarithms of the marginal likelihoods of structures (s,)."""
-        by_size: dict[int, list[int]] = {}
-        for i, structure in enumerate(structures):
-            by_size.setdefault(len(self.index(structure)), []).append(i)
-        found = np.empty(len(structures))
-        for size, own in by_size.items():
-            for start in range(0, len(own), TOGETHER):
-                part = own[start : start + TOGETHER]
-                columns = np.array([self.index(structures[i]) for i in part], dtype=np.intp)
-                found[part] = self._marginal(columns.reshape(len(part), size))
-        return found
+        """Return the logarithms of the marginal likelihoods of structures (s,), each made once."""
+        known = self._marginals
+        by_size: dict[int, list[Structure]] = {}
+        for structure in structures:
+            if structure not in known:
+                by_size.setdefault(len(self.index(structure)), []).append(structure)
+        for size, group in by_size.items():
+            for start in range(0, len(group), TOGETHER):
+                part = group[start : start + TOGETHER]
+                columns = np.array([self.index(structure) for structure in part], dtype=np.intp)
+                values = self._marginal(columns.reshape(len(part), size))
+                known.update(zip(part, values.tolist(), strict=True))
+        return np.array([known[structure] for structure in structures])
 
     def _marginal(self, columns: NDArray[np.intp]) -> Array:
         """Return the logarithms of the marginal likelihoods of columns (s, k)."""
@@ -194,8 +198,7 @@ class BlockRegression:
                 - 0.5 * np.maximum(squares, 0.0) / scales**2
             )
 
-        size = spread * float(np.median(self.weights))
-        coarse = np.tile(SCALES * size, (len(columns), 1))
+        coarse = np.tile(SCALES * spread * float(np.median(self.weights)), (len(columns), 1))
         # many rows tell the scale to less than a step of the grid
         peak = np.take_along_axis(coarse, log(coarse).argmax(axis=1)[:, None], axis=1)
         step = SCALES[1] / SCALES[0]
@@ -359,10 +362,11 @@ def noise_weights(
     u = residual / deviation
     typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
-    robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
-    if problem.independent:
+    if problem.independent:  # what lies off together is friction, and keeps its weight
         side = np.sign((problem.response - fitted) * problem.response)
-        robust[_beside_another(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))] = 1.0
+        together = _beside_another(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))
+        z[together] = THRESHOLDS.outlier
+    robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
     rank = min(problem.parameters(structure), len(e) - 2)

@@ -104,18 +104,11 @@ class Search:
         found = [one for one, losses in known.items() if math.isfinite(losses[0])]
         return sorted(found, key=self._order)
 
-    def scores(self, structure: Structure) -> Array:
-        """Return the scores of a structure by block (b,)."""
-        return block_scores(self.regression.losses_of[structure])
-
-    def mean_score(self, structure: Structure) -> float:
-        """Return the mean score of a structure."""
-        return float(np.mean(self.scores(structure)))
-
     def _order(self, structure: Structure) -> tuple[float, int, Structure]:
         key = self._orders.get(structure)
         if key is None:
-            score = round(self.mean_score(structure), DIGITS)
+            losses = self.regression.losses_of[structure]
+            score = round(float(np.mean(block_scores(losses))), DIGITS)
             key = self._orders[structure] = (score, self.problem.parameters(structure), structure)
         return key
 
