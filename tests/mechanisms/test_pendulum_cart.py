@@ -479,7 +479,7 @@ def test_every_number_of_every_profile_varies_alike_in_ensembles_and_in_single_r
     "profile",
     [
         SplineSwing(positions=(-0.5, 0.9, 0.5, -0.2), duration=0.6),
-        SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0),
+        SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, return_rate=5.0),
     ],
     ids=["spline", "seven-step"],
 )

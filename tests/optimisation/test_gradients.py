@@ -14,7 +14,8 @@ LAW = Coulomb(kinetic_coefficient=0.2)
 LIMITS = Limits(position=1.0, rate=12.0, effort=2.0)
 POINTS = {
     "three-phase": [0.7, 0.55, 0.42],
-    "seven-step": [0.7, 0.55, 0.42, 0.8, 0.1],
+    "three-accelerations": [0.7, 0.55, 0.42, 0.5],
+    "seven-step": [0.7, 0.55, 0.42, 0.8, 0.7, 0.1],
     # a sine swing brings nothing on a level road; what it brings in the first cycles moves all
     "sine": [0.7, 0.9],
 }
@@ -36,7 +37,7 @@ def by_differences(problem, space, u, read):
     return np.array(columns)
 
 
-@pytest.mark.parametrize("kind", ["three-phase", "seven-step"])
+@pytest.mark.parametrize("kind", ["three-phase", "three-accelerations", "seven-step"])
 @pytest.mark.parametrize("goal", ["travel", "speed"])
 def test_goal_gradients_from_sensitivities_are_those_of_differences(cart, kind, goal):
     problem, space = problem_of(cart, goal), space_of(kind, LIMITS, 12)

@@ -325,6 +325,10 @@ Rate = Annotated[
     str,
     typer.Option("--rate", help='Largest angular velocity or speed, e.g. "12 rad/s" or "0.5 m/s".'),
 ]
+Acceleration = Annotated[
+    str | None,
+    typer.Option("--acceleration", help='Largest acceleration of the inner body, e.g. "50 m/s^2".'),
+]
 Effort = Annotated[
     str | None,
     typer.Option("--torque", "--force-limit", help='Largest torque or force, e.g. "0.6 N m".'),
@@ -337,6 +341,10 @@ LoadShare = Annotated[
 ]
 BackSlip = Annotated[
     str | None, typer.Option("--back-slip", help='Largest back-slip per cycle, e.g. "1 mm".')
+]
+Energy = Annotated[
+    str | None,
+    typer.Option("--energy", help='Largest work of the motor per travel, e.g. "2 J/m".'),
 ]
 Interval = Annotated[
     list[str] | None,
@@ -702,9 +710,11 @@ class ProfileOptions:
     rate: Rate
     angle: Angle = None
     stroke: Stroke = None
+    acceleration: Acceleration = None
     effort: Effort = None
     load_share: LoadShare = "0 %"
     back_slip: BackSlip = None
+    energy: Energy = None
     goal: Goal = "travel"
     kind: Kind = "spline"
     law: Law = None

@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 
 OPTIONS = {
     "rate": "--rate",
+    "acceleration": "--acceleration",
     "effort": "--torque",
     "load_share": "--load-share",
     "back_slip": "--back-slip",
+    "energy": "--energy",
 }
 """Options by limit."""
 FILES = {"rig.toml", "profile.svg", "optimum.json"}

@@ -69,6 +69,7 @@ class SevenStep(_SevenStep):  # type: ignore[misc]  # final but for this
         slow: _Given,
         top_rate: _Given,
         pause: _Given = ...,
+        return_rate: _Given | None = ...,
     ) -> None: ...
 
 @final

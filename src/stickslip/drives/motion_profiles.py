@@ -296,8 +296,10 @@ class SevenStep(Stepped):
 
     Forwards it accelerates fast, cruises at the top rate and brakes slowly; backwards it
     accelerates slowly, cruises and brakes fast; then it pauses. Without the pause these are six
-    steps, and with a top rate that is just reached they are the three phases. The steps are ours:
-    profiles of that name in the literature differ.
+    steps, and with a top rate that is just reached they are the three phases. With a `return_rate`
+    it comes back at another rate: with equal and large accelerations that is a two-phase motion,
+    whose relative speed is constant both ways. The steps are ours: profiles of
+    that name in the literature differ.
 
     Examples
     --------
@@ -313,32 +315,44 @@ class SevenStep(Stepped):
     slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0, or_unit="m/s^2")]
     """Size of the small acceleration."""
     top_rate: Annotated[float, Quantity("Omega", "rad/s", above=0, or_unit="m/s")]
-    """Rate of the cruise."""
+    """Rate of the cruise forwards, and backwards where no other is given."""
     pause: Annotated[float, Quantity("t_p", "s", low=0)] = 0.0
     """How long it rests at the end of a cycle."""
+    return_rate: Annotated[float, Quantity("Omega_r", "rad/s", above=0, or_unit="m/s")] | None = (
+        None
+    )
+    """Rate of the cruise backwards; the top rate if not given."""
 
     @override
     def __post_init__(self) -> None:
-        """Check that the top rate is reached."""
+        """Check that the rates are reached."""
         super().__post_init__()
-        if self._cruise < 0.0:
-            most = math.sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
-            raise ParameterError(
-                f"SevenStep.top_rate (Omega) must be at most {number(most, 4)} rad/s, the rate"
-                f" that the accelerations reach, got {number(self.top_rate, 6)}."
-            )
+        for name, symbol, rate in zip(
+            ("top_rate", "return_rate"), ("Omega", "Omega_r"), self.cruising_rates, strict=True
+        ):
+            if self._cruise(rate) < 0.0:
+                most = math.sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
+                raise ParameterError(
+                    f"SevenStep.{name} ({symbol}) must be at most {number(most, 4)} rad/s, the"
+                    f" rate that the accelerations reach, got {number(rate, 6)}."
+                )
 
     @property
-    def _cruise(self) -> float:
-        """Duration of a cruise [s]."""
-        ramps = 0.5 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
-        return 2.0 * self.amplitude / self.top_rate - ramps
+    def cruising_rates(self) -> tuple[float, float]:
+        """Rates of the cruise forwards and backwards."""
+        return self.top_rate, self.top_rate if self.return_rate is None else self.return_rate
+
+    def _cruise(self, rate: float) -> float:
+        """Return the duration of a cruise at a rate [s]."""
+        ramps = 0.5 * rate * (1.0 / self.fast + 1.0 / self.slow)
+        return 2.0 * self.amplitude / rate - ramps
 
     @property
     @override
     def period(self) -> float:
-        ramps = 2.0 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
-        return 2.0 * self._cruise + ramps + self.pause
+        ramps = 1.0 / self.fast + 1.0 / self.slow
+        ways = [self._cruise(rate) + rate * ramps for rate in self.cruising_rates]
+        return ways[0] + ways[1] + self.pause
 
     @property
     @override
@@ -347,8 +361,10 @@ class SevenStep(Stepped):
 
     @override
     def cycle(self) -> tuple[Piece, ...]:
-        rise, fall = self.top_rate / self.fast, self.top_rate / self.slow
-        times = (rise, self._cruise, fall, fall, self._cruise, rise, self.pause)
+        there, back = self.cruising_rates
+        forwards = (there / self.fast, self._cruise(there), there / self.slow)
+        backwards = (back / self.slow, self._cruise(back), back / self.fast)
+        times = (*forwards, *backwards, self.pause)
         signs = (self.fast, 0.0, -self.slow, -self.slow, 0.0, self.fast, 0.0)
         return _steps(times, signs)
 

@@ -10,15 +10,18 @@ HOMES = {
     "Limits": "problem",
     "Margin": "problem",
     "Optimum": "result",
+    "ParetoFront": "pareto",
     "Scenarios": "scenarios",
     "ScoredMotion": "problem",
     "guide_of": "cycle_metrics",
     "measure": "cycle_metrics",
     "optimise_profile": "optimise",
+    "pareto_front": "pareto",
     "units_of_limits": "cycle_metrics",
 }
 
 INSIDE = {
+    "COSTS": "pareto",
     "GoalName": "problem",
     "KindName": "parametrisation",
     "load_shares": "cycle_metrics",

@@ -11,6 +11,9 @@ from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_lim
 from stickslip.optimisation.optimise import optimise_profile as optimise_profile
 from stickslip.optimisation.parametrisation import KINDS as KINDS
 from stickslip.optimisation.parametrisation import KindName as KindName
+from stickslip.optimisation.pareto import COSTS as COSTS
+from stickslip.optimisation.pareto import ParetoFront as ParetoFront
+from stickslip.optimisation.pareto import pareto_front as pareto_front
 from stickslip.optimisation.problem import GOALS as GOALS
 from stickslip.optimisation.problem import Goal as Goal
 from stickslip.optimisation.problem import GoalName as GoalName
@@ -29,9 +32,11 @@ class Limits(_Limits):  # type: ignore[misc]  # final but for this
         *,
         position: _Given,
         rate: _Given,
+        acceleration: _Given | None = ...,
         effort: _Given | None = ...,
         load_share: _Given = ...,
         back_slip: _Given | None = ...,
+        energy: _Given | None = ...,
     ) -> None: ...
 
 __all__ = [
@@ -42,10 +47,12 @@ __all__ = [
     "Limits",
     "Margin",
     "Optimum",
+    "ParetoFront",
     "Scenarios",
     "ScoredMotion",
     "guide_of",
     "measure",
     "optimise_profile",
+    "pareto_front",
     "units_of_limits",
 ]

@@ -71,6 +71,8 @@ class Cycle(metaclass=Described):
     """Largest distance of the inner body from its middle [rad] or [m]."""
     rate: float
     """Largest speed of it [rad/s] or [m/s]."""
+    acceleration: float
+    """Largest acceleration of it [rad/s^2] or [m/s^2]."""
     effort: float
     """Largest torque [N m] or force [N]."""
     load_share: float
@@ -80,6 +82,11 @@ class Cycle(metaclass=Described):
     peaks: Mapping[str, Array] = field(default_factory=dict, repr=False)
     """Extremes of each stretch of the motion, both ways, by the name of the limit: where a motion
     has several of about one size, each changes smoothly and their largest does not."""
+
+    @property
+    def energy(self) -> float:
+        """Positive work of the motor over the travel [J/m]; infinite where there is none."""
+        return self.work / self.travel if self.travel > 0.0 else math.inf
 
 
 def motor_of(mechanism: Mechanism) -> str:
@@ -146,9 +153,11 @@ def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
     return {
         "position": unit,
         "rate": f"{unit}/s",
+        "acceleration": f"{unit}/s^2",
         "effort": mechanism.guided()[coordinate].unit,
         "load_share": "1",
         "back_slip": "m",
+        "energy": "J/m",
     }
 
 
@@ -243,6 +252,7 @@ def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
         work=math.nan,
         position=math.nan,
         rate=math.nan,
+        acceleration=math.nan,
         effort=math.nan,
         load_share=math.nan,
         back_slip=math.nan,
@@ -277,7 +287,7 @@ def _measured(
     columns = _columns(mechanism, seen)
     stretches = _stretches(profile, nodes, float(begin))
     extremes = _extremes(run, nodes, columns, mechanism)
-    x = seen[slip]
+    x, accelerations = seen[slip], _accelerations(profile)
     return Cycle(
         run=run,
         begin=float(begin),
@@ -289,9 +299,11 @@ def _measured(
         peaks={
             name: _peaks(column, stretches, extremes[name], both=name != "load_share")
             for name, column in columns.items()
-        },
+        }
+        | {"acceleration": accelerations},
         position=extremes["position"],
         rate=extremes["rate"],
+        acceleration=float(accelerations.max()),
         effort=extremes["effort"],
         load_share=extremes["load_share"],
     )
@@ -341,6 +353,19 @@ def _stretches(profile: Profile, nodes: Array, begin: float) -> list[slice]:
     return [
         slice(min(a, most), max(b, min(a, most) + 1)) for a, b in zip(firsts, lasts, strict=True)
     ]
+
+
+def _accelerations(profile: Profile) -> Array:
+    """Return the largest acceleration of each piece of a cycle, or of a motion without pieces."""
+    smooth = max(abs(float(bound)) for bound in profile.smooth_bound())
+    pieces = profile.pieces(0.0)
+    if not pieces:
+        return np.array([smooth])
+    starts = np.array([float(piece.start) for piece in pieces])
+    widths = np.diff([*starts, float(profile.period)])
+    first = np.array([float(piece.value) for piece in pieces])
+    last = first + widths * np.array([float(piece.slope) for piece in pieces])
+    return np.asarray(np.maximum(np.abs(first), np.abs(last)) + smooth)
 
 
 def _peaks(column: Array, stretches: list[slice], extreme: float, *, both: bool) -> Array:

@@ -170,7 +170,7 @@ class _Steps:
     def _left_of(self, cycle: Cycle) -> Array:
         parts = [np.array([SPARE[-1] if cycle.repeats else -FAILED])]
         for name, allowed in self.problem.limits.given().items():
-            reached = cycle.peaks.get(name, np.array([cycle.back_slip]))
+            reached = cycle.peaks.get(name, np.array([getattr(cycle, name)]))
             left = reached - allowed if name == "load_share" else allowed - reached
             parts.append(left / (1.0 if name == "load_share" else allowed or UNIT_OF_BACK_SLIP))
         return np.concatenate(parts)

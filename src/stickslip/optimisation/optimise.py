@@ -73,8 +73,10 @@ def optimise_profile(
         What the motion may take.
     goal : {"travel", "speed", "economy"}
         Travel per cycle [m], mean speed [m/s], or travel per positive work of the motor [m/J].
-    kind : {"three-phase", "seven-step", "sine", "spline"}
-        Kind of motion; ``"sine-swing"`` and ``"spline-swing"``, as in rig files, will do too.
+    kind : {"three-phase", "three-accelerations", "seven-step", "sine", "spline"}
+        Kind of motion; that of ``"three-accelerations"`` is a three-phase motion whose last phase
+        need not be like the first. ``"timed-three-phase"``, ``"sine-swing"`` and
+        ``"spline-swing"``, as in rig files, will do too.
     interval : mapping, optional
         Lowest and highest value of parameters by path, such as
         ``{"friction.kinetic_coefficient": (0.15, 0.25)}``: the goal is the worst case, and the
@@ -92,7 +94,8 @@ def optimise_profile(
         Motions that the evolution strategy tries, rounded up to whole generations. The polish comes
         on top: of the start, and of the ends of the best two laps, each time by at most six times
         as many motions, or 80 (n + 1) if that is more, for the slopes by the n numbers of a motion
-        (3 of a three-phase, 5 of a seven-step and 2 of a sine motion, knots + 1 of a spline).
+        (3 of a three-phase, 4 of three accelerations, 6 of a seven-step and 2 of a sine
+        motion, knots + 1 of a spline).
         Another kind than ``"three-phase"`` takes all this for both kinds. `Optimum.evaluations` is
         the number of all that were tried.
     seed : int

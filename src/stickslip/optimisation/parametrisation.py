@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, final
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.drives import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.drives import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase, TimedThreePhase
 from stickslip.errors import InputError, ParameterError
 from stickslip.optimisation.problem import Limits
 from stickslip.quantities import fields_of, named
@@ -69,11 +69,28 @@ class Space(ABC):
         """Return a point moved into the cube."""
         return np.asarray(np.clip(np.array(u), 0.0, 1.0))
 
+    @final
+    def amplitude(self, u: float) -> float:
+        """Return the amplitude at a number from 0 to 1."""
+        return (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u) * self.limits.position
+
+    @final
+    def share(self, profile: ThreePhase | TimedThreePhase | SevenStep | SineSwing) -> float:
+        """Return the number that stands for the amplitude of a profile."""
+        share = profile.amplitude / self.limits.position
+        return (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE)
+
+    @final
+    def placed(self, sizes: Sequence[float]) -> list[float]:
+        """Return the numbers that stand for accelerations."""
+        return [_placed(*self.accelerations, size) for size in sizes]
+
     @property
     def accelerations(self) -> tuple[float, float]:
         """Least and largest acceleration."""
         unit = self.limits.rate**2 / (2.0 * self.limits.position)
-        return SLOWEST * unit, FASTEST * unit
+        largest = self.limits.acceleration or FASTEST * unit
+        return min(SLOWEST * unit, SLOWEST * largest), largest
 
 
 def _numbers(profile: Profile) -> dict[str, float]:
@@ -95,27 +112,13 @@ class ThreePhases(Space):
     @override
     def profile(self, u: Array) -> ThreePhase:
         outer, middle = (_between(*self.accelerations, x) for x in u[1:])
-        share = LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]
-        return ThreePhase(
-            amplitude=share * self.limits.position,
-            fast=max(outer, middle),
-            slow=min(outer, middle),
-            first="fast" if outer >= middle else "slow",
-        )
+        return _three_phases(self.amplitude(u[0]), outer, middle)
 
     @override
     def place(self, profile: Profile) -> Array | None:
         if not isinstance(profile, ThreePhase) or profile.last is not None:
             return None
-        share = profile.amplitude / self.limits.position
-        outer, middle, _ = profile.accelerations
-        return self.inside(
-            [
-                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
-                _placed(*self.accelerations, outer),
-                _placed(*self.accelerations, middle),
-            ]
-        )
+        return self.inside([self.share(profile), *self.placed(profile.accelerations[:2])])
 
     @override
     def paths(self, u: Array) -> Mapping[str, float]:
@@ -123,27 +126,68 @@ class ThreePhases(Space):
 
 
 @final
+class ThreeAccelerations(Space):
+    """Amplitude and the accelerations of three phases, each its own."""
+
+    kind: ClassVar[str] = "three-accelerations"
+
+    @property
+    @override
+    def size(self) -> int:
+        return 4
+
+    @override
+    def profile(self, u: Array) -> ThreePhase:
+        first, middle, last = (_between(*self.accelerations, x) for x in u[1:])
+        return _three_phases(self.amplitude(u[0]), first, middle, last)
+
+    @override
+    def place(self, profile: Profile) -> Array | None:
+        if not isinstance(profile, ThreePhase | TimedThreePhase):
+            return None
+        return self.inside([self.share(profile), *self.placed(profile.accelerations)])
+
+    @override
+    def paths(self, u: Array) -> Mapping[str, float]:
+        return _numbers(self.profile(u))
+
+
+def _three_phases(
+    amplitude: float, first: float, middle: float, last: float | None = None
+) -> ThreePhase:
+    return ThreePhase(
+        amplitude=amplitude,
+        fast=max(first, middle),
+        slow=min(first, middle),
+        first="fast" if first >= middle else "slow",
+        last=last,
+    )
+
+
+@final
 class SevenSteps(Space):
-    """Amplitude, two accelerations, top rate over the one that can be reached, and a pause."""
+    """Amplitude, two accelerations, rates both ways over the one that is reached, and a pause."""
 
     kind: ClassVar[str] = "seven-step"
 
     @property
     @override
     def size(self) -> int:
-        return 5
+        return 6
 
     @override
     def profile(self, u: Array) -> SevenStep:
         fast, slow = (_between(*self.accelerations, x) for x in u[1:3])
-        amplitude = (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]) * self.limits.position
-        share = LEAST_SHARE + (1.0 - LEAST_SHARE) * u[3]
+        amplitude = self.amplitude(u[0])
+        most = min(_reachable(amplitude, fast, slow), self.limits.rate)
+        there, back = (most * (LEAST_SHARE + (1.0 - LEAST_SHARE) * x) for x in u[3:5])
         return SevenStep(
             amplitude=amplitude,
             fast=fast,
             slow=slow,
-            top_rate=share * min(_reachable(amplitude, fast, slow), self.limits.rate),
-            pause=u[4] * self._longest_pause,
+            top_rate=there,
+            return_rate=back,
+            pause=u[5] * self._longest_pause,
         )
 
     @property
@@ -152,21 +196,20 @@ class SevenSteps(Space):
 
     @override
     def place(self, profile: Profile) -> Array | None:
-        if isinstance(profile, ThreePhase) and profile.last is None:
+        if isinstance(profile, ThreePhase):  # begins with its first two accelerations both ways
             fast, slow, _ = profile.accelerations
-            top, pause = profile.peak_rate, 0.0
+            rates, pause = (profile.peak_rate, profile.peak_rate), 0.0
         elif isinstance(profile, SevenStep):
-            fast, slow, top, pause = profile.fast, profile.slow, profile.top_rate, profile.pause
+            fast, slow, rates = profile.fast, profile.slow, profile.cruising_rates
+            pause = profile.pause
         else:
             return None
         most = min(_reachable(profile.amplitude, fast, slow), self.limits.rate)
-        share = profile.amplitude / self.limits.position
         return self.inside(
             [
-                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
-                _placed(*self.accelerations, fast),
-                _placed(*self.accelerations, slow),
-                (top / most - LEAST_SHARE) / (1.0 - LEAST_SHARE),
+                self.share(profile),
+                *self.placed((fast, slow)),
+                *((rate / most - LEAST_SHARE) / (1.0 - LEAST_SHARE) for rate in rates),
                 pause / self._longest_pause,
             ]
         )
@@ -194,7 +237,7 @@ class Sines(Space):
 
     @override
     def profile(self, u: Array) -> SineSwing:
-        amplitude = (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]) * self.limits.position
+        amplitude = self.amplitude(u[0])
         rate = _between(LEAST_SHARE, 1.0, u[1]) * self.limits.rate
         return SineSwing(amplitude=amplitude, frequency=rate / (2.0 * math.pi * amplitude))
 
@@ -202,11 +245,10 @@ class Sines(Space):
     def place(self, profile: Profile) -> Array | None:
         if not isinstance(profile, SineSwing):
             return None
-        share = profile.amplitude / self.limits.position
         rate = 2.0 * math.pi * profile.frequency * profile.amplitude / self.limits.rate
         return self.inside(
             [
-                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
+                self.share(profile),
                 _placed(LEAST_SHARE, 1.0, rate),
             ]
         )
@@ -257,14 +299,25 @@ class Splines(Space):
 
 
 KindName: TypeAlias = Literal[
-    "three-phase", "seven-step", "sine", "spline", "sine-swing", "spline-swing"
+    "three-phase",
+    "three-accelerations",
+    "seven-step",
+    "sine",
+    "spline",
+    "timed-three-phase",
+    "sine-swing",
+    "spline-swing",
 ]
 """The names that searches take: those of `KINDS` and of `TYPES`."""
 KINDS: Mapping[str, type[Space]] = {
-    space.kind: space for space in (ThreePhases, SevenSteps, Sines, Splines)
+    space.kind: space for space in (ThreePhases, ThreeAccelerations, SevenSteps, Sines, Splines)
 }
 """The kinds of motion by name."""
-TYPES: Mapping[str, str] = {"sine-swing": Sines.kind, "spline-swing": Splines.kind}
+TYPES: Mapping[str, str] = {
+    "sine-swing": Sines.kind,
+    "spline-swing": Splines.kind,
+    "timed-three-phase": ThreeAccelerations.kind,
+}
 """The names that kinds have as the ``type`` of a profile in a rig file, where they differ."""
 
 

@@ -41,12 +41,16 @@ class Limits(Parametrised):
         Largest distance of the inner body from its middle: angle [rad] or half a stroke [m].
     rate : float
         Largest speed of it [rad/s] or [m/s].
+    acceleration : float, optional
+        Largest acceleration of it [rad/s^2] or [m/s^2].
     effort : float, optional
         Largest torque [N m] or force [N].
     load_share : float
         Least normal force over the weight. At 0 the run itself ends where the body lifts off.
     back_slip : float, optional
         Longest way that the body slips back in a cycle [m].
+    energy : float, optional
+        Largest positive work of the motor over the travel [J/m].
 
     Examples
     --------
@@ -57,9 +61,11 @@ class Limits(Parametrised):
 
     position: Annotated[float, Quantity("q_max", above=0)]
     rate: Annotated[float, Quantity("w_max", above=0)]
+    acceleration: Annotated[float, Quantity("a_max", above=0)] | None = None
     effort: Annotated[float, Quantity("tau_max", above=0)] | None = None
     load_share: Annotated[float, Quantity("n_min", low=0, high=1)] = 0.0
     back_slip: Annotated[float, Quantity("s_back", "m", low=0)] | None = None
+    energy: Annotated[float, Quantity("E_max", "J/m", above=0)] | None = None
 
     def given(self) -> dict[str, float]:
         """Return the limits that hold by name.

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
-from stickslip.drives import Profile
+from stickslip.drives import Profile, ThreePhase
 from stickslip.experiments import rig_toml
 from stickslip.formatting import number, with_unit
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
-from stickslip.optimisation.parametrisation import kind_of
+from stickslip.optimisation.parametrisation import ThreeAccelerations, kind_of
 from stickslip.optimisation.problem import Goal, Limits, Margin, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.tables import Tabular
@@ -71,6 +71,8 @@ class Optimum(Tabular):
     @property
     def kind(self) -> str:
         """Its kind: another than `searched` where no such motion exceeds the one it began from."""
+        if isinstance(self.profile, ThreePhase) and self.profile.last is not None:
+            return ThreeAccelerations.kind
         return kind_of(profile_values(self.profile)["type"])
 
     @property
@@ -207,7 +209,8 @@ def _margin(margin: Margin) -> dict[str, Any]:
 
 
 def _cycle(cycle: Cycle) -> dict[str, float]:
-    names = ("period", "travel", "work", "position", "rate", "effort", "load_share", "back_slip")
+    motion = ("period", "travel", "work", "energy", "position", "rate", "acceleration")
+    names = (*motion, "effort", "load_share", "back_slip")
     return {name: getattr(cycle, name) for name in names}
 
 

@@ -62,6 +62,7 @@ HOMES = {
     "plot_fit": "selection.fits",
     "plot_friction_map": "selection.fits",
     "plot_friction_velocity": "runs.run",
+    "plot_front": "runs.profiles",
     "plot_joints": "selection.fits",
     "plot_law": "laws.curves",
     "plot_limit_cycle": "runs.limit_cycles",

@@ -93,6 +93,7 @@ from stickslip.plots.runs.motion import MotionView as MotionView
 from stickslip.plots.runs.motion import draw_motion as draw_motion
 from stickslip.plots.runs.profiles import PROFILE_SIZES as PROFILE_SIZES
 from stickslip.plots.runs.profiles import draw_profile as draw_profile
+from stickslip.plots.runs.profiles import plot_front as plot_front
 from stickslip.plots.runs.profiles import plot_profile as plot_profile
 from stickslip.plots.runs.run import FORCE_SIZES as FORCE_SIZES
 from stickslip.plots.runs.run import FRICTION_SIZES as FRICTION_SIZES
@@ -205,6 +206,7 @@ __all__ = [
     "plot_fit",
     "plot_friction_map",
     "plot_friction_velocity",
+    "plot_front",
     "plot_joints",
     "plot_law",
     "plot_limit_cycle",

@@ -8,14 +8,23 @@ from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
 from stickslip.mechanisms import static_normal_forces
-from stickslip.optimisation import Cycle, Optimum, guide_of, load_shares, slip_of_body
+from stickslip.optimisation import (
+    COSTS,
+    Cycle,
+    Optimum,
+    ParetoFront,
+    guide_of,
+    load_shares,
+    slip_of_body,
+)
 from stickslip.plots.core.arguments import check_type
-from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
+from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, INK, MUTED, label_at
 
 PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
+FRONT_SIZE: Final = (560, 340)
 
 SAMPLES: Final = 1200
 DEGREES: Final = 180.0 / np.pi
@@ -175,3 +184,39 @@ def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
     """
     check_type("optimum", optimum, Optimum)
     return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
+
+
+def draw_front(front: ParetoFront) -> Draw:
+    """Return a drawing of the mean speed of each motion of a front against its cost."""
+    scale, unit = scale_of(front.costs, COSTS[front.cost])
+    factor, speed_unit = scale_of(front.speeds, "m/s")
+    title = {"energy": "work of the motor per travel", "back_slip": "back-slip per cycle"}
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001  # one panel fits both
+        axes = figure.add_subplot()
+        axes.plot(scale * front.costs, factor * front.speeds, color=C1, marker="o", linewidth=1.0)
+        axes.set_xlabel(f"{title[front.cost]}, {unit}")
+        axes.set_ylabel(f"mean speed, {speed_unit}")
+        axes.set_ylim(bottom=0.0)
+        axes.grid(axis="y")
+
+    return draw
+
+
+def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
+    """Plot the mean speed of each motion of a front against its cost.
+
+    Parameters
+    ----------
+    front : ParetoFront
+        What `pareto_front` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    Axes
+        Motions as points, the fastest at the right.
+    """
+    check_type("front", front, ParetoFront)
+    return on_axes(draw_front(front), ax, FRONT_SIZE)
