@@ -43,6 +43,7 @@ HOMES = {
     "RobotJoint": "robot",
     "Rotor": "clutch_train",
     "SampledLoop": "electric_motor",
+    "SoftStop": "capsule",
     "Stop": "base",
     "Torque": "actuators",
     "VelocityLoop": "electric_motor",

@@ -29,6 +29,7 @@ from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
 from stickslip.mechanisms.capsule import Capsule as _Capsule
+from stickslip.mechanisms.capsule import SoftStop as _SoftStop
 from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
 from stickslip.mechanisms.clutch_train import Rotor as _Rotor
 from stickslip.mechanisms.contacts import checked_contacts as checked_contacts
@@ -132,6 +133,8 @@ class BlockChain(_BlockChain):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
+    lower_soft_stop: SoftStop | None = ...
+    upper_soft_stop: SoftStop | None = ...
     def __init__(
         self,
         *,
@@ -145,6 +148,9 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
         restitution: _Given | None = ...,
+        lower_soft_stop: _SoftStop | None = ...,
+        upper_soft_stop: _SoftStop | None = ...,
+        drive_on: _Literal['both', 'inner mass'] = ...,
     ) -> None: ...
 
 @final
@@ -358,6 +364,18 @@ class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class SoftStop(_SoftStop):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        place: _Given,
+        stiffness: _Given,
+        damping: _Given = ...,
+        sticks: bool = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class SpringBlock(_SpringBlock):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
@@ -493,6 +511,7 @@ __all__ = [
     "Rotor",
     "SampledLoop",
     "SerialArm",
+    "SoftStop",
     "SpringBlock",
     "Stop",
     "Torque",

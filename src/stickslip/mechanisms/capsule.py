@@ -1,15 +1,16 @@
 """A capsule that an inner mass drives."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
+from stickslip.drives import Drive, Sine
 from stickslip.errors import ParameterError
-from stickslip.maths import Scalar, sin
-from stickslip.mechanisms.actuators import IDLE, Motor
+from stickslip.maths import Scalar, sin, where
+from stickslip.mechanisms.actuators import IDLE, Motor, Prescribed, Torque
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
@@ -20,7 +21,46 @@ from stickslip.mechanisms.base import (
     height,
     stops_between,
 )
-from stickslip.quantities import Quantity
+from stickslip.quantities import Parametrised, Quantity
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SoftStop(Parametrised):
+    """An elastic stop: a spring and a damper that the inner mass meets at a place.
+
+    It pushes the mass away with ``k d + c d'`` while it is pressed in by `d`. It does not pull:
+    where the damper would, the mass leaves it early, unless it `sticks`, as in models whose damper
+    acts for as long as the spring is pressed in.
+
+    Examples
+    --------
+    >>> SoftStop(place=2e-3, stiffness=5000.0).damping
+    0.0
+    """
+
+    place: Annotated[float, Quantity("xi_s", "m")]
+    """Place of the inner mass where it meets the stop."""
+    stiffness: Annotated[float, Quantity("k_s", "N/m", above=0)]
+    """Its spring."""
+    damping: Annotated[float, Quantity("c_s", "N s/m", low=0)] = 0.0
+    """Its damper."""
+    sticks: bool = False
+    """Whether its damper may pull."""
+
+    def energy(self, xi: Scalar, side: int, events: tuple[str, str]) -> Scalar:
+        """Return the potential energy [J] of a stop above (side 1) or below (-1) the mass."""
+        depth = side * (xi - self.place)
+        return where(depth > 0.0, 0.5 * self.stiffness * depth * depth, 0.0, events)
+
+    def damper_force(self, xi: Scalar, rate: Scalar, side: int, events: tuple[str, str]) -> Scalar:
+        """Return the force [N] on the inner mass beside that of the spring."""
+        depth, speed = side * (xi - self.place), side * rate
+        pull = self.damping * speed
+        if not self.sticks:
+            pressed = self.stiffness * depth
+            pull = where(pressed + pull > 0.0, pull, -pressed)
+        return -side * where(depth > 0.0, pull, 0.0, events)
 
 
 @final
@@ -28,10 +68,11 @@ from stickslip.quantities import Quantity
 class Capsule(BoundedMechanism):
     """A capsule on rough ground with a mass inside that moves along it.
 
-    The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it,
-    and a force between the two drives it, or its motion is prescribed. With stops it strikes the
-    capsule, as in vibro-impact capsules, and bounces; a run in which a force would hold it there
-    ends early (`Status.HELD`). On an incline both are pulled towards negative x.
+    The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it. A
+    force between the two drives it, or one from outside on the mass alone, as that of magnets, or
+    its motion is prescribed. With stops, hard or soft, it strikes the capsule, as in vibro-impact
+    capsules; at a hard one it bounces, and a run in which a force would hold it there ends early
+    (`Status.HELD`). On an incline both are pulled towards negative x.
 
     Examples
     --------
@@ -72,6 +113,13 @@ class Capsule(BoundedMechanism):
     restitution: Annotated[float, Quantity("e", low=0, high=1)] | None = None
     """Relative speed after an impact over the speed before; 0 if nothing bounces. Stops need it."""
 
+    lower_soft_stop: SoftStop | None = None
+    """Elastic stop below; none if not given."""
+    upper_soft_stop: SoftStop | None = None
+    """Elastic stop above; none if not given."""
+    drive_on: Literal["both", "inner mass"] = "both"
+    """Where a force drives it: between the two, or from outside on the inner mass alone."""
+
     @override
     def __post_init__(self) -> None:
         """Check the parameters; no restitution suits all stops, and with 0 most runs end early."""
@@ -82,7 +130,114 @@ class Capsule(BoundedMechanism):
                 " such as 0.6, got None: with 0 nothing bounces, and a run ends where a force"
                 " presses the inner mass against its stop."
             )
+        if self.drive_on not in ("both", "inner mass"):
+            raise ParameterError(
+                f"Capsule.drive_on must be 'both' or 'inner mass', got {self.drive_on!r}."
+            )
+        if self.drive_on == "inner mass" and isinstance(self.drive, Prescribed):
+            raise ParameterError(
+                "Capsule.drive_on is 'inner mass', but the drive prescribes the motion between"
+                " both: give Torque(drive=...), or drive_on='both'."
+            )
         super().__post_init__()
+
+    @classmethod
+    def dimensionless(
+        cls,
+        *,
+        alpha: float,
+        beta: float,
+        gamma: float,
+        delta: float,
+        xi: float,
+        omega: float,
+        coefficient: float,
+        drive_on: Literal["both", "inner mass"] = "inner mass",
+    ) -> "Capsule":
+        """Return a vibro-impact capsule by its dimensionless numbers.
+
+        Inner mass and spring are 1 kg and 1 N/m and the sliding friction is 1 N, so that times,
+        places and velocities of its runs are dimensionless. The soft stop is above and has no
+        damper; the force is ``alpha cos(omega t)``.
+
+        Parameters
+        ----------
+        alpha : float
+            Amplitude of the force over the sliding friction.
+        beta : float
+            Stiffness of the soft stop over that of the spring.
+        gamma : float
+            Mass of the capsule over the inner mass.
+        delta : float
+            Gap of the soft stop, times the stiffness of the spring, over the sliding friction.
+        xi : float
+            Damping ratio ``c / (2 sqrt(k m))`` of the inner mass.
+        omega : float
+            Angular frequency of the force over ``sqrt(k / m)``.
+        coefficient : float
+            Coefficient of sliding friction of the law that runs will take; gravity is such that
+            its friction is 1 N.
+        drive_on : {"inner mass", "both"}
+            Where the force acts.
+
+        Returns
+        -------
+        Capsule
+            The capsule.
+
+        References
+        ----------
+        Y. Liu, M. Wiercigroch, E. Pavlovskaia, H. Yu, Modelling of a vibro-impact capsule system,
+        Int. J. Mech. Sci. 66 (2013) 2-11.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, simulate
+        >>> capsule = Capsule.dimensionless(
+        ...     alpha=1.6, beta=15.0, gamma=5.0, delta=0.02, xi=0.05, omega=0.95, coefficient=0.3
+        ... )
+        >>> numbers = capsule.dimensionless_numbers(coefficient=0.3)
+        >>> round(numbers["beta"], 12), round(numbers["delta"], 12)
+        (15.0, 0.02)
+        """
+        drive = Sine(amplitude=alpha, frequency=omega / (2.0 * math.pi), phase=0.5 * math.pi)
+        return cls(
+            capsule_mass=gamma,
+            inner_mass=1.0,
+            stiffness=1.0,
+            damping=2.0 * xi,
+            gravity=1.0 / (coefficient * (1.0 + gamma)),
+            drive=Torque(drive=drive),
+            drive_on=drive_on,
+            upper_soft_stop=SoftStop(place=delta, stiffness=beta),
+        )
+
+    def dimensionless_numbers(self, coefficient: float) -> dict[str, float]:
+        """Return the dimensionless numbers of the capsule with a coefficient of sliding friction.
+
+        Those of a force that is no `Sine`, or of a soft stop that is not there, are left out; see
+        `dimensionless`.
+
+        Examples
+        --------
+        >>> capsule = Capsule(capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03)
+        >>> {name: round(one, 6) for name, one in capsule.dimensionless_numbers(0.2).items()}
+        {'gamma': 4.0, 'xi': 0.013693}
+        """
+        friction = coefficient * self.gravity * (self.capsule_mass + self.inner_mass)
+        natural = math.sqrt(self.stiffness / self.inner_mass)
+        found = {
+            "gamma": self.capsule_mass / self.inner_mass,
+            "xi": 0.5 * self.damping / (self.inner_mass * natural),
+        }
+        drive = self.drive.drive if isinstance(self.drive, Torque) else None
+        if isinstance(drive, Sine):
+            found["alpha"] = drive.amplitude / friction
+            found["omega"] = 2.0 * math.pi * drive.frequency / natural
+        if self.upper_soft_stop is not None:
+            found["beta"] = self.upper_soft_stop.stiffness / self.stiffness
+            found["delta"] = self.upper_soft_stop.place * self.stiffness / friction
+        return found
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -95,7 +250,19 @@ class Capsule(BoundedMechanism):
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         capsule = self.capsule_mass * height(self.incline, q["x"], q["y"])
         inner = self.inner_mass * height(self.incline, q["x"] + q["xi"], q["y"])
-        return self.gravity * (capsule + inner) + 0.5 * self.stiffness * q["xi"] * q["xi"]
+        springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
+        for stop, side, events in self._soft_stops():
+            springs = springs + stop.energy(q["xi"], side, events)
+        return self.gravity * (capsule + inner) + springs
+
+    def _soft_stops(self) -> list[tuple[SoftStop, int, tuple[str, str]]]:
+        """Return the soft stops with their sides and the names of their events."""
+        sides = ((self.lower_soft_stop, -1, "lower"), (self.upper_soft_stop, 1, "upper"))
+        return [
+            (stop, side, (f"meets {name} soft stop", f"leaves {name} soft stop"))
+            for stop, side, name in sides
+            if stop is not None
+        ]
 
     @override
     def forces(
@@ -105,7 +272,11 @@ class Capsule(BoundedMechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"xi": self.drive.force(drives) - self.damping * q_dot["xi"]}
+        drive = self.drive.force(drives)
+        between = drive - self.damping * q_dot["xi"]
+        for stop, side, events in self._soft_stops():
+            between = between + stop.damper_force(q["xi"], q_dot["xi"], side, events)
+        return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

@@ -549,6 +549,8 @@ def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
     """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
     places = [float(np.abs(run["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
+    soft = ((mechanism.lower_soft_stop, -1.0), (mechanism.upper_soft_stop, 1.0))
+    places += [abs(stop.place) for stop, _ in soft if stop is not None]
     reach = max(places) or 0.1
     inner = 0.7 * reach
     post = 0.35 * inner
@@ -575,6 +577,12 @@ def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
                 found.append(
                     Box(left=start, bottom=bottom, width=post, height=0.28 * tall, fill="solid")
                 )
+        for elastic, side in soft:
+            if elastic is None:
+                continue
+            touched = side * max(side * elastic.place, side * now["xi"]) + side * 0.5 * inner
+            ends = (x + touched, 0.25 * tall), (x + side * half, 0.25 * tall)
+            found.append(Coil(start=ends[0], end=ends[1], radius=0.1 * tall, turns=4))
         box = Box(left=face, bottom=0.15 * tall, width=inner, height=0.7 * tall)
         effort = _effort(mechanism.drive, now, "force")
         found += [
