@@ -10,6 +10,7 @@ HOMES = {
     "Profile": "motion_profiles",
     "Pulse": "elementary",
     "Ramp": "elementary",
+    "Rotation": "motion_profiles",
     "Sampled": "elementary",
     "SampledSwing": "motion_profiles",
     "SevenStep": "motion_profiles",

@@ -15,6 +15,7 @@ from stickslip.drives.elementary import Sampled as Sampled
 from stickslip.drives.elementary import Sine as _Sine
 from stickslip.drives.elementary import Square as _Square
 from stickslip.drives.motion_profiles import Profile as Profile
+from stickslip.drives.motion_profiles import Rotation as _Rotation
 from stickslip.drives.motion_profiles import SampledSwing as _SampledSwing
 from stickslip.drives.motion_profiles import SevenStep as _SevenStep
 from stickslip.drives.motion_profiles import SineSwing as _SineSwing
@@ -40,6 +41,16 @@ class Pulse(_Pulse):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Ramp(_Ramp):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        rate: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Rotation(_Rotation):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
         *,
@@ -151,6 +162,7 @@ __all__ = [
     "Profile",
     "Pulse",
     "Ramp",
+    "Rotation",
     "Sampled",
     "SampledSwing",
     "SevenStep",

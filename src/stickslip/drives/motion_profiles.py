@@ -371,6 +371,51 @@ class SevenStep(Stepped):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Rotation(Stepped):
+    """A turn at a constant rate, as of an unbalanced rotor.
+
+    Examples
+    --------
+    >>> turn = Rotation(rate=20.0)
+    >>> position, rate = turn.at(0.5 * turn.period)
+    >>> round(position, 9), rate
+    (3.141592654, 20.0)
+    """
+
+    rate: Annotated[float, Quantity("Omega", "rad/s")]
+    """Rate of the turn; negative the other way."""
+    start: Annotated[float, Quantity("theta_0", "rad")] = 0.0
+    """Angle at time 0."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that it turns."""
+        super().__post_init__()
+        if self.rate == 0.0:
+            raise ParameterError("Rotation.rate (Omega) must not be 0 rad/s: nothing would turn.")
+
+    @property
+    @override
+    def period(self) -> float:
+        return 2.0 * math.pi / abs(self.rate)
+
+    @property
+    @override
+    def start_position(self) -> float:
+        return self.start
+
+    @property
+    @override
+    def start_rate(self) -> float:
+        return self.rate
+
+    @override
+    def cycle(self) -> tuple[Piece, ...]:
+        return (Piece(0.0, 0.0, 0.0),)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class SineSwing(Profile):
     """A harmonic motion that begins at rest at minus the amplitude.
 

@@ -7,6 +7,7 @@ from stickslip.drives.base import Drive
 from stickslip.drives.elementary import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
 from stickslip.drives.motion_profiles import (
     Profile,
+    Rotation,
     SampledSwing,
     SevenStep,
     SineSwing,
@@ -32,6 +33,7 @@ Sums have no name of their own: a list of drives is their sum.
 
 PROFILES: Mapping[str, type[Profile]] = MappingProxyType(
     {
+        "rotation": Rotation,
         "sampled-swing": SampledSwing,
         "seven-step": SevenStep,
         "sine-swing": SineSwing,

@@ -20,6 +20,9 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.quantities import Quantity
 
+GROUND = "ground"
+"""Name of the drive that shakes the ground."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +87,9 @@ class PendulumCart(Mechanism):
     """Height of the pivot above the ground; it matters to tipping only."""
     centre_height: Annotated[float, Quantity("h_c", "m", low=0)] = 0.0
     """Height of the cart's centre of mass above the ground; it matters to tipping only."""
+    ground: Drive | None = None
+    """Acceleration of the ground along its normal [m/s^2], as of a vibrating pipe; rest if not
+    given."""
 
     @override
     def __post_init__(self) -> None:
@@ -128,7 +134,17 @@ class PendulumCart(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"theta": self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]}
+        pivot = self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]
+        if self.ground is None:
+            return {"theta": pivot}
+        shaken = self._shaken(q, drives)
+        normal = -(self.cart_mass + self.ball_mass) * drives[GROUND]
+        return {"theta": pivot + shaken, "y": normal} | dict.fromkeys(self.held(), shaken)
+
+    def _shaken(self, q: Mapping[str, Scalar], drives: Mapping[str, Scalar]) -> Scalar:
+        """Return the torque about the pivot of a ball that its ground carries along [N m]."""
+        angle = q["theta"] + q.get("tilt", 0.0)
+        return self.ball_mass * drives.get(GROUND, 0.0) * self.length * sin(angle)
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -158,12 +174,14 @@ class PendulumCart(Mechanism):
         if not self.guided():  # the torque of a prescribed motion follows from the motion
             wound = self.pivot_stiffness * (q["theta"] - self.pivot_angle)
             others = weight - wound - self.pivot_damping * q_dot["theta"]
+            others = others + self._shaken(q, drives)
             pivot = gear_inputs(self.pendulum.force(drives), others, **pivot)
         return {"wheels": wheels, "pivot": pivot}
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        return self.pendulum.drives()
+        ground = {} if self.ground is None else {GROUND: self.ground}
+        return {**self.pendulum.drives(), **ground}
 
     @override
     def start(self) -> Mapping[str, Scalar]:
