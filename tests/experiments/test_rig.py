@@ -33,6 +33,7 @@ from stickslip.drives import (
     PiecewiseLinear,
     Pulse,
     Ramp,
+    Rotation,
     Sampled,
     SampledSwing,
     SevenStep,
@@ -270,6 +271,7 @@ PROFILE_TABLES = {
             spacing=0.25,
         )
     ),
+    'type = "rotation"\nrate = "300 rpm"': (Rotation(rate=10.0 * math.pi)),
     'type = "seven-step"\namplitude = 0.8\nfast = 120\nslow = 30\ntop_rate = 6\npause = "20 ms"': (
         SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, pause=0.02)
     ),

@@ -249,6 +249,7 @@ class PendulumCart(_PendulumCart):  # type: ignore[misc]  # final but for this
         wheelbase: _Given | None = ...,
         pivot_height: _Given = ...,
         centre_height: _Given = ...,
+        ground: _Drive | None = ...,
     ) -> None: ...
 
 @final
