@@ -9,6 +9,7 @@ from stickslip import Axis, Measurement, Pendulum
 from stickslip.errors import InputError
 from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
+from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import (
     Filter,
     Record,
@@ -18,7 +19,7 @@ from stickslip.identify.kinds.record_signals import (
     noise_of,
     records_of,
 )
-from stickslip.identify.kinds.records import RecordsProblem, readings
+from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 
@@ -79,10 +80,11 @@ def test_the_band_holds_the_steady_curve():
 
 def test_the_band_holds_readings_of_a_second_record():
     problem, search, comparison, ensemble = judged()
+    judgement = Judgement(problem, search.regression, comparison, ensemble)
     other = problem.of([axis(seed=1)])
-    band = readings(ensemble, search.regression.held_out(comparison.best), other)
-    inside = np.mean((band.low <= other.response) & (other.response <= band.high))
-    assert inside > 0.93
+    for level, within in ((0.95, 0.04), (0.8, 0.07), (0.5, 0.1)):  # of some 300 rows that are alike
+        inside = judgement.inside(other.rows, other.response, level)
+        assert inside == pytest.approx(level, abs=within)
 
 
 def test_a_memory_is_named_with_its_length():

@@ -72,6 +72,8 @@ class Ensemble:
     """Whether the same measurement prepared otherwise counts, too."""
     learned: Learned | None = None
     """How far friction may be off in a way that no law knows."""
+    wider: float = 1.0
+    """Factor on the spread of coefficients, by what a second record differs."""
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
 
     @property
@@ -108,17 +110,17 @@ class Ensemble:
         self, structure: Structure, fit: Fitted, count: int, rng: np.random.Generator
     ) -> Array:
         """Return coefficients (count, p) that are physics; any, where hardly any are."""
-        found = fit.coefficients + student(fit, count, rng)
+        found = fit.coefficients + self.wider * student(fit, count, rng)
         kept = self.problem.physical(structure, found)
         if np.all(kept):
             return found
-        more = fit.coefficients + student(fit, REDRAWN * count, rng)
+        more = fit.coefficients + self.wider * student(fit, REDRAWN * count, rng)
         some = np.vstack([found[kept], more[self.problem.physical(structure, more)]])
         return np.resize(some, found.shape) if len(some) > LEAST_KEPT * len(more) else found
 
     @cached_property
-    def _twins(self) -> "list[_Twin]":
-        return [_Twin(one) for one in self.problem.twins] if self.twinned else []
+    def _twins(self) -> "list[Prepared]":
+        return [Prepared(one) for one in self.problem.twins] if self.twinned else []
 
     def predicted(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
         """Return what a structure with coefficients (p,) predicts at rows (n,)."""
@@ -171,8 +173,8 @@ class Ensemble:
 
 @final
 @dataclass(eq=False)
-class _Twin:
-    """The same measurement prepared otherwise: structures fitted with robust weights."""
+class Prepared:
+    """A measurement prepared otherwise, or another: structures fitted with robust weights."""
 
     problem: Problem
     _fits: dict[Structure, Fitted] = field(default_factory=dict)
@@ -182,6 +184,7 @@ class _Twin:
         return BlockRegression(self.problem)
 
     def fit(self, structure: Structure) -> Fitted:
+        """Return a structure fitted to all rows."""
         if structure not in self._fits:
             regression, weights = self._regression, np.ones(len(self.problem.response))
             regression.add(structure)

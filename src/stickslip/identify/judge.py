@@ -9,14 +9,14 @@ Every statement of a verdict is read from these; there are no further rules.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
 
 import numpy as np
 
 from stickslip.identify.comparison import Comparison, compare, family_members
-from stickslip.identify.ensemble import Draw, Ensemble, allotted
+from stickslip.identify.ensemble import Draw, Ensemble, Prepared, allotted
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
 from stickslip.identify.problem import Array, Problem, Structure
@@ -218,5 +218,27 @@ class Judgement:
         """Return draws of new readings at rows (d, n): curves and noise."""
         curves = self.ensemble.curves(rows)
         rng = np.random.default_rng(self.ensemble.seed + 3)
-        scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
-        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) / scale)
+        left = self.regression.held_out(self.named)
+        errors = self.problem.scatter(rows, left, curves.shape, rng)
+        if errors is None:
+            scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
+            errors = self.noise(rows) * rng.normal(size=curves.shape) / scale
+        return np.asarray(curves + errors)
+
+    def inside(self, rows: Any, response: Array, level: float = 0.95) -> float:
+        """Return the share of new readings (n,) at rows that lie in their band."""
+        low, high = np.quantile(self.readings(rows), (0.5 - 0.5 * level, 0.5 + 0.5 * level), axis=0)
+        return float(np.mean((response >= low) & (response <= high)))
+
+    def widened_by(self, other: Problem) -> "Judgement":
+        """Return the judgement with a band that holds what a second record differs by.
+
+        The named law is fitted to that record too. The spread of coefficients grows by the root
+        mean square of the difference of both curves over the standard deviation of the band.
+        """
+        rows, law = self.problem.asked(), self.estimated
+        curves = self.ensemble.curves(rows)
+        again = self.ensemble.predicted(law, Prepared(other).fit(law).coefficients, rows)
+        apart = (again - np.median(curves, axis=0)) / (np.std(curves, axis=0) + 1e-300)
+        times = float(np.sqrt(np.mean(apart**2)))
+        return replace(self, ensemble=replace(self.ensemble, wider=max(times, 1.0)))

@@ -181,6 +181,19 @@ class Problem(ABC):
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
 
+    def scatter(
+        self,
+        rows: Any,  # noqa: ARG002  # kinds with dense rows use these
+        left: Array,  # noqa: ARG002
+        shape: tuple[int, ...],  # noqa: ARG002
+        rng: np.random.Generator,  # noqa: ARG002
+    ) -> Array | None:
+        """Return errors of new rows (d, n), drawn from the held-out residuals `left` (m,).
+
+        None where there are too few of these: then the noise is normal, with a scale of its own.
+        """
+        return None
+
     def price(self, size: float) -> float:  # noqa: ARG002  # kinds with dense rows use it
         """Return the share of the held-out error that a parameter must save to be believed.
 

@@ -16,13 +16,13 @@ from stickslip.identify.ensemble import band_of
 from stickslip.identify.forces import load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
+from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import Family
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words, widened_sentence
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -60,10 +60,7 @@ def select_table(
     inside = math.nan
     if validate is not None:
         other = TableProblem.of(mechanism, validate)
-        low, high = np.quantile(
-            judgement.readings(problem.like(other.rows)), (0.025, 0.975), axis=0
-        )
-        inside = float(np.mean((other.response >= low) & (other.response <= high)))
+        inside = judgement.inside(problem.like(other.rows), other.response)
     ordered = speeds_in_order(problem.rows.velocity)
     return verdict_on(
         judgement,
@@ -90,8 +87,12 @@ def _is_held(measurement: Measurement) -> bool:
     return all(not goes_straight(one, "zero") for one in measurement.records())
 
 
-def _remarks(problem: RecordsProblem, validate: Measurement | None) -> tuple[str, ...]:
+def _remarks(
+    judgement: Judgement, problem: RecordsProblem, validate: Measurement | None
+) -> tuple[str, ...]:
     """Return what the number of records leaves to say."""
+    if judgement.ensemble.wider > 1.0:
+        return (widened_sentence(judgement.ensemble.wider),)
     if len(problem.records) > 1:
         return (DIFFER,) if problem.spread > SPREAD else ()
     return (OTHERS,) if validate is None else ()
@@ -193,16 +194,15 @@ def select_record(
         speed_unit=measurement.unit("velocity"),
     )
     steady = problem.asked()
-    band = band_of(judgement.ensemble.curves(steady))
     inside, count = math.nan, 0
     if validate is not None:
         again = with_gear(rig, validate)
         other = problem.of(
             records_of(mechanism, again, unknown=vary, offset=not held, held=first.held)
         )
-        found = readings(judgement.ensemble, judgement.regression.held_out(judgement.named), other)
-        inside = float(np.mean((other.response >= found.low) & (other.response <= found.high)))
+        inside = judgement.inside(other.rows, other.response)
         count = len(other.response)
+        judgement = judgement.widened_by(other)
     return verdict_on(
         judgement,
         mechanism,
@@ -210,7 +210,7 @@ def select_record(
         words,
         checks=checks,
         speeds=steady.velocity,
-        band=band,
+        band=band_of(judgement.ensemble.curves(steady)),
         proposal=Proposal(places=(), shrinks=1.0),
         places=(),
         place_text=(),
@@ -219,5 +219,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
+        remarks=(*map(str, outlying(far)), *_remarks(judgement, problem, validate)),
     )

@@ -271,6 +271,14 @@ DIFFER = (
 )
 
 
+def widened_sentence(times: float) -> str:
+    """Return what a second record that differs makes of the band."""
+    return (
+        "The second record differs by more than stretches of the first do: the band is"
+        f" {number(times, 2)} times as wide as the first record alone would make it."
+    )
+
+
 def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}

@@ -50,7 +50,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
+from stickslip.errors import InputError
 from stickslip.identify.kinds.features import features_along, features_in_steady_motion
 from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
@@ -103,10 +103,8 @@ FREE_NATS = 3.0
 """Log likelihood of independent rows that a parameter of a free motion must gain."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
-NEIGHBOURS = 40
-"""Part of all rows, on either side, whose noise a speed has."""
-
-
+NEIGHBOURS, FEWEST = 40, 10
+"""Part of all rows, on either side, whose noise a speed has, and rows at least."""
 ASKED = 40
 """Speeds of each direction at which the band is stated."""
 DRAWN = 600
@@ -319,6 +317,25 @@ class RecordsProblem(Problem):
         return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
     @override
+    def scatter(
+        self, rows: Any, left: Array, shape: tuple[int, ...], rng: np.random.Generator
+    ) -> Array:
+        """Return residuals drawn from those at about the same speeds: their tails are heavy.
+
+        They are of forces as the filter of the balance shows them.
+        """
+        if self.free and isinstance(rows, Steady):
+            raise InputError(
+                "a free motion has no readings of friction, whose noise new ones could have: ask"
+                " for band(...), which holds the friction itself."
+            )
+        speed, order = self.speeds(self.rows), np.argsort(self.speeds(self.rows))
+        near = max(len(speed) // NEIGHBOURS, FEWEST)
+        place = np.searchsorted(speed[order], self.speeds(rows))
+        at = place + rng.integers(-near, near + 1, size=shape)
+        return np.asarray(left[order][np.clip(at, 0, len(order) - 1)])
+
+    @override
     def curve_rows(self) -> tuple[Array, Any, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
         speeds = np.geomspace(self.frame.low, self.frame.top, POINTS)
@@ -443,21 +460,6 @@ def _made(
         records, like=like, band=band, normal=normal, inertia_path=inertia_path,
         load_slopes=load_slopes, offset=offset,
     )  # fmt: skip
-
-
-def readings(
-    ensemble: Ensemble, residual: Array, other: RecordsProblem, level: float = 0.95
-) -> PredictionBand:
-    """Return the band of the response of other records: what laws predict, and the noise."""
-    problem = ensemble.problem
-    speed = np.abs(problem.rows.seen(problem.rows.velocity))
-    order = np.argsort(speed)
-    place = np.searchsorted(speed[order], np.abs(other.rows.seen(other.rows.velocity)))
-    rng = np.random.default_rng(ensemble.seed + 3)
-    curves = ensemble.curves(other.rows)
-    near = max(len(speed) // NEIGHBOURS, 10)  # rows with about the same speed share their noise
-    at = place + rng.integers(-near, near + 1, size=curves.shape)
-    return band_of(curves + residual[order][np.clip(at, 0, len(order) - 1)], level)
 
 
 def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
