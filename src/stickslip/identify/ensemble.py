@@ -131,7 +131,8 @@ class Ensemble:
     def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
         """Return what drawn laws predict at rows (count, n).
 
-        Random effects of runs are those of one of the runs that were measured, in turn.
+        Random effects of runs are those of one of the runs that were measured, in turn, and so
+        are places between two readings where something changes.
         """
         variants = [Columns(self.problem, one) for one in self.problem.variants(rows)]
         length = self._length(variants[0])
@@ -139,9 +140,11 @@ class Ensemble:
         for draw in self.draws(count):
             runs = any(self.problem.terms[name].role == "run" for name, _ in draw.structure)
             used = variants if runs else variants[:1]
-            for k, columns in enumerate(used):
-                x = columns.matrix(draw.structure, length)
-                found.append(draw.coefficients[k :: len(used)] @ x.T)
+            places = self.problem.places(draw.structure)
+            turns = [(columns, place) for columns in used for place in places]
+            for k, (columns, place) in enumerate(turns):
+                x = columns.matrix(place, length)
+                found.append(draw.coefficients[k :: len(turns)] @ x.T)
         curves = np.vstack(found)
         if self.learned is None:
             return curves

@@ -69,6 +69,7 @@ TITLES: Mapping[str, str] = {
     "drag": "drag with the square of the speed",
     "offset": "constant offset",
     "curve": "curve as measured",
+    "jump": "jump at a speed",
 }
 """What terms are called that several kinds of measurements have."""
 CHANGING: Mapping[str, str] = {

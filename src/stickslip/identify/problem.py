@@ -181,6 +181,10 @@ class Problem(ABC):
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
 
+    def places(self, structure: Structure) -> Sequence[Structure]:
+        """Return a structure with the shapes that the same fit may have between the readings."""
+        return (structure,)
+
     def scatter(
         self,
         rows: Any,  # noqa: ARG002  # kinds with dense rows use these

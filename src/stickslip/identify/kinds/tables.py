@@ -64,6 +64,8 @@ SHUFFLED = 0.3
 """Share of the order that speeds, loads and runs must leave, so that a drift can be told."""
 MOST_SPEEDS = 24
 """Blocks of speeds at most."""
+NEAR = 1.0 + 1e-9
+"""Factor on a speed just above it."""
 LOOSE = 0.5
 """Stiffness of the measured curve beyond the measured speeds, over that within."""
 FEW_KNOTS = 19
@@ -207,6 +209,12 @@ class TableProblem(Problem):
             for a in loads
             for side in sides
         ]
+        # a curve that bends as little as it can beside a jump does not smear it
+        self.references += [
+            (("curve", (penalty, 1.0, 0.0, 1)), ("jump", (place,)))
+            for penalty in BENDING[2:]
+            for place in _gaps(rows.speed)
+        ]
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
@@ -266,6 +274,27 @@ class TableProblem(Problem):
             order=np.zeros(len(v)),
             direction=np.where(v < 0.0, -1.0, 1.0),
         )
+
+    @override
+    def places(self, structure: Structure) -> Sequence[Structure]:
+        """Return a structure with its jump at either end of the gap between two speeds."""
+        speeds = np.unique(self.rows.speed)
+
+        def at(side: int) -> Structure:
+            return tuple(
+                (
+                    name,
+                    (
+                        float(speeds[np.searchsorted(speeds, shape[0]) - side])
+                        * NEAR ** (2 * side - 1),
+                    ),
+                )
+                if name == "jump"
+                else (name, shape)
+                for name, shape in structure
+            )
+
+        return tuple(dict.fromkeys((at(0), at(1))))
 
     @override
     def points(self, structure: Structure, coefficients: Array) -> Points:
@@ -449,6 +478,12 @@ def _differences(knots: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]
     return _modes(first), _modes(second)
 
 
+def _gaps(speed: Array) -> list[float]:
+    """Return the middles between neighbouring speeds, two of which at least are on either side."""
+    known = np.log(np.unique(speed))
+    return np.exp(0.5 * (known[1:-2] + known[2:-1])).tolist() if len(known) > 3 else []
+
+
 def _modes(root: Array) -> tuple[Array, Array]:
     values, vectors = np.linalg.eigh(root.T @ root)
     return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
@@ -531,6 +566,11 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             shapes=[(float(v), *a) for v in speeds[:6] for a in loads],
             steps=(ratio, load_ratio), same_shape=1, excludes=frozenset({"level", "stribeck"}),
             title="level that is smooth in the velocity (tanh)", rank=6, **part,
+        ),
+        Term(
+            name="jump", role="curve", needs=frozenset({"curve"}), shapes=(), steps=(1.0,),
+            columns=lambda r, shape: weight(r, 1.0) * (r.speed > shape[0]),
+            title=TITLES["jump"], rank=8,
         ),
         Term(
             name="curve", role="curve", columns=curve, shapes=(),
