@@ -49,7 +49,7 @@ from stickslip.simulation import (
     event_driven_law,
     initial_state,
 )
-from stickslip.solver import EventDriven, Output, Samples
+from stickslip.solver import EventDriven, Output, Samples, path_units
 from stickslip.sweep.cycles import period_of
 from stickslip.sweep.orbits import (
     Orbit,
@@ -78,6 +78,8 @@ if TYPE_CHECKING:
 __all__ = ["Branch", "BranchEvent", "OrbitDiagram", "continue_orbit", "orbit_diagram"]
 
 Event: TypeAlias = "BranchEvent"
+MOST_POINTS = 2000
+"""Points of a branch to either side."""
 FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
 GROWTH, EASY = 1.5, 3
@@ -96,6 +98,8 @@ OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001)
 """Distances from a period doubling at which the doubled branch is sought."""
+BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
+"""Places beside the end of a branch, over the range, where further runs settle."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
@@ -133,6 +137,8 @@ class Branch(OnAxes):
     """Cycles of the drives after which the orbits close."""
     states: tuple[str, ...]
     """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
     values: Array
     """The parameter (n,)."""
     starts: Array
@@ -229,7 +235,7 @@ def continue_orbit(
     *,
     doubled: bool = False,
     step: float = MOST_STEP,
-    points: int = 2000,
+    points: int = MOST_POINTS,
     period: float | None = None,
 ) -> Branch:
     """Follow a periodic orbit over a parameter, along stable and unstable orbits.
@@ -279,6 +285,20 @@ def continue_orbit(
     >>> bool(branch.stable.all()), branch.ends
     (True, ('It reaches 1.9 Hz.', 'It reaches 2.4 Hz.'))
     """
+    curve, first = _begun(orbit, path, between, doubled, step, points, period)
+    return curve.branch(first)
+
+
+def _begun(
+    orbit: Orbit,
+    path: str,
+    between: tuple[float, float],
+    doubled: bool,
+    step: float,
+    points: int,
+    period: float | None,
+) -> tuple["_Curve", "_Point"]:
+    """Return a branch that is to be followed, and its first point."""
     low, high = _range("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
     if not (isinstance(step, float) and LEAST_STEP < step <= 1.0):
@@ -311,7 +331,7 @@ def continue_orbit(
     y = np.array([orbit.start[name] for name in orbit.free])
     curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
-    return curve.branch(first)
+    return curve, first
 
 
 def _range(owner: str, between: object) -> tuple[float, float]:
@@ -356,6 +376,7 @@ class _Curve:
         self.scale = np.ones(1)
         self.runs = 0
         self.backward = False
+        self.met: Callable[[Shot], int | None] = lambda _: None
 
     # -- unknowns
 
@@ -453,6 +474,7 @@ class _Curve:
             unit=self.unit,
             cycles=self.map.cycles,
             states=self.map.names,
+            units=_units(self.map),
             values=np.array([shot.value for shot in shots]),
             starts=np.array([shot.y for shot in shots]),
             periods=np.array([shot.period for shot in shots]),
@@ -493,6 +515,10 @@ class _Curve:
                 at = quantity(there.shot.value, self.unit, 6)
                 half = self.map.cycles // 2
                 return points, f"It ends at {at} in a doubling of period {half}.", events
+            known = self.met(there.shot)
+            if known is not None:
+                at = quantity(there.shot.value, self.unit, 6)
+                return points, f"It meets branch {known} at {at}.", events
             if len(points) > 3 and self.closes(first, here, there):
                 return points, "It closes.", events
             if found is not None and found[1] <= EASY:
@@ -713,6 +739,12 @@ class _Curve:
         )
 
 
+def _units(map_: ReturnMap) -> dict[str, str]:
+    """Return the SI units of all states."""
+    known = path_units(map_.mechanism, map_.law)
+    return {name: known.get(f"initial.{name}", "1") for name in map_.states}
+
+
 def _small(here: _Point, there: _Point) -> bool:
     """Whether the two halves of an orbit are alike in a step, as they are in a doubling."""
     step = float(np.linalg.norm(there.half - here.half))
@@ -754,10 +786,12 @@ def _change(before: Signature, after: Signature) -> tuple[str, str]:
             parts.insert(0, f"sticking{where} {word}")
         elif what == "reversal":
             reversals.append(f"reverses{where} without sticking from {a} to {b} times a period")
-        elif what != "break-away":
+        elif what == "break-away":
+            reversals.append(f"breaks away{where} from {a} to {b} times a period")
+        else:
             kind = "grazing"
             parts.append(f'"{what}"{where} from {a} to {b} times a period')
-    return kind, "; ".join(parts or reversals)
+    return kind, "; ".join(parts or reversals or ["what the contacts do all the time"])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -859,7 +893,8 @@ def orbit_diagram(
 
     Settled runs from several starts show where stable orbits are; each that lies on no branch yet
     begins a new one, which is followed to both sides, and at its period doublings doubled branches
-    begin. Orbits that are unstable and connected to no stable one are not found.
+    begin. Where a branch ends within the range, further runs settle beside its end. Orbits that are
+    unstable and connected to no stable one are not found.
 
     Parameters
     ----------
@@ -936,6 +971,11 @@ def orbit_diagram(
         tally.tell(done)
         if not tally.going:
             break
+    while tally.going and (value := search.end()) is not None:
+        for off in BEHIND:
+            beside = value + off * (high - low)
+            if low < beside < high:
+                search.settle_at(beside, 2 * int(starts))
     return search.diagram()
 
 
@@ -963,6 +1003,7 @@ class _Search:
         self.sizes = np.zeros(len(first.free))
         self.seconds = {"brute": 0.0, "branches": 0.0}
         self.brute_cycles = 0
+        self.looked: list[float] = []
 
     def settle_at(self, value: float, starts: int) -> None:
         """Run from several states at a value, and follow each orbit that is new."""
@@ -975,6 +1016,18 @@ class _Search:
             if closed and not self.is_known(closed, value, points[:closed]):
                 self.follow(closed, value, points[-1])
         self.seconds["branches"] += process_time() - begun
+
+    def end(self) -> float | None:
+        """Return a value in the range at which a branch ends and nobody has looked behind yet."""
+        low, high = self.between
+        reach = max(BEHIND) * (high - low)
+        for branch in self.branches:
+            for value in (float(branch.values[0]), float(branch.values[-1])):
+                inside = low < value < high
+                if inside and all(abs(value - other) > reach for other in self.looked):
+                    self.looked.append(value)
+                    return value
+        return None
 
     def run(self, value: float, starts: int) -> None:
         """Keep the samples of settled runs at a value."""
@@ -1043,6 +1096,17 @@ class _Search:
                     return True
         return False
 
+    def met(self, shot: Shot) -> int | None:
+        """Return the number of the branch on which an orbit lies, by the polygon of its points."""
+        cycles = round(shot.period / self.map.duration(shot.mechanism))
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for number_, branch in enumerate(self.branches):
+            if branch.cycles == cycles:
+                gaps = np.abs((branch.crossings(shot.value) - shot.y) / scale).max(axis=1)
+                if gaps.min(initial=np.inf) <= SAME:
+                    return number_
+        return None
+
     def follow(self, closed: int, value: float, point: Array) -> None:
         """Follow the branch of a settled motion, and those that leave it by doubling."""
         map_ = replace(self.map, cycles=closed)
@@ -1055,10 +1119,12 @@ class _Search:
 
     def followed(self, orbit: Orbit, *, doubled: bool) -> None:
         try:
-            branch = continue_orbit(
-                orbit, str(self.map.path), self.between, doubled=doubled, step=self.step,
-                period=self.map.period,
+            curve, first = _begun(
+                orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
+                self.map.period,
             )  # fmt: skip
+            curve.met = self.met
+            branch = curve.branch(first)
         except SimulationError:
             return
         if doubled:
@@ -1084,9 +1150,7 @@ class _Search:
             path=str(self.map.path),
             unit=unit_of(mechanism, law, str(self.map.path)),
             states=self.map.names,
-            units={
-                name: unit_of(mechanism, law, f"initial.{name}") for name in self.map.states
-            },
+            units=_units(self.map),
             branches=tuple(self.branches),
             values=np.array(self.values),
             samples=np.array(self.samples),
