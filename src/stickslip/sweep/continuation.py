@@ -9,7 +9,8 @@ Along a branch F(u) = 0, where stability plays no part:
 3. Events between two points, each located on the arc by bisection:
      fold             the tangent's component along p changes its sign
      period doubling  det(M + 1) changes its sign: a multiplier passes -1
-     branch point     det[dF/du; t] changes its sign: another branch of the same period crosses
+     branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
+                      or this one begins there at a pitchfork and goes on as its mirror image
      torus            a complex pair of multipliers passes the unit circle
      grazing          a stop or a switch is met more or less often in a period
      sticking         begins, ends, or its intervals in a period change in number
@@ -41,7 +42,8 @@ from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.quantities import parameters
 from stickslip.simulation import (
     GivenFriction,
     beginning_pair,
@@ -328,6 +330,7 @@ def _begun(
             free=tuple(map_.states.index(name) for name in orbit.free),
             moving=tuple(map_.states.index(name) for name in orbit.advance),
         )
+    _check_ends(map_, (low, high))
     y = np.array([orbit.start[name] for name in orbit.free])
     curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
@@ -343,9 +346,13 @@ def _range(owner: str, between: object) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
-    from stickslip.quantities import parameters
+def _check_ends(map_: ReturnMap, between: tuple[float, float]) -> None:
+    """Refuse a range that has values which the parameter cannot have."""
+    for value in between:
+        map_.duration(map_.pair(value)[0])
 
+
+def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
     roots = ((mechanism, "mechanism"), (law, "friction"))
     return next(v for root, prefix in roots for p, _, v in parameters(root, prefix) if p == full)
 
@@ -507,14 +514,16 @@ class _Curve:
                 events.append(self.turned(here, there, len(points) - 1))
             else:
                 events += self.between(here, there, u0, ds, len(points) - 1)
+            if float(here.half @ there.half) < 0.0 and _small(here, there):
+                return (
+                    points,
+                    self.halves(here, there),
+                    [e for e in events if e.index < len(points) - 1],
+                )
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
-            if float(here.half @ there.half) < 0.0 and _small(here, there):
-                at = quantity(there.shot.value, self.unit, 6)
-                half = self.map.cycles // 2
-                return points, f"It ends at {at} in a doubling of period {half}.", events
             known = self.met(there.shot)
             if known is not None:
                 at = quantity(there.shot.value, self.unit, 6)
@@ -532,6 +541,17 @@ class _Curve:
             return False
         same = here.signature == there.signature
         return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
+
+    def halves(self, here: _Point, there: _Point) -> str:
+        """Return the end of a branch in the period doubling from which it came.
+
+        Both halves of the orbit become the same there; behind are the same orbits, begun half a
+        period later.
+        """
+        near, far = (float(np.linalg.norm(point.half)) for point in (here, there))
+        value = here.shot.value + near / (near + far) * (there.shot.value - here.shot.value)
+        half = self.map.cycles // 2
+        return f"It ends at {quantity(value, self.unit, 5)} in a doubling of period {half}."
 
     def limit(self, here: _Point, there: _Point) -> float | None:
         """Return the end of the range that a step crosses, if any."""
@@ -667,6 +687,9 @@ class _Curve:
             if a.signature != b.signature:
                 continue  # the test has jumped there, which the event of the change says
             found.append((s, self.event(kind, a, index, sentence)))
+        crossed = {event.kind for _, event in found}
+        if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
+            found = [pair for pair in found if pair[1].kind != "fold"]
         s_torus = self.torus(here, there, u0, ds)
         if s_torus is not None:
             s, a = s_torus
@@ -857,18 +880,21 @@ class OrbitDiagram(OnAxes):
             )
             for i, one in enumerate(self.branches)
         ]
-        closed = int((self.settled > 0).sum())
         return Summary(
             sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
             head=("branch", "period", self.path.rpartition(".")[2], "stable", "events"),
             rows=rows,
-            notes=(
-                f"The branches took {self.branch_cycles} cycles and"
-                f" {number(self.branch_seconds, 2)} s of processor time; the {len(self.values)}"
-                f" settled runs behind them, of which {closed} close, {self.brute_cycles} cycles"
-                f" and {number(self.brute_seconds, 2)} s.",
-                *self.early_ends(),
-            ),
+            notes=self.costs(),
+        )
+
+    def costs(self) -> tuple[str, ...]:
+        """Return what branches and settled runs took, and where runs ended early: sentences."""
+        closed = int((self.settled > 0).sum())
+        return (
+            f"The branches took {self.branch_cycles} cycles and {number(self.branch_seconds, 2)} s"
+            f" of processor time; the {len(self.values)} settled runs behind them, of which"
+            f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
+            *self.early_ends(),
         )
 
 
@@ -961,9 +987,10 @@ def orbit_diagram(
         )
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
+    first = return_map(mechanism, laws, 1, period, compiled(solver), full)
+    _check_ends(first, (low, high))
     search = _Search(
-        return_map(mechanism, laws, 1, period, compiled(solver), full),
-        (low, high), int(cycles), int(settle), step, np.random.default_rng(seed), dict(y0 or {}),
+        first, (low, high), int(cycles), int(settle), step, np.random.default_rng(seed), dict(y0 or {}),
     )  # fmt: skip
     tally = Tally(len(grid), progress)
     for done, value in enumerate(grid.tolist(), 1):
@@ -1064,7 +1091,7 @@ class _Search:
         Within hard stops, at which a place beyond is put.
         """
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
-        stops = mechanism.stops()
+        stops = stops_of(mechanism)
         found = {}
         sizes = np.where(self.sizes > 0.0, self.sizes, 1.0)
         for k, i in enumerate(self.map.free):

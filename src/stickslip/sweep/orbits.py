@@ -33,9 +33,9 @@ from numpy.typing import NDArray
 
 from stickslip.described import Described
 from stickslip.errors import InputError, SimulationError
-from stickslip.formatting import number, quantity
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, cycle_of
+from stickslip.mechanisms import Mechanism, cycle_of, stops_of
 from stickslip.quantities import vary
 from stickslip.simulation import GivenFriction, event_driven_law, initial_state
 from stickslip.solver import BareRun, EventDriven
@@ -112,7 +112,11 @@ class Orbit(metaclass=Described):
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers lie inside the unit circle."""
+        """Whether all multipliers lie inside the unit circle.
+
+        A body that rests throughout, in one of many places, has a multiplier 1: it stays near, but
+        does not come back.
+        """
         return bool(np.all(np.abs(self.multipliers) < 1.0))
 
     @property
@@ -436,7 +440,7 @@ def _translations(
     Along such a coordinate the derivative of all states is that of a translation, in any motion:
     one is run in which all contacts slip, as what is stuck hides what its place does.
     """
-    stopped = {stop.coordinate for stop in mechanism.stops()}
+    stopped = {stop.coordinate for stop in stops_of(mechanism)}
     asked = [q for q in mechanism.coordinates if q not in prescribed and q not in stopped]
     rates = {r: TRIAL_RATE for r in mechanism.rates if r not in prescribed}
     start = initial_state("orbit", mechanism, law, {**mechanism.start(), **rates})
@@ -534,13 +538,3 @@ def signature_of(shot: Shot) -> Signature:
         if not any(e.contact == name and e.from_mode != e.to_mode for e in events)
     }
     return tuple(sorted((*key, count) for key, count in {**counts, **idle}.items()))
-
-
-def described(orbit: Orbit) -> str:
-    """Return an orbit in a sentence."""
-    largest = float(np.abs(orbit.multipliers[0])) if orbit.multipliers.size else 0.0
-    kind = "stable" if orbit.stable else "unstable"
-    return (
-        f"{kind} orbit of period {orbit.cycles} ({quantity(orbit.period, 's', 4)}), largest"
-        f" multiplier {number(largest, 3)}"
-    )
