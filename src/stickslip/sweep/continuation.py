@@ -509,7 +509,11 @@ class _Curve:
                     continue
                 there = self.over(here)
                 if there is None:
-                    return points, self.reason(here), events
+                    kind, reason = self.reason(here)
+                    if kind:
+                        sentence = "the branch ends there"
+                        events.append(self.event(kind, here, len(points) - 1, sentence))
+                    return points, reason, events
                 found, ds = None, 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
                 events.append(self.turned(here, there, len(points) - 1))
             else:
@@ -617,28 +621,33 @@ class _Curve:
         more = "; the branch turns back there (non-smooth fold)" if back else "; stepped over"
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
-    def reason(self, here: _Point) -> str:
-        """Return why a branch cannot be followed any farther."""
+    def reason(self, here: _Point) -> tuple[str, str]:
+        """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
+
+        What happens in a run right behind the last point is what stops it.
+        """
         u0 = self.unknowns(here.shot)
-        at = quantity(here.shot.value, self.unit, 6)
-        steps = [s * here.tangent for s in OVER]
-        for off in steps:
+        at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
+        for ds in OVER:
             try:
-                ahead = self.shoot(u0 + off)
+                ahead = self.shoot(u0 + ds * here.tangent)
             except (SimulationError, InputError) as error:
-                said = str(error).rstrip(".")
-                return f"It ends at {at}: behind, a run ends early or has no derivative: {said}."
-            change = _change(here.signature, signature_of(ahead))
-            if change[1]:
-                large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
-                return (
-                    f"It ends at {at} in {change[0]}: {change[1]}. Behind, the largest multiplier"
-                    f" is {number(large, 2)}, as the saltation factor of a grazing contact is"
-                    " infinite."
-                    if change[0] == "grazing"
-                    else f"It ends at {at}: {change[1]}, and no orbit like it follows."
+                return "", (
+                    f"{at}: behind, a run ends early or has no derivative:"
+                    f" {str(error).rstrip('.')}."
                 )
-        return f"It ends at {at}: the corrector does not converge."
+            after = signature_of(ahead)
+            if after == here.signature:
+                continue
+            kind, sentence = _change(here.signature, after)
+            if kind != "grazing":
+                return kind, f"{at}: {sentence}, and no orbit like it follows."
+            large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
+            return kind, (
+                f"{at} in grazing: {sentence}. The saltation factor of a grazing contact is"
+                f" infinite: right behind, the largest multiplier is {number(large, 2)}."
+            )
+        return "", f"{at}: the corrector does not converge."
 
     # -- events
 
@@ -990,8 +999,14 @@ def orbit_diagram(
     first = return_map(mechanism, laws, 1, period, compiled(solver), full)
     _check_ends(first, (low, high))
     search = _Search(
-        first, (low, high), int(cycles), int(settle), step, np.random.default_rng(seed), dict(y0 or {}),
-    )  # fmt: skip
+        first,
+        (low, high),
+        int(cycles),
+        int(settle),
+        step,
+        np.random.default_rng(seed),
+        dict(y0 or {}),
+    )
     tally = Tally(len(grid), progress)
     for done, value in enumerate(grid.tolist(), 1):
         search.settle_at(value, int(starts))
