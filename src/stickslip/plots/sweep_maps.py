@@ -291,7 +291,7 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
         factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
-        axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=2.5, alpha=0.5)
+        axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=4, alpha=0.6)
         kinds = dict.fromkeys(e.kind for one in branches for e in one.events if e.kind in MARKS)
         for one, heights in zip(branches, curves, strict=True):
             colour = POINT_COLOURS[(one.cycles - 1) % len(POINT_COLOURS)]
