@@ -785,7 +785,7 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
 
 
 def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
-    """Return the full path for a full path, or for a last name that only one of the known has.
+    """Return the full path for a full path, or for an end of it that only one of the known has.
 
     Where their quantities are known, a symbol stands for the name.
 
@@ -800,7 +800,7 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     symbols = {}
     if isinstance(known, Mapping):
         symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
-    same = [full for full in known if full.rpartition(".")[2] == path]
+    same = [full for full in known if full.endswith(f".{path}")]
     if len(same) > 1:
         raise UnknownNameError(kind, path, same)
     if not same:

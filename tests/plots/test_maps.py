@@ -4,11 +4,20 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from stickslip import Capsule, Coulomb
+from stickslip.drives import Sine
 from stickslip.errors import InputError
-from stickslip.plots import draw_basins, draw_bifurcation, draw_velocity_map, standalone_svg
+from stickslip.mechanisms import Torque
+from stickslip.plots import (
+    draw_basins,
+    draw_bifurcation,
+    draw_orbits,
+    draw_velocity_map,
+    standalone_svg,
+)
 from stickslip.plots.core.theme import SLIP_BACK, house_style
 from stickslip.results import Status
-from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap
+from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap, orbit_diagram
 
 
 def velocity_map(axes, velocity):
@@ -104,3 +113,38 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     words = "No value: A coordinate without slip is pressed against its hard stop"
     assert reason.split() == words.split()
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1
+
+
+@pytest.fixture(scope="module")
+def branches():
+    """A capsule's branch over its fold, and the diagram around it."""
+    drive = Torque(drive=Sine(amplitude=0.2, frequency=16.0))
+    capsule = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, upper_stop=2e-3,
+        restitution=0.6, drive=drive,
+    )  # fmt: skip
+    law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+    return orbit_diagram(capsule, law, "frequency", (15.0, 18.0), values=4, cycles=1, settle=60)
+
+
+def test_branches_are_solid_where_stable_and_dashed_where_not(branches):
+    (axes,) = drawn(draw_orbits(branches))
+    assert axes.get_ylabel() == "mean velocity of x, mm/s"
+    assert axes.get_xlabel() == "frequency, Hz"
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert {"period 1", "unstable", "fold", "settled runs"} <= set(names)
+    for style, kind in (("-", True), ("--", False)):
+        shown = sum(
+            np.isfinite(line.get_ydata()).sum()
+            for line in axes.lines
+            if line.get_linestyle() == style and len(line.get_xdata()) > 1
+        )
+        wanted = sum((one.stable == kind).sum() for one in branches.branches)
+        assert wanted <= shown <= wanted + 4 * len(branches.branches)
+
+
+def test_a_state_at_the_start_of_a_cycle_is_drawn_on_request(branches):
+    (axes,) = drawn(draw_orbits(branches.branches[0], "xi"))
+    assert axes.get_ylabel() == "xi at the start of a cycle, mm"
+    with pytest.raises(InputError, match="show must be one of x, xi, v, xi_dot, got 'y'"):
+        draw_orbits(branches, "y")

@@ -444,6 +444,51 @@ def sweep(
     choice(rig, folder, at_once=count, executor=executor, as_json=as_json)
 
 
+@command(app, "orbits")
+def orbits(
+    *,
+    rig: Rig = None,
+    law: LawOptions,
+    changes: Set = None,
+    allow_import: AllowImport = False,
+    vary: Annotated[
+        str,
+        typer.Option(
+            "--vary",
+            metavar="PATH=LOW:HIGH",
+            help="Range of a parameter in SI units, e.g. drive.frequency=2:20.",
+        ),
+    ],
+    cycles: Annotated[
+        int, typer.Option("--period", help="Largest period that is sought, in drive cycles.")
+    ] = 4,
+    values: Annotated[
+        int, typer.Option("--values", help="Number of values at which settled runs are made.")
+    ] = 61,
+    settle: Annotated[
+        int, typer.Option("--settle", help="Number of drive cycles before a run counts as settled.")
+    ] = 200,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", help="CSV, Parquet or MATLAB file, with a figure (SVG) beside it."
+        ),
+    ] = Path("stickslip-orbits.csv"),
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find periodic orbits over a parameter, stable and unstable.
+
+    Branches are followed from settled runs of a driven rig by continuation. Folds, period
+    doublings, grazing contacts and changes of sticking are listed. Writes a table of the orbits and
+    a figure: solid where stable, dashed where not.
+    """
+    from stickslip.cli.orbits import run
+
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(rig, changes or [], law, vary, cycles, values, settle, output)
+
+
 @command(app, "plan")
 def plan(
     rig: Rig = None,

@@ -21,7 +21,7 @@ CONTEXT: Final = {"help_option_names": ["-h", "--help"]}
 PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Start here": ("demo", "init", "check", "select"),
     "Fit and plan": ("fit", "plan"),
-    "Simulate": ("simulate", "animate", "sweep", "profile"),
+    "Simulate": ("simulate", "animate", "sweep", "orbits", "profile"),
     "Hand over": ("export", "apply"),
     "Look up": ("models", "characterize", "cite", "schema", "data", "paper", "benchmark"),
     "Set up": ("warmup",),
@@ -46,6 +46,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",
         "stickslip sweep campaign.toml -o runs --dry-run",
     ),
+    "orbits": ("stickslip orbits rig.toml --vary drive.frequency=2:20 -o orbits.csv",),
     "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
     "models": ("stickslip models", "stickslip models lugre"),
     "characterize": (

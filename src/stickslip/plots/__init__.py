@@ -34,6 +34,7 @@ HOMES = {
     "draw_friction_map": "laws.friction_map",
     "draw_friction_velocity": "runs.run",
     "draw_motion": "runs.motion",
+    "draw_orbits": "sweep_maps",
     "draw_overview": "data.data_overview",
     "draw_pieces": "selection.prediction_excerpts",
     "draw_prediction_error": "selection.residuals",

@@ -142,6 +142,7 @@ from stickslip.plots.selection.residuals import draw_residuals as draw_residuals
 from stickslip.plots.selection.residuals import residual_sizes as residual_sizes
 from stickslip.plots.sweep_maps import draw_basins as draw_basins
 from stickslip.plots.sweep_maps import draw_bifurcation as draw_bifurcation
+from stickslip.plots.sweep_maps import draw_orbits as draw_orbits
 from stickslip.plots.sweep_maps import draw_sensitivity as draw_sensitivity
 from stickslip.plots.sweep_maps import draw_velocity_map as draw_velocity_map
 from stickslip.plots.sweep_maps import plot_sweep as plot_sweep
@@ -178,6 +179,7 @@ __all__ = [
     "draw_friction_map",
     "draw_friction_velocity",
     "draw_motion",
+    "draw_orbits",
     "draw_overview",
     "draw_pieces",
     "draw_prediction_error",

@@ -29,7 +29,16 @@ from stickslip.plots.runs.validation import plot_validation
 from stickslip.plots.selection.fits import plot_fit, plot_verdict
 from stickslip.plots.sweep_maps import plot_sweep
 from stickslip.selection import Verdict
-from stickslip.sweep import Band, Basins, Bifurcation, SensitivityIndices, Validation, VelocityMap
+from stickslip.sweep import (
+    Band,
+    Basins,
+    Bifurcation,
+    Branch,
+    OrbitDiagram,
+    SensitivityIndices,
+    Validation,
+    VelocityMap,
+)
 from stickslip.trajectory import Ensemble, Trajectory
 
 PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
@@ -49,6 +58,8 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         VelocityMap: plot_sweep,
         Bifurcation: plot_sweep,
         Basins: plot_sweep,
+        OrbitDiagram: plot_sweep,
+        Branch: plot_sweep,
         SensitivityIndices: plot_sweep,
         Optimum: plot_profile,
         Measurement: plot_measurement,

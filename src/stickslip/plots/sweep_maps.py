@@ -33,7 +33,15 @@ from stickslip.plots.core.theme import (
     pixel_of,
     shade,
 )
-from stickslip.sweep import Basins, Bifurcation, SensitivityIndices, VelocityMap
+from stickslip.sweep import (
+    Basins,
+    Bifurcation,
+    Branch,
+    Orbit,
+    OrbitDiagram,
+    SensitivityIndices,
+    VelocityMap,
+)
 
 BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
 """Fill of each basin, the largest first."""
@@ -241,6 +249,132 @@ def draw_bifurcation(result: Bifurcation) -> Draw:
     return draw
 
 
+def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
+    """Return a drawing of branches of periodic orbits: solid where stable, dashed where not.
+
+    Parameters
+    ----------
+    result : OrbitDiagram or Branch
+        The branches; settled runs of a diagram are dots behind them.
+    show : str, optional
+        What stands over the parameter: a coordinate that advances from cycle to cycle, by its mean
+        velocity, or a free state at the start of a cycle. The first that advances if not given, or
+        the first state where none does.
+
+    Returns
+    -------
+    callable
+        Draws it, with marks at folds, period doublings, grazing contacts, and where sticking
+        changes.
+
+    Raises
+    ------
+    InputError
+        If the orbits have neither a free state nor an advance of that name.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import continue_orbit, periodic_orbit
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
+    >>> callable(draw_orbits(continue_orbit(orbit, "frequency", (1.9, 2.4))))
+    True
+    """
+    branches = result.branches if isinstance(result, OrbitDiagram) else (result,)
+    name, velocity = _shown(result, show)
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        curves = [_heights(one, name, velocity=velocity) for one in branches]
+        dots = _settled(result, name, velocity=velocity)
+        known = np.concatenate([*curves, np.ravel(dots[1])])
+        factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
+        axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=4, alpha=0.6)
+        kinds = dict.fromkeys(e.kind for one in branches for e in one.events if e.kind in MARKS)
+        for one, heights in zip(branches, curves, strict=True):
+            colour = POINT_COLOURS[(one.cycles - 1) % len(POINT_COLOURS)]
+            for style, chosen in (("-", one.stable), ("--", ~one.stable)):
+                spread_ = chosen.copy()
+                spread_[1:] |= chosen[:-1]  # a line goes on to the first point of the other kind
+                line = np.where(spread_, factor * heights, np.nan)
+                axes.plot(one.values, line, style, color=colour, linewidth=1.5)
+            for event in (e for e in one.events if e.kind in kinds):
+                height = factor * _height(event.orbit, name, velocity=velocity)
+                axes.plot(event.value, height, MARKS[event.kind], color=INK, markersize=5,
+                          markerfacecolor=SURFACE, zorder=4)  # fmt: skip
+        _name_orbits(axes, branches, kinds, settled=bool(np.size(dots[0])))
+        axes.margins(x=0.01, y=0.06)
+        axes.set_xlabel(labelled(result.path, result.unit))
+        what = f"mean velocity of {name}" if velocity else f"{name} at the start of a cycle"
+        axes.set_ylabel(f"{what}, {unit}")
+        axes.grid(axis="y")
+
+    return draw
+
+
+MARKS: Final[Mapping[str, str]] = MappingProxyType(
+    {"fold": "o", "period doubling": "D", "branch point": "s", "torus": "*", "grazing": "^",
+     "sticking": "v"}
+)  # fmt: skip
+"""Marks of events of branches."""
+
+
+def _name_orbits(
+    axes: Axes, branches: Sequence[Branch], kinds: Mapping[str, object], *, settled: bool
+) -> None:
+    """Name lines, marks and dots in a legend above the panel."""
+    for cycles in sorted({one.cycles for one in branches}):
+        colour = POINT_COLOURS[(cycles - 1) % len(POINT_COLOURS)]
+        axes.plot([], [], "-", color=colour, label=f"period {cycles}")
+    if not all(one.stable.all() for one in branches):
+        axes.plot([], [], "--", color=MUTED, label="unstable")
+    for kind in kinds:
+        axes.plot([], [], MARKS[kind], color=INK, markerfacecolor=SURFACE, markersize=5, label=kind)
+    if settled:
+        axes.plot([], [], ".", color=MUTED, label="settled runs")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncols=4)
+
+
+def _shown(result: OrbitDiagram | Branch, show: str | None) -> tuple[str, bool]:
+    """Return what stands over the parameter, and whether it is a mean velocity."""
+    advance = result.velocities if isinstance(result, OrbitDiagram) else result.advances
+    moving, free = tuple(advance), result.states
+    if show is None:
+        return (moving[0], True) if moving else (free[0], False)
+    if show not in (*moving, *free):
+        raise InputError(
+            f"draw_orbits: show must be one of {', '.join((*moving, *free))}, got {show!r}."
+        )
+    return show, show in moving
+
+
+def _unit_shown(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> str:
+    unit = result.units.get(name, "1")
+    return f"{unit}/s" if velocity else unit
+
+
+def _heights(branch: Branch, name: str, *, velocity: bool) -> Any:
+    if velocity:
+        return branch.mean_velocity(name)
+    return branch.starts[:, branch.states.index(name)]
+
+
+def _height(orbit: Orbit, name: str, *, velocity: bool) -> float:
+    return orbit.mean_velocity[name] if velocity else orbit.start[name]
+
+
+def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tuple[Any, Any]:
+    """Return parameter and height of the dots of settled runs, if there are any."""
+    if isinstance(result, Branch):
+        return np.empty(0), np.empty(0)
+    if velocity:
+        return result.values, result.velocities[name]
+    points = result.samples[:, :, result.states.index(name)]
+    return np.repeat(result.values, points.shape[1]), points.ravel()
+
+
 def draw_basins(result: Basins) -> Draw:
     """Return a drawing of basins of attraction with the points of the motions they lead to.
 
@@ -343,14 +477,16 @@ def _bars(axes: Axes, result: SensitivityIndices) -> None:
 
 
 def plot_sweep(
-    result: VelocityMap | Bifurcation | Basins | SensitivityIndices, ax: Target = None
+    result: VelocityMap | Bifurcation | Basins | SensitivityIndices | OrbitDiagram | Branch,
+    ax: Target = None,
 ) -> Axes:
-    """Plot mean velocities, a bifurcation diagram, basins of attraction, or sensitivity indices.
+    """Plot mean velocities, bifurcation diagrams, orbits, basins, or sensitivity indices.
 
     Parameters
     ----------
-    result : VelocityMap, Bifurcation, Basins or SensitivityIndices
-        What `average_velocity`, `bifurcation`, `basins` or `CampaignRuns.sensitivity` returns.
+    result : VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram or Branch
+        What `average_velocity`, `bifurcation`, `basins`, `CampaignRuns.sensitivity`,
+        `orbit_diagram` or `continue_orbit` returns.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -375,11 +511,14 @@ def plot_sweep(
     >>> plot_sweep(result, Figure()).get_xlabel()
     'frequency, Hz'
     """
-    check_type("result", result, VelocityMap, Bifurcation, Basins, SensitivityIndices)
+    kinds = (VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram, Branch)
+    check_type("result", result, *kinds)
     if isinstance(result, VelocityMap):
         draw = draw_velocity_map(result)
     elif isinstance(result, SensitivityIndices):
         draw = draw_sensitivity([result])
+    elif isinstance(result, OrbitDiagram | Branch):
+        draw = draw_orbits(result)
     else:
         draw = draw_bifurcation(result) if isinstance(result, Bifurcation) else draw_basins(result)
     return on_axes(draw, ax, SWEEP_SIZE)

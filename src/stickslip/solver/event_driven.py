@@ -187,7 +187,7 @@ class EventDriven(Solver):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BareRun:
-    """States and sensitivities of a run, without its certificate and its events."""
+    """States, sensitivities and events of a run, without its certificate."""
 
     states: tuple[str, ...]
     """Names of the states."""
@@ -201,6 +201,11 @@ class BareRun:
     def at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the states (n, states) at times (n,)."""
         return self.playback.played(t)[0]
+
+    def events(self) -> tuple[Event, ...]:
+        """Return what happened, in the order of time."""
+        sensing = self.differentiate
+        return _events(sensing.mechanism, self.playback.model, sensing.record)
 
 
 def bare_run(

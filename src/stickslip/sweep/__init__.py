@@ -1,13 +1,21 @@
-"""Many runs: campaigns, sensitivity indices, mean motion, bifurcations, basins of attraction."""
+"""Many runs: campaigns, sensitivity indices, mean motion, periodic orbits, bifurcations, basins."""
 
 from stickslip.mechanisms import cycle_of
 from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
 from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, campaign
+from stickslip.sweep.continuation import (
+    Branch,
+    BranchEvent,
+    OrbitDiagram,
+    continue_orbit,
+    orbit_diagram,
+)
 from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.orbits import Orbit, periodic_orbit
 from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
 from stickslip.sweep.sensitivity_indices import SensitivityIndices
 from stickslip.sweep.validation import ValidatedRecord, ValidatedTravel, Validation, validate
@@ -17,6 +25,8 @@ __all__ = [
     "Band",
     "Basins",
     "Bifurcation",
+    "Branch",
+    "BranchEvent",
     "Campaign",
     "CampaignRuns",
     "Case",
@@ -26,6 +36,8 @@ __all__ = [
     "Factor",
     "Levels",
     "Normal",
+    "Orbit",
+    "OrbitDiagram",
     "ParameterAgreement",
     "Refit",
     "SensitivityIndices",
@@ -41,8 +53,11 @@ __all__ = [
     "bifurcation",
     "campaign",
     "compare_estimates",
+    "continue_orbit",
     "cycle_of",
     "cycles_in",
+    "orbit_diagram",
+    "periodic_orbit",
     "validate",
 ]
 

@@ -1,0 +1,1208 @@
+"""Branches of periodic orbits over a parameter, by pseudo-arclength.
+
+Unknown is u = (y / scale, p / range): the free states of an orbit (see `orbits`) and the parameter.
+Along a branch F(u) = 0, where stability plays no part:
+
+1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp].
+2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The step grows where few of
+   them are needed and the tangent hardly turns, and is halved where they fail.
+3. Events between two points, each located on the arc by bisection:
+     fold             the tangent's component along p changes its sign
+     period doubling  det(M + 1) changes its sign: a multiplier passes -1
+     branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
+                      or this one begins there at a pitchfork and goes on as its mirror image
+     torus            a complex pair of multipliers passes the unit circle
+     grazing          a stop or a switch is met more or less often in a period
+     sticking         begins, ends, or its intervals in a period change in number
+   The last two are changes of what happens in a period. There the monodromy may jump, so that
+   stability changes without a multiplier at the unit circle: the sentence of the event says it.
+4. At a grazing contact the saltation factor is infinite: the monodromy grows like the inverse
+   square root of the distance. Steps are halved in front of it. If none succeeds, the branch is
+   stepped over: the corrector starts on the other side, in a plane of constant penetration, which
+   also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch ends
+   there, and says why.
+5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
+   corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
+   along the old tangent, so that the old branch is no solution.
+
+Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test functions, doubling);
+di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.display import OnAxes, Summary
+from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import number, quantity
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.quantities import parameters
+from stickslip.simulation import (
+    GivenFriction,
+    beginning_pair,
+    ensemble,
+    event_driven_law,
+    initial_state,
+)
+from stickslip.solver import EventDriven, Output, Samples, path_units
+from stickslip.sweep.cycles import period_of
+from stickslip.sweep.orbits import (
+    Orbit,
+    ReturnMap,
+    Shot,
+    Signature,
+    return_map,
+    signature_of,
+    solved,
+)
+from stickslip.sweep.parameter_grid import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    early_ends,
+    unit_of,
+    whole_run,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Branch", "BranchEvent", "OrbitDiagram", "continue_orbit", "orbit_diagram"]
+
+Event: TypeAlias = "BranchEvent"
+MOST_POINTS = 2000
+"""Points of a branch to either side."""
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
+"""Length of a step, over the size of the states and the range of the parameter."""
+GROWTH, EASY = 1.5, 3
+"""By how much a step grows, and after how many of Newton's steps at most."""
+MOST_NEWTON = 6
+"""Newton's steps of one correction."""
+TURN: Final = 0.9
+"""Least cosine between tangents of neighbours, where the same happens in both."""
+ON_CURVE = 0.5
+"""Largest correction over the step: what comes from farther is another branch."""
+BISECTIONS = 22
+"""Halvings of a step by which an event is located."""
+AT_CIRCLE = 0.02
+"""Distance from the unit circle within which a multiplier has passed it and not jumped across."""
+OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
+"""Steps by which what stops the corrector is stepped over."""
+OFF: Final = (0.01, 0.003, 0.03, 0.001)
+"""Distances from a period doubling at which the doubled branch is sought."""
+BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
+"""Places beside the end of a branch, over the range, where further runs settle."""
+SAME = 2e-3
+"""Distance, over the size of the states, within which points are of the same orbit: what is left
+of a transient, of which `cycles.CLOSED` is allowed."""
+NEAR_SAMPLES = 0.05
+"""Distance within which a sample of a settled run may lie on a branch that is known: then it is
+compared after both were solved for at the same value."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BranchEvent:
+    """What changes along a branch, and where."""
+
+    kind: str
+    """``"fold"``, ``"period doubling"``, ``"branch point"``, ``"torus"``, ``"grazing"``,
+    ``"sticking"``, or ``"reversal"``."""
+    value: float
+    """Value of the parameter."""
+    index: int
+    """Number of the point of the branch before it."""
+    sentence: str
+    """What changes, in words."""
+    orbit: Orbit
+    """The orbit there."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Branch(OnAxes):
+    """A branch of periodic orbits, point by point along its arc."""
+
+    path: str
+    """Full path of the parameter."""
+    unit: str
+    """Its SI unit."""
+    cycles: int
+    """Cycles of the drives after which the orbits close."""
+    states: tuple[str, ...]
+    """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
+    values: Array
+    """The parameter (n,)."""
+    starts: Array
+    """Free states at time 0 (n, k)."""
+    periods: Array
+    """Length of the orbits (n,) [s]."""
+    multipliers: NDArray[np.complex128]
+    """Floquet multipliers (n, k), the largest first."""
+    advances: Mapping[str, Array]
+    """Advance in a period (n,) of each coordinate on which nothing depends."""
+    events: tuple[BranchEvent, ...]
+    """What changes along the branch."""
+    ends: tuple[str, str]
+    """Why it ends at its first and at its last point."""
+    runs: int
+    """Runs over a period that it took."""
+    map: ReturnMap
+    """The map whose fixed points it has."""
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether the orbit of each point is stable (n,)."""
+        return np.asarray(np.abs(self.multipliers).max(axis=1, initial=0.0) < 1.0)
+
+    def mean_velocity(self, coordinate: str | None = None) -> Array:
+        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, the first if not given.
+
+        Raises
+        ------
+        InputError
+            If no coordinate advances, or not the one that was asked for.
+        """
+        name = next(iter(self.advances), None) if coordinate is None else coordinate
+        if name not in self.advances:
+            known = ", ".join(self.advances) or "none"
+            raise InputError(
+                f"Branch.mean_velocity: coordinate {name!r} does not advance from cycle to cycle;"
+                f" those that do: {known}."
+            )
+        return self.advances[name] / self.periods
+
+    def orbit(self, index: int) -> Orbit:
+        """Return the orbit of a point."""
+        return self.map.orbit(self.map.shoot(self.starts[index], float(self.values[index])))
+
+    def orbits_at(self, value: float) -> tuple[Orbit, ...]:
+        """Return the orbits that the branch has at a value of the parameter."""
+        return tuple(self.map.orbit(shot) for shot in self._shots_at(value))
+
+    def _shots_at(self, value: float) -> Iterator[Shot]:
+        for guess in self.crossings(value):
+            try:
+                yield solved(self.map, guess, value)
+            except (SimulationError, InputError):
+                continue
+
+    def crossings(self, value: float) -> Array:
+        """Return the free states (m, k) at which the polygon of points crosses a value."""
+        low, high = self.values[:-1], self.values[1:]
+        at = np.flatnonzero((np.minimum(low, high) <= value) & (value <= np.maximum(low, high)))
+        span = np.where(high[at] == low[at], 1.0, high[at] - low[at])
+        share = ((value - low[at]) / span)[:, None]
+        return self.starts[at] + share * (self.starts[at + 1] - self.starts[at])
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point."""
+        import pandas as pd
+
+        columns: dict[str, object] = {self.path: self.values, "cycles": self.cycles}
+        columns |= {"period": self.periods, "stable": self.stable}
+        columns["largest multiplier"] = np.abs(self.multipliers).max(axis=1, initial=0.0)
+        columns |= {name: self.starts[:, i] for i, name in enumerate(self.states)}
+        columns |= {f"advance {name}": values for name, values in self.advances.items()}
+        return pd.DataFrame(columns)
+
+    @override
+    def _summary(self) -> Summary:
+        low, high = float(self.values.min()), float(self.values.max())
+        rows = [(e.kind, quantity(e.value, self.unit, 6), e.sentence) for e in self.events]
+        return Summary(
+            sentence=f"Period {self.cycles}, {len(self.values)} orbits from"
+            f" {number(low, 4)} to {quantity(high, self.unit, 4)},"
+            f" {int(self.stable.sum())} of them stable.",
+            head=("event", self.path.rpartition(".")[2], "what changes") if rows else (),
+            rows=rows,
+            notes=tuple(dict.fromkeys(self.ends)),
+        )
+
+
+def continue_orbit(
+    orbit: Orbit,
+    path: str,
+    between: tuple[float, float],
+    *,
+    doubled: bool = False,
+    step: float = MOST_STEP,
+    points: int = MOST_POINTS,
+    period: float | None = None,
+) -> Branch:
+    """Follow a periodic orbit over a parameter, along stable and unstable orbits.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Where the branch begins; followed to both sides.
+    path : str
+        What varies, as in `ensemble`; the orbit has a value of it in `between`.
+    between : pair of float
+        Least and largest value.
+    doubled : bool
+        Whether to leave, at an orbit with a multiplier at -1 (the `BranchEvent.orbit` of a period
+        doubling), for the branch on which it closes after twice the cycles.
+    step : float
+        Largest step, over the size of the states and the range of the parameter.
+    points : int
+        Largest number of points to either side.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+
+    Returns
+    -------
+    Branch
+        Its orbits, their stability, and what changes along it.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If there is no doubled branch, or the orbit has no derivative.
+
+    References
+    ----------
+    R. Seydel, Practical Bifurcation and Stability Analysis, Springer 2010, chapters 4 to 7.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import periodic_orbit
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
+    >>> branch = continue_orbit(orbit, "frequency", (1.9, 2.4))
+    >>> bool(branch.stable.all()), branch.ends
+    (True, ('It reaches 1.9 Hz.', 'It reaches 2.4 Hz.'))
+    """
+    curve, first = _begun(orbit, path, between, doubled, step, points, period)
+    return curve.branch(first)
+
+
+def _begun(
+    orbit: Orbit,
+    path: str,
+    between: tuple[float, float],
+    doubled: bool,
+    step: float,
+    points: int,
+    period: float | None,
+) -> tuple["_Curve", "_Point"]:
+    """Return a branch that is to be followed, and its first point."""
+    low, high = _range("continue_orbit", between)
+    counted("continue_orbit", "points", points, 1)
+    if not (isinstance(step, float) and LEAST_STEP < step <= 1.0):
+        raise InputError(
+            f"continue_orbit: step must be above {LEAST_STEP:g} and at most 1, got {step!r}."
+        )
+    mechanism, law = orbit.mechanism, orbit.law
+    full, _ = axis_of(mechanism, law, path, [low, high])
+    if full.startswith("initial."):
+        raise InputError(
+            f"continue_orbit: {full} is not a parameter of the equations; give one of the"
+            " mechanism or of the law."
+        )
+    value = _value(mechanism, law, full)
+    if not low <= value <= high:
+        unit = unit_of(mechanism, law, full)
+        raise InputError(
+            f"continue_orbit: {full} of the orbit is {quantity(value, unit, 6)}, outside of"
+            f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it, or begin with"
+            " an orbit inside."
+        )
+    cycles = orbit.cycles * (2 if doubled else 1)
+    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full)
+    if map_.names != orbit.free:
+        map_ = replace(
+            map_,
+            free=tuple(map_.states.index(name) for name in orbit.free),
+            moving=tuple(map_.states.index(name) for name in orbit.advance),
+        )
+    _check_ends(map_, (low, high))
+    y = np.array([orbit.start[name] for name in orbit.free])
+    curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
+    first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
+    return curve, first
+
+
+def _range(owner: str, between: object) -> tuple[float, float]:
+    pair = np.asarray(between, dtype=np.float64) if np.shape(between) == (2,) else np.empty(0)  # type: ignore[arg-type]
+    if pair.size != 2 or not np.isfinite(pair).all() or not pair[0] < pair[1]:
+        raise InputError(
+            f"{owner}: between must be two finite numbers, the lower one first, got {between!r}."
+        )
+    return float(pair[0]), float(pair[1])
+
+
+def _check_ends(map_: ReturnMap, between: tuple[float, float]) -> None:
+    """Refuse a range that has values which the parameter cannot have."""
+    for value in between:
+        map_.duration(map_.pair(value)[0])
+
+
+def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    return next(v for root, prefix in roots for p, _, v in parameters(root, prefix) if p == full)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """An orbit on the branch."""
+
+    shot: Shot
+    tangent: Array
+    """In scaled unknowns (k + 1,), along the branch."""
+    signature: Signature
+    multipliers: NDArray[np.complex128]
+    crossing: float
+    """det[dF/du; t]."""
+    half: Array
+    """States after half the cycles less those at the start, scaled; 0 of an odd number."""
+
+
+class _Curve:
+    """One branch: scales, corrector, events."""
+
+    def __init__(
+        self, map_: ReturnMap, low: float, high: float, unit: str, step: float, most: int
+    ) -> None:
+        self.map, self.low, self.high, self.unit = map_, low, high, unit
+        self.step, self.most = step, most
+        self.scale = np.ones(1)
+        self.runs = 0
+        self.backward = False
+        self.met: Callable[[Shot], int | None] = lambda _: None
+
+    # -- unknowns
+
+    def point(self, shot: Shot, along: Array | None = None) -> _Point:
+        """Return a point with its tangent, which goes on in a direction; up in p if none is given.
+
+        The first point sets the scales.
+        """
+        if self.scale.size == 1:
+            self.scale = np.append(shot.scale, self.high - self.low)
+        matrix = self.scaled(shot)
+        tangent = self.null(shot)
+        up = tangent[-1] if along is None else float(tangent @ along)
+        tangent = tangent if up >= 0.0 else -tangent
+        return _Point(
+            shot,
+            tangent,
+            signature_of(shot),
+            np.linalg.eigvals(shot.monodromy).astype(np.complex128),
+            float(np.linalg.det(np.vstack([matrix, tangent]))),
+            self.half(shot),
+        )
+
+    def scaled(self, shot: Shot) -> Array:
+        """Return dF/du in scaled unknowns (k, k + 1)."""
+        found: Array = shot.jacobian * self.scale / self.scale[:-1, None]
+        return found
+
+    def null(self, shot: Shot) -> Array:
+        """Return the null vector of dF/du; its part along what is lost to sticking is exactly 0."""
+        found: Array = np.linalg.svd(self.scaled(shot))[2][-1]
+        found[:-1][shot.lost] = 0.0
+        return found / float(np.linalg.norm(found))
+
+    def half(self, shot: Shot) -> Array:
+        if self.map.cycles % 2:
+            return np.zeros(len(shot.y))
+        middle = shot.run.at(np.array([0.5 * shot.period]))[0][list(self.map.free)]
+        return (middle - shot.y) / self.scale[:-1]
+
+    def unknowns(self, shot: Shot) -> Array:
+        return np.append(shot.y, shot.value) / self.scale
+
+    def shoot(self, u: Array) -> Shot:
+        self.runs += 1
+        *y, value = (u * self.scale).tolist()
+        return self.map.shoot(np.array(y), value)
+
+    def correct(
+        self, u0: Array, normal: Array, distance: float, start: Array | None = None
+    ) -> tuple[Shot, int] | None:
+        """Return the orbit with normal (u - u0) = distance near there, and the steps it took."""
+        u = u0 + distance * normal / float(normal @ normal) if start is None else start
+        before = np.inf
+        for count in range(MOST_NEWTON + 1):
+            try:
+                shot = self.shoot(u)
+            except (SimulationError, InputError):
+                return None
+            residual = shot.residual / self.scale[:-1]
+            error = float(np.abs(residual).max(initial=0.0))
+            # what is left is judged by the size of the states in this orbit, as by `solved`
+            if shot.error <= self.map.tolerance:
+                return shot, count
+            if count == MOST_NEWTON or error > 2.0 * before:
+                return None
+            before = error
+            lack = np.append(residual, float(normal @ (u - u0)) - distance)
+            try:
+                u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
+                u[:-1] = shot.moved(u[:-1] * self.scale[:-1]) / self.scale[:-1]
+            except np.linalg.LinAlgError:
+                return None
+        return None
+
+    # -- the walk
+
+    def branch(self, first: _Point) -> Branch:
+        """Follow a branch to both sides of a point."""
+        self.backward = True  # events are told in the order of the points
+        turned = replace(first, tangent=-first.tangent, crossing=-first.crossing)
+        back, begun, before = self.walk(turned)
+        self.backward = False
+        ahead, ended, after = self.walk(first)
+        points = [*back[:0:-1], *ahead]
+        offset = len(back) - 1
+        events = [replace(e, index=offset - 1 - e.index) for e in reversed(before)]
+        events += [replace(e, index=offset + e.index) for e in after]
+        shots = [point.shot for point in points]
+        advances = np.array([shot.advance for shot in shots]).reshape(len(shots), -1)
+        multipliers = np.array([point.multipliers for point in points])
+        order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
+        return Branch(
+            path=str(self.map.path),
+            unit=self.unit,
+            cycles=self.map.cycles,
+            states=self.map.names,
+            units=_units(self.map),
+            values=np.array([shot.value for shot in shots]),
+            starts=np.array([shot.y for shot in shots]),
+            periods=np.array([shot.period for shot in shots]),
+            multipliers=np.take_along_axis(multipliers, order, axis=1),
+            advances={
+                self.map.states[i]: advances[:, k] for k, i in enumerate(self.map.moving)
+            },
+            events=tuple(events),
+            ends=(begun, ended),
+            runs=self.runs,
+            map=self.map,
+        )  # fmt: skip
+
+    def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
+        """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
+        points, events, ds = [first], list[Event](), min(FIRST_STEP, self.step)
+        while len(points) <= self.most:
+            here = points[-1]
+            u0 = self.unknowns(here.shot)
+            found = self.correct(u0, here.tangent, ds)
+            there = None if found is None else self.point(found[0], here.tangent)
+            if there is None or not self.is_next(here, there, u0, ds):
+                ds *= 0.5
+                if ds > LEAST_STEP:
+                    continue
+                there = self.over(here)
+                if there is None:
+                    kind, reason = self.reason(here)
+                    if kind:
+                        sentence = "the branch ends there"
+                        events.append(self.event(kind, here, len(points) - 1, sentence))
+                    return points, reason, events
+                found, ds = None, 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
+                events.append(self.turned(here, there, len(points) - 1))
+            else:
+                events += self.between(here, there, u0, ds, len(points) - 1)
+            if float(here.half @ there.half) < 0.0 and _small(here, there):
+                return (
+                    points,
+                    self.halves(here, there),
+                    [e for e in events if e.index < len(points) - 1],
+                )
+            end = self.limit(here, there)
+            if end is not None:
+                return self.cut(points, there, end, events)
+            points.append(there)
+            known = self.met(there.shot)
+            if known is not None:
+                at = quantity(there.shot.value, self.unit, 6)
+                return points, f"It meets branch {known} at {at}.", events
+            if len(points) > 3 and self.closes(first, here, there):
+                return points, "It closes.", events
+            if found is not None and found[1] <= EASY:
+                ds = min(GROWTH * ds, self.step)
+        return points, f"It was followed for {self.most} points; give more to go on.", events
+
+    def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
+        """Whether a corrected point lies on the same branch, near enough."""
+        off = self.unknowns(there.shot) - u0 - ds * here.tangent
+        if float(np.linalg.norm(off)) > ON_CURVE * ds:
+            return False
+        same = here.signature == there.signature
+        return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
+
+    def halves(self, here: _Point, there: _Point) -> str:
+        """Return the end of a branch in the period doubling from which it came.
+
+        Both halves of the orbit become the same there; behind are the same orbits, begun half a
+        period later.
+        """
+        near, far = (float(np.linalg.norm(point.half)) for point in (here, there))
+        value = here.shot.value + near / (near + far) * (there.shot.value - here.shot.value)
+        half = self.map.cycles // 2
+        return f"It ends at {quantity(value, self.unit, 5)} in a doubling of period {half}."
+
+    def limit(self, here: _Point, there: _Point) -> float | None:
+        """Return the end of the range that a step crosses, if any."""
+        for edge in (self.low, self.high):
+            if (here.shot.value - edge) * (there.shot.value - edge) < 0.0:
+                return edge
+        return None
+
+    def cut(
+        self, points: list[_Point], there: _Point, edge: float, events: list[Event]
+    ) -> tuple[list[_Point], str, list[Event]]:
+        """End a branch right at the end of the range."""
+        here = points[-1]
+        share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
+        try:
+            shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
+            points.append(self.point(shot, there.tangent))
+        except (SimulationError, InputError):
+            pass  # the last point stands a step before the end of the range
+        inside = [e for e in events if self.low <= e.value <= self.high]
+        return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
+
+    def closes(self, first: _Point, here: _Point, there: _Point) -> bool:
+        """Whether a step passes the first point: the branch is a closed curve."""
+        a, b = self.unknowns(here.shot), self.unknowns(there.shot)
+        start, chord = self.unknowns(first.shot), b - a
+        share = float((start - a) @ chord) / float(chord @ chord)
+        gap = float(np.linalg.norm(start - a - share * chord))
+        along = float(first.tangent @ there.tangent) > TURN
+        return along and 0.0 < share <= 1.0 and gap < 0.05 * float(np.linalg.norm(chord))
+
+    def over(self, here: _Point) -> _Point | None:
+        """Return a point behind what stops the corrector, on whichever side the branch goes on.
+
+        Behind a grazing contact the monodromy is a large rank-one matrix and what grows like a
+        square root. In planes of constant penetration the residual is smooth, however: their
+        normal is the direction in which dF/du is largest, and takes the place of the tangent.
+        """
+        u0 = self.unknowns(here.shot)
+        for ds in OVER:
+            start = u0 + ds * here.tangent
+            try:
+                guess = self.shoot(start)
+            except (SimulationError, InputError):
+                continue
+            if signature_of(guess) == here.signature:
+                continue
+            steepest = np.linalg.svd(self.scaled(guess))[2][0]
+            for normal in (steepest, self.null(guess), here.tangent):
+                found = self.correct(u0, normal, float(normal @ (start - u0)), start)
+                if found is None:
+                    continue
+                off = self.unknowns(found[0]) - u0
+                point = self.point(found[0], off)
+                if point.signature != here.signature and float(np.linalg.norm(off)) < MOST_STEP:
+                    return point
+        return None
+
+    def turned(self, here: _Point, there: _Point, index: int) -> Event:
+        """Return the event across which the branch was stepped over."""
+        kind, sentence = self.change(here, there)
+        back = here.tangent[-1] * there.tangent[-1] < 0.0
+        more = "; the branch turns back there (non-smooth fold)" if back else "; stepped over"
+        return self.event(kind, here, index, sentence + more + self.jump(here, there))
+
+    def reason(self, here: _Point) -> tuple[str, str]:
+        """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
+
+        What happens in a run right behind the last point is what stops it.
+        """
+        u0 = self.unknowns(here.shot)
+        at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
+        for ds in OVER:
+            try:
+                ahead = self.shoot(u0 + ds * here.tangent)
+            except (SimulationError, InputError) as error:
+                return "", (
+                    f"{at}: behind, a run ends early or has no derivative:"
+                    f" {str(error).rstrip('.')}."
+                )
+            after = signature_of(ahead)
+            if after == here.signature:
+                continue
+            kind, sentence = _change(here.signature, after)
+            if kind != "grazing":
+                return kind, f"{at}: {sentence}, and no orbit like it follows."
+            large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
+            return kind, (
+                f"{at} in grazing: {sentence}. The saltation factor of a grazing contact is"
+                f" infinite: right behind, the largest multiplier is {number(large, 2)}."
+            )
+        return "", f"{at}: the corrector does not converge."
+
+    # -- events
+
+    def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
+        return BranchEvent(
+            kind=kind,
+            value=point.shot.value,
+            index=index,
+            sentence=sentence,
+            orbit=self.map.orbit(point.shot),
+        )
+
+    def jump(self, here: _Point, there: _Point) -> str:
+        """Return what a change does to stability, in words."""
+        pair = (there, here) if self.backward else (here, there)
+        before, after = (bool(np.all(np.abs(p.multipliers) < 1.0)) for p in pair)
+        if before == after:
+            return ""
+        return f"; {'unstable' if before else 'stable'} from there on"
+
+    def change(self, here: _Point, there: _Point) -> tuple[str, str]:
+        """Return the kind of a change of what happens, and the sentence in the order of points."""
+        pair = (there, here) if self.backward else (here, there)
+        return _change(pair[0].signature, pair[1].signature)
+
+    def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
+        """Return the events between two points, each located."""
+        found: list[tuple[float, Event]] = []
+        if here.signature != there.signature:
+            kind, sentence = self.change(here, there)
+            s, a, b = self.located(here, there, u0, ds, lambda p: p.signature == here.signature)
+            if a.tangent[-1] * b.tangent[-1] < 0.0:
+                sentence += "; the branch turns back there (non-smooth fold)"
+            found.append((s, self.event(kind, a, index, sentence + self.jump(a, b))))
+        for kind, sentence, test in TESTS:
+            first = test(here)
+            if first * test(there) >= 0.0:
+                continue
+            s, a, b = self.located(
+                here,
+                there,
+                u0,
+                ds,
+                lambda p, t=test, f=first: t(p) * f > 0.0,  # type: ignore[misc]
+            )
+            if a.signature != b.signature:
+                continue  # the test has jumped there, which the event of the change says
+            found.append((s, self.event(kind, a, index, sentence)))
+        crossed = {event.kind for _, event in found}
+        if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
+            found = [pair for pair in found if pair[1].kind != "fold"]
+        s_torus = self.torus(here, there, u0, ds)
+        if s_torus is not None:
+            s, a = s_torus
+            found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        return [event for _, event in sorted(found, key=lambda pair: pair[0])]
+
+    def torus(
+        self, here: _Point, there: _Point, u0: Array, ds: float
+    ) -> tuple[float, _Point] | None:
+        """Return where a complex pair of multipliers passes the unit circle, if it does."""
+        if _pair_outside(here) is None or _pair_outside(there) is None:
+            return None
+        if _pair_outside(here) == _pair_outside(there):
+            return None
+        before = _pair_outside(here)
+        s, a, b = self.located(here, there, u0, ds, lambda p: _pair_outside(p) == before)
+        near = min(abs(abs(x) - 1.0) for x in a.multipliers)
+        return (s, a) if a.signature == b.signature and near < AT_CIRCLE else None
+
+    def located(
+        self, here: _Point, there: _Point, u0: Array, ds: float, holds: Callable[[_Point], bool]
+    ) -> tuple[float, _Point, _Point]:
+        """Return the arc up to which something holds, and the points right before and behind."""
+        low, high, a, b = 0.0, ds, here, there
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            found = self.correct(u0, here.tangent, middle)
+            if found is None:
+                break
+            point = self.point(found[0], here.tangent)
+            if holds(point):
+                low, a = middle, point
+            else:
+                high, b = middle, point
+        return low, a, b
+
+    # -- doubled branches
+
+    def doubled(self, orbit: Orbit, y: Array, value: float) -> _Point:
+        """Return a point of the branch that leaves at a period doubling."""
+        values, vectors = np.linalg.eig(orbit.monodromy)
+        nearest = int(np.argmin(np.abs(values + 1.0)))
+        if abs(values[nearest] + 1.0) > AT_CIRCLE:
+            raise InputError(
+                "continue_orbit: doubled=True needs an orbit with a multiplier at -1, such as the"
+                " `orbit` of a period doubling among a branch's events; the nearest multiplier is"
+                f" {number(float(values[nearest].real), 3)}."
+            )
+        base = replace(self.map, cycles=orbit.cycles)
+        shot = base.shoot(y, value)
+        self.scale = np.append(shot.scale, self.high - self.low)
+        old = self.null(shot)
+        v = np.append(vectors[:, nearest].real / shot.scale, 0.0)
+        v -= float(v @ old) * old
+        v /= float(np.linalg.norm(v))
+        u0 = self.unknowns(shot)
+        for off in OFF:
+            found = self.correct(u0, v, off)
+            if found is None or float(np.linalg.norm(self.unknowns(found[0]) - u0)) > 10.0 * off:
+                continue
+            try:
+                half = base.shoot(found[0].y, found[0].value)
+            except (SimulationError, InputError):
+                continue
+            if half.error > 100.0 * self.map.tolerance:
+                return self.point(found[0])
+        raise SimulationError(
+            f"no branch of period {self.map.cycles} leaves at"
+            f" {quantity(value, self.unit, 6)}: what is near there closes after {orbit.cycles}."
+        )
+
+
+def _units(map_: ReturnMap) -> dict[str, str]:
+    """Return the SI units of all states."""
+    known = path_units(map_.mechanism, map_.law)
+    return {name: known.get(f"initial.{name}", "1") for name in map_.states}
+
+
+def _small(here: _Point, there: _Point) -> bool:
+    """Whether the two halves of an orbit are alike in a step, as they are in a doubling."""
+    step = float(np.linalg.norm(there.half - here.half))
+    return float(np.linalg.norm(here.half)) < step
+
+
+def _det_plus(point: _Point) -> float:
+    return float(np.prod(1.0 + point.multipliers).real)
+
+
+TESTS: Final[tuple[tuple[str, str, Callable[[_Point], float]], ...]] = (
+    ("fold", "the branch turns back", lambda point: float(point.tangent[-1])),
+    ("period doubling", "a multiplier passes -1", _det_plus),
+    ("branch point", "another branch crosses", lambda point: point.crossing),
+)
+"""Smooth test functions, with what a change of their sign means."""
+
+
+def _pair_outside(point: _Point) -> bool | None:
+    """Whether the largest complex pair lies outside the unit circle; None if all are real."""
+    pairs = [abs(x) for x in point.multipliers if abs(x.imag) > 1e-9 * max(abs(x), 1e-9)]
+    return max(pairs) > 1.0 if pairs else None
+
+
+def _change(before: Signature, after: Signature) -> tuple[str, str]:
+    """Return the kind of a change of what happens in a period, and the sentence."""
+    counts = [{(c, what): n for c, what, n in one} for one in (before, after)]
+    keys = sorted({key for one in counts for key in one})
+    parts, reversals, kind = list[str](), list[str](), "reversal"
+    for key in keys:
+        a, b = (one.get(key, 0) for one in counts)
+        contact, what = key
+        if a == b or what.startswith("mode "):
+            continue
+        where = f" at {contact}" if contact else ""
+        if what == "stop":
+            kind = "sticking" if kind == "reversal" else kind
+            word = "begins" if a == 0 else "ends" if b == 0 else f"from {a} to {b} times a period"
+            parts.insert(0, f"sticking{where} {word}")
+        elif what == "reversal":
+            reversals.append(f"reverses{where} without sticking from {a} to {b} times a period")
+        elif what == "break-away":
+            reversals.append(f"breaks away{where} from {a} to {b} times a period")
+        else:
+            kind = "grazing"
+            parts.append(f'"{what}"{where} from {a} to {b} times a period')
+    return kind, "; ".join(parts or reversals or ["what the contacts do all the time"])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class OrbitDiagram(OnAxes):
+    """Branches of periodic orbits over a parameter, with settled motions behind."""
+
+    path: str
+    """Full path of the parameter."""
+    unit: str
+    """Its SI unit."""
+    states: tuple[str, ...]
+    """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
+    branches: tuple[Branch, ...]
+    """Their branches."""
+    values: Array
+    """The parameter of each settled run (m,)."""
+    samples: Array
+    """Free states (m, keep, k) of settled runs, once a cycle; NaN where a run ended early."""
+    velocities: Mapping[str, Array]
+    """Mean velocity (m,) over these cycles, of each coordinate on which nothing depends."""
+    settled: NDArray[np.int64]
+    """After how many cycles each settled run closes (m,), 0 if it does not."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each (m,)."""
+    brute_cycles: int
+    """Cycles of the drives in the settled runs."""
+    branch_cycles: int
+    """Cycles of the drives in the runs that the branches took."""
+    brute_seconds: float
+    """Processor time of the settled runs [s]."""
+    branch_seconds: float
+    """Processor time of the branches [s]."""
+
+    @property
+    def events(self) -> tuple[tuple[int, BranchEvent], ...]:
+        """What changes along the branches: number of the branch, and event."""
+        return tuple((i, event) for i, one in enumerate(self.branches) for event in one.events)
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where settled runs ended early, and why: a sentence for each reason."""
+        axis, units = {self.path: self.values}, {self.path: self.unit}
+        return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point of each branch."""
+        import pandas as pd
+
+        frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (
+                i,
+                one.cycles,
+                f"{number(float(one.values.min()), 5)} to"
+                f" {quantity(float(one.values.max()), self.unit, 5)}",
+                f"{int(one.stable.sum())} of {len(one.values)}",
+                ", ".join(dict.fromkeys(event.kind for event in one.events)),
+            )
+            for i, one in enumerate(self.branches)
+        ]
+        return Summary(
+            sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
+            head=("branch", "period", self.path.rpartition(".")[2], "stable", "events"),
+            rows=rows,
+            notes=self.costs(),
+        )
+
+    def costs(self) -> tuple[str, ...]:
+        """Return what branches and settled runs took, and where runs ended early: sentences."""
+        closed = int((self.settled > 0).sum())
+        return (
+            f"The branches took {self.branch_cycles} cycles and {number(self.branch_seconds, 2)} s"
+            f" of processor time; the {len(self.values)} settled runs behind them, of which"
+            f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
+            *self.early_ends(),
+        )
+
+
+def orbit_diagram(
+    mechanism: Mechanism,
+    law: GivenFriction,
+    path: str,
+    between: tuple[float, float],
+    *,
+    cycles: int = 4,
+    values: int = 61,
+    starts: int = 3,
+    settle: int = 200,
+    step: float = MOST_STEP,
+    seed: int = 0,
+    y0: Mapping[str, float] | None = None,
+    period: float | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> OrbitDiagram:
+    """Find branches of periodic orbits over a range of a parameter.
+
+    Settled runs from several starts show where stable orbits are; each that lies on no branch yet
+    begins a new one, which is followed to both sides, and at its period doublings doubled branches
+    begin. Where a branch ends within the range, further runs settle beside its end. Orbits that are
+    unstable and connected to no stable one are not found.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with a periodic drive.
+    law : FrictionLaw, type or str, or mapping of str to these
+        What holds it back, as in `simulate`.
+    path : str
+        What varies, as in `ensemble`.
+    between : pair of float
+        Least and largest value.
+    cycles : int
+        Largest period that is sought, in cycles of the drives.
+    values, starts : int
+        Values with settled runs, evenly spaced, and runs at each of them: the first from where the
+        mechanism begins, others from random states.
+    settle : int
+        Cycles before a run counts as settled.
+    step : float
+        Largest step along a branch, as in `continue_orbit`.
+    seed : int
+        Of the random states.
+    y0 : mapping, optional
+        States from which the first run at each value begins, as in `simulate`.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver : EventDriven, optional
+        Compiled if not given.
+    progress : callable, optional
+        Called with the number of values done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    OrbitDiagram
+        Branches, their events, and the settled motions.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = orbit_diagram(axis, law, "frequency", (1.9, 2.4), values=3, cycles=2, settle=50)
+    >>> [(branch.cycles, bool(branch.stable.all())) for branch in found.branches]
+    [(1, True)]
+    """
+    owner = "orbit_diagram"
+    low, high = _range(owner, between)
+    laws = event_driven_law(mechanism, law)
+    for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
+        counted(owner, name, count, least)
+    counted(owner, "settle", settle, 0)
+    mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
+    full, grid = axis_of(mechanism, laws, path, np.linspace(low, high, int(values)))
+    if full.startswith("initial."):
+        raise InputError(
+            f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
+            " the law."
+        )
+    if period is None:
+        whole_run(owner, mechanism, settle + 2 * cycles)
+    first = return_map(mechanism, laws, 1, period, compiled(solver), full)
+    _check_ends(first, (low, high))
+    search = _Search(
+        first,
+        (low, high),
+        int(cycles),
+        int(settle),
+        step,
+        np.random.default_rng(seed),
+        dict(y0 or {}),
+    )
+    tally = Tally(len(grid), progress)
+    for done, value in enumerate(grid.tolist(), 1):
+        search.settle_at(value, int(starts))
+        tally.tell(done)
+        if not tally.going:
+            break
+    while tally.going and (value := search.end()) is not None:
+        for off in BEHIND:
+            beside = value + off * (high - low)
+            if low < beside < high:
+                search.settle_at(beside, 2 * int(starts))
+    return search.diagram()
+
+
+class _Search:
+    """Settled runs, and the branches that they lead to."""
+
+    def __init__(
+        self,
+        first: ReturnMap,
+        between: tuple[float, float],
+        cycles: int,
+        settle: int,
+        step: float,
+        random: np.random.Generator,
+        y0: Mapping[str, float],
+    ) -> None:
+        self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
+        self.step, self.random, self.y0 = step, random, y0
+        self.branches: list[Branch] = []
+        self.values: list[float] = []
+        self.samples: list[Array] = []
+        self.velocities: list[Array] = []
+        self.closed: list[int] = []
+        self.status: list[object] = []
+        self.sizes = np.zeros(len(first.free))
+        self.seconds = {"brute": 0.0, "branches": 0.0}
+        self.brute_cycles = 0
+        self.looked: list[float] = []
+
+    def settle_at(self, value: float, starts: int) -> None:
+        """Run from several states at a value, and follow each orbit that is new."""
+        begun = process_time()
+        first = len(self.values)
+        self.run(value, starts)
+        self.seconds["brute"] += process_time() - begun
+        begun = process_time()
+        for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
+            if closed and not self.is_known(closed, value, points[:closed]):
+                self.follow(closed, value, points[-1])
+        self.seconds["branches"] += process_time() - begun
+
+    def end(self) -> float | None:
+        """Return a value in the range at which a branch ends and nobody has looked behind yet."""
+        low, high = self.between
+        reach = max(BEHIND) * (high - low)
+        for branch in self.branches:
+            for value in (float(branch.values[0]), float(branch.values[-1])):
+                inside = low < value < high
+                if inside and all(abs(value - other) > reach for other in self.looked):
+                    self.looked.append(value)
+                    return value
+        return None
+
+    def run(self, value: float, starts: int) -> None:
+        """Keep the samples of settled runs at a value."""
+        mechanism, law = self.map.pair(value)
+        cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
+        moving = [self.map.states[i] for i in self.map.moving]
+        times = [cycle * (self.settle + i) for i in range(keep + 1)]
+        outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
+        columns = self.starts(mechanism, law, starts)
+        runs = ensemble(
+            mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
+            solver=self.map.solver,
+        )  # fmt: skip
+        points = np.stack([runs[name][:, 1:] for name in names], axis=2)
+        places = np.stack([runs[name] for name in moving], axis=1) if moving else None
+        self.brute_cycles += starts * (self.settle + keep)
+        known = np.nan_to_num(np.abs(points)).max(axis=(0, 1))
+        self.sizes = np.maximum(self.sizes, known)
+        scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+        for i, status in enumerate(runs.status):
+            whole = status.complete
+            self.values.append(value)
+            self.samples.append(points[i] if whole else np.full_like(points[i], np.nan))
+            self.closed.append(period_of(points[i], scale) if whole else 0)
+            self.status.append(status)
+            way = np.full(len(moving), np.nan)
+            if places is not None and whole:
+                way = (places[i, :, -1] - places[i, :, 0]) / (keep * cycle)
+            self.velocities.append(way)
+
+    def starts(self, mechanism: Mechanism, law: FrictionLaw | Laws, count: int) -> dict[str, Array]:
+        """Return initial states of runs: the first as told, others of the size of motions so far.
+
+        Within hard stops, at which a place beyond is put.
+        """
+        begin = initial_state("orbit_diagram", mechanism, law, self.y0)
+        stops = stops_of(mechanism)
+        found = {}
+        sizes = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for k, i in enumerate(self.map.free):
+            name = self.map.states[i]
+            column = begin[i] + 2.0 * sizes[k] * self.random.uniform(-1.0, 1.0, count)
+            for stop in (one for one in stops if one.coordinate == name):
+                place = float(stop.position)  # type: ignore[arg-type]
+                bound = np.minimum if stop.side == "upper" else np.maximum
+                column = bound(column, place)
+            column[0] = begin[i]
+            found[f"initial.{name}"] = column
+        return found
+
+    def is_known(self, closed: int, value: float, points: Array) -> bool:
+        """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for branch in self.branches:
+            if branch.cycles != closed:
+                continue
+            for guess in branch.crossings(value):
+                gaps = np.abs((guess - points) / scale).max(axis=1)
+                if gaps.min() > NEAR_SAMPLES:
+                    continue
+                try:
+                    shot = solved(branch.map, guess, value)
+                except (SimulationError, InputError):
+                    continue
+                if np.abs((shot.y - points) / scale).max(axis=1).min() <= SAME:
+                    return True
+        return False
+
+    def met(self, shot: Shot) -> int | None:
+        """Return the number of the branch on which an orbit lies, by the polygon of its points."""
+        cycles = round(shot.period / self.map.duration(shot.mechanism))
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for number_, branch in enumerate(self.branches):
+            if branch.cycles == cycles:
+                gaps = np.abs((branch.crossings(shot.value) - shot.y) / scale).max(axis=1)
+                if gaps.min(initial=np.inf) <= SAME:
+                    return number_
+        return None
+
+    def follow(self, closed: int, value: float, point: Array) -> None:
+        """Follow the branch of a settled motion, and those that leave it by doubling."""
+        map_ = replace(self.map, cycles=closed)
+        try:
+            shot = solved(map_, point, value)
+        except (SimulationError, InputError):
+            return  # at a grazing contact, say: settled runs at other values lead there
+        if not self.is_known(closed, value, self.strobes(shot, closed)):
+            self.followed(map_.orbit(shot), doubled=False)
+
+    def followed(self, orbit: Orbit, *, doubled: bool) -> None:
+        try:
+            curve, first = _begun(
+                orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
+                self.map.period,
+            )  # fmt: skip
+            curve.met = self.met
+            branch = curve.branch(first)
+        except SimulationError:
+            return
+        if doubled:
+            middle = len(branch.values) // 2
+            value = float(branch.values[middle])
+            shot = branch.map.shoot(branch.starts[middle], value)
+            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles)):
+                return
+        self.branches.append(branch)
+        for event in branch.events:
+            if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
+                self.followed(event.orbit, doubled=True)
+
+    def strobes(self, shot: Shot, cycles: int) -> Array:
+        """Return the free states of an orbit once a cycle."""
+        times = shot.period / cycles * np.arange(cycles)
+        return shot.run.at(times)[:, list(self.map.free)]
+
+    def diagram(self) -> OrbitDiagram:
+        mechanism, law = self.map.mechanism, self.map.law
+        velocities = np.array(self.velocities).reshape(len(self.values), -1)
+        return OrbitDiagram(
+            path=str(self.map.path),
+            unit=unit_of(mechanism, law, str(self.map.path)),
+            states=self.map.names,
+            units=_units(self.map),
+            branches=tuple(self.branches),
+            values=np.array(self.values),
+            samples=np.array(self.samples),
+            velocities={
+                self.map.states[i]: velocities[:, k] for k, i in enumerate(self.map.moving)
+            },
+            settled=np.array(self.closed, dtype=np.int64),
+            status=np.array(self.status, dtype=object),
+            brute_cycles=self.brute_cycles,
+            branch_cycles=sum(one.runs * one.cycles for one in self.branches),
+            brute_seconds=self.seconds["brute"],
+            branch_seconds=self.seconds["branches"],
+        )  # fmt: skip

@@ -1,0 +1,75 @@
+"""`stickslip orbits`: branches, table, figure; one message for bad input."""
+
+import json
+
+import pandas as pd
+import pytest
+from tests.commands import commands
+
+RIG = """
+[mechanism]
+type = "axis"
+inertia = "1 kg"
+stiffness = "100 N/m"
+drive = {type = "sine", amplitude = "4 N", frequency = "2 Hz"}
+
+[friction.coulomb]
+kinetic_coefficient = 0.5
+"""
+QUICK = ("--values", "3", "--settle", "40", "--period", "2")
+
+
+@pytest.fixture
+def called(tmp_path, monkeypatch, capsys):
+    """Run a command where a rig lies; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "axis.toml").write_text(RIG)
+    (tmp_path / "idle.toml").write_text(RIG.replace("drive =", "# drive ="))
+    return commands(capsys, "orbits", one_line=True)
+
+
+def test_orbits_writes_a_table_and_a_figure_and_says_what_it_cost(called, tmp_path):
+    code, shown, _ = called(
+        "axis.toml", "--vary", "drive.frequency=1.9:2.4", *QUICK, "-o", "orbits.csv"
+    )
+    assert code == 0
+    assert "1.9 to 2.4 Hz" in " ".join(shown.split())
+    assert "settled runs" in shown
+    table = pd.read_csv(tmp_path / "orbits.csv")
+    assert table["stable"].all()
+    assert table["mechanism.drive.frequency [Hz]"].min() == 1.9
+    svg = (tmp_path / "orbits.svg").read_text()
+    assert "period 1" in svg
+    assert "frequency, Hz" in svg
+
+
+def test_orbits_as_json_have_branches_with_events(called):
+    code, shown, _ = called("axis.toml", "--vary", "drive.frequency=0.8:2.0", *QUICK, "--json")
+    assert code == 0
+    content = json.loads(shown)
+    (branch, *_) = content["branches"]
+    assert {event["kind"] for event in branch["events"]} >= {"sticking"}
+    assert len(branch["values"]) == len(branch["stable"])
+    assert content["branch_cycles"] < content["brute_cycles"] * 100
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("axis.toml", "--vary", "drive.frequency=3:2"), "lower value first"),
+        (("axis.toml", "--vary", "drive.frequency=3"), "PATH=LOW:HIGH in SI units"),
+        (("axis.toml", "--vary", "frequenzy=2:3"), "frequency"),
+        (("axis.toml", "--vary", "drive.frequency=0:3"), "above 0 Hz, got 0"),
+        (("axis.toml", "--vary", "initial.x=0:1"), "not a parameter"),
+        (("axis.toml", "--vary", "drive.frequency=2:3", "--period", "0"), "cycles must be"),
+        (("axis.toml", "--vary", "drive.frequency=2:3", "--values", "1"), "values must be"),
+        (("axis.toml", "--vary", "drive.frequency=2:3", "-o", "x.txt"), ".parquet or .mat"),
+        (("idle.toml", "--vary", "inertia=1:2"), "no drive"),
+    ],
+)
+def test_bad_input_gets_one_message_and_code_2(called, arguments, message):
+    code, shown, told = called(*arguments)
+    assert code == 2
+    assert not shown
+    assert message in told
+    assert told.count("stickslip:") == 1

@@ -1,0 +1,445 @@
+"""Periodic orbits: closed forms, published values, an independent integration, invariants."""
+
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    Dahl,
+    Pendulum,
+    PendulumCart,
+    Viscous,
+    simulate,
+)
+from stickslip.drives import Sine, Square, ThreePhase
+from stickslip.errors import InputError, SimulationError
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.sweep import continue_orbit, orbit_diagram, periodic_orbit
+from stickslip.sweep.cycles import period_of
+from stickslip.sweep.orbits import return_map
+
+FREQUENCY = "mechanism.drive.drive.frequency"
+CAPSULE = Capsule(
+    capsule_mass=0.08,
+    inner_mass=0.02,
+    stiffness=60.0,
+    damping=0.03,
+    upper_stop=2e-3,
+    restitution=0.6,
+    drive=Torque(drive=Sine(amplitude=0.2, frequency=13.0)),
+)
+ROUGH = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+
+
+def oscillator(b=0.8, force=1.0, phase=0.0, **settings):
+    """Mass 1, stiffness 1: the natural frequency is 1 rad/s."""
+    drive = Sine(amplitude=force, frequency=b / (2.0 * math.pi), phase=phase)
+    return Axis(inertia=1.0, stiffness=1.0, drive=drive, **settings)
+
+
+def capsule_at(frequency, phase=0.0):
+    return replace(
+        CAPSULE, drive=Torque(drive=Sine(amplitude=0.2, frequency=frequency, phase=phase))
+    )
+
+
+def den_hartog(b, ratio):
+    """Amplitude over P / k of a motion without stops: Den Hartog 1931."""
+    v = 1.0 / (1.0 - b**2)
+    u = math.sin(math.pi / b) / (b * (1.0 + math.cos(math.pi / b)))
+    return math.sqrt(v**2 - (ratio * u) ** 2)
+
+
+# -- closed forms
+
+
+@pytest.mark.parametrize("b", [0.3, 0.8, 1.7])
+def test_a_linear_oscillator_has_the_multipliers_of_its_closed_form(b):
+    orbit = periodic_orbit(oscillator(b), Viscous(viscous_coefficient=0.2), settle=0)
+    rate = complex(-0.1, math.sqrt(1.0 - 0.01))
+    expected = np.exp(rate * 2.0 * math.pi / b)
+    # no event but reversals, at which nothing jumps: the error is that of the series
+    np.testing.assert_allclose(
+        np.sort_complex(orbit.multipliers),
+        np.sort_complex(np.array([expected, expected.conjugate()])),
+        rtol=1e-9,
+    )
+    gain = 1.0 / abs(complex(1.0 - b**2, 0.2 * b))
+    assert np.abs(orbit.run().sampled(4001)["x"]).max() == pytest.approx(gain, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("b", "ratio", "published"),
+    [(0.8, 0.2, 2.711415), (0.8, 0.6, 2.106551), (1.2, 0.4, 1.902028), (1.5, 0.6, 0.4)],
+)
+def test_a_coulomb_oscillator_without_stops_has_den_hartogs_amplitude(b, ratio, published):
+    orbit = periodic_orbit(oscillator(b), Coulomb(kinetic_coefficient=ratio))
+    turns = [event.t for event in orbit.events if event.reason == "reversal"]
+    amplitude = np.abs(orbit.run().at(turns)["x"]).max()
+    assert orbit.stable
+    assert amplitude == pytest.approx(den_hartog(b, ratio), rel=1e-9)
+    assert amplitude == pytest.approx(published, abs=6e-7)  # digits of the published table
+
+
+def test_all_of_a_branch_has_den_hartogs_amplitude_and_sticking_begins_where_friction_holds():
+    law, ratio = Coulomb(kinetic_coefficient=0.6), 0.6
+    orbit = periodic_orbit(oscillator(0.8), law)
+    branch = continue_orbit(orbit, "frequency", (0.4 / (2 * math.pi), 0.95 / (2 * math.pi)))
+    event = next(e for e in branch.events if e.kind == "sticking")
+    # right there spring and drive just overcome friction as the body turns: below, it sticks
+    turn = next(e.t for e in event.orbit.events if e.reason in ("reversal", "stop"))
+    x = float(event.orbit.run().at(turn)["x"][0])
+    net = math.sin(2.0 * math.pi * event.value * turn) - x
+    assert abs(net) == pytest.approx(ratio, abs=1e-5)
+    free = branch.values > event.value + 1e-4
+    assert free.sum() > 10
+    for index in np.flatnonzero(free)[::5]:
+        found = branch.orbit(int(index))
+        turns = [e.t for e in found.events if e.reason == "reversal"]
+        amplitude = np.abs(found.run().at(turns)["x"]).max()
+        expected = den_hartog(2.0 * math.pi * branch.values[index], ratio)
+        assert amplitude == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_prescribed_stroke_moves_a_capsule_on_as_its_closed_form_says():
+    stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    orbit = periodic_orbit(capsule, Coulomb(kinetic_coefficient=0.2))
+    assert orbit.free == ("v",)  # the place is a translation, and the stroke is prescribed
+    assert orbit.advance["x"] == pytest.approx(6.4304e-3, rel=1e-5)
+    np.testing.assert_array_equal(orbit.multipliers, [0.0])  # it sticks: nothing is remembered
+
+
+# -- grazing
+
+
+STOP = 2.0
+
+
+def stopped(force):
+    return oscillator(0.8, force, upper_stop=STOP, restitution=0.5)
+
+
+def test_grazing_is_found_where_the_linear_amplitude_reaches_the_stop():
+    law = Viscous(viscous_coefficient=0.4)
+    graze = STOP * abs(complex(1.0 - 0.64, 0.32))
+    orbit = periodic_orbit(stopped(0.8 * graze), law)
+    branch = continue_orbit(orbit, "amplitude", (0.5 * graze, 1.2 * graze))
+    event = next(e for e in branch.events if e.kind == "grazing")
+    assert event.value == pytest.approx(graze, rel=1e-6)
+    assert event.orbit.stable
+    assert "infinite" in branch.ends[1]
+
+
+def test_the_saltation_of_a_touch_grows_like_the_inverse_root_of_its_depth():
+    """The square-root law: dPhi/dy = O(depth^-1/2), as an impact at a speed of sqrt(2 a depth)."""
+    law = Viscous(viscous_coefficient=0.4)
+    graze = STOP * abs(complex(1.0 - 0.64, 0.32))
+    orbit = periodic_orbit(stopped(graze * (1.0 - 1e-9)), law)
+    shoot = return_map(orbit.mechanism, law, 1, None, orbit.solver)
+    y = np.array([orbit.start[name] for name in orbit.free])
+    depths = np.array([1e-3, 1e-4, 1e-5, 1e-6])
+    sizes = [np.linalg.norm(shoot.shoot(y * (1.0 + depth)).monodromy) for depth in depths]
+    slopes = np.diff(np.log(sizes)) / np.diff(np.log(depths))
+    assert np.abs(slopes[-1] + 0.5) < 0.01
+    assert np.abs(slopes[-1] + 0.5) < np.abs(slopes[0] + 0.5)
+
+
+# -- an independent integration
+
+
+def integrated(capsule, law, y, cycles):
+    """The capsule by SciPy, in equations written here: slip, stick, and impacts at the stop.
+
+    y is (x, xi, v, xi_dot); returns it after a number of cycles.
+    """
+    big, m, k, c = capsule.capsule_mass, capsule.inner_mass, capsule.stiffness, capsule.damping
+    drive = capsule.drive.drive
+    slip, hold = (
+        mu * (big + m) * capsule.gravity for mu in (law.kinetic_coefficient, law.static_coefficient)
+    )
+
+    def inner(t, y):
+        force = drive.amplitude * math.sin(2 * math.pi * drive.frequency * t)
+        return force - k * y[1] - c * y[3]  # on the inner mass; its opposite on the capsule
+
+    def field(direction):
+        def rates(t, y):
+            a = (-inner(t, y) - direction * slip) / big if direction else 0.0
+            return [y[2], y[3], a, inner(t, y) / m - a]
+
+        return rates
+
+    def event(function, direction=0.0):
+        function.terminal, function.direction = True, direction
+        return function
+
+    t, end = 0.0, cycles / drive.frequency
+    mode = int(np.sign(y[2]))
+    while t < end - 1e-12:
+        hit = event(lambda t, y: y[1] - capsule.upper_stop, 1.0)
+        if mode:
+            change = event(lambda t, y: y[2], -float(mode))
+        else:
+            change = event(lambda t, y: hold - abs(inner(t, y)), -1.0)
+        run = solve_ivp(
+            field(mode), (t, end), y, method="DOP853", rtol=1e-12, atol=1e-14, max_step=1e-3,
+            events=(hit, change),
+        )  # fmt: skip
+        t, y = run.t[-1], run.y[:, -1].copy()
+        if run.t_events[0].size:
+            # momentum of both is kept; the relative speed turns round
+            after = -capsule.restitution * y[3]
+            y[2] += m * (y[3] - after) / (big + m)
+            y[3], y[1] = after, capsule.upper_stop - 1e-15
+            mode = int(np.sign(y[2]))
+        elif run.t_events[1].size and mode:
+            y[2] = 0.0
+            mode = 0 if abs(inner(t, y)) <= hold else int(np.sign(-inner(t, y)))
+        elif run.t_events[1].size:
+            mode = int(np.sign(-inner(t, y)))
+            y[2] = mode * 1e-15
+    return y
+
+
+def test_an_independent_integration_closes_the_orbit_and_has_its_multipliers():
+    orbit = periodic_orbit(CAPSULE, ROUGH)
+    start = np.array([orbit.start[name] for name in ("x", "xi", "v", "xi_dot")])
+    end = integrated(CAPSULE, ROUGH, start, 1)
+    scale = np.array([1e-3, 5e-3, 0.02, 0.3])  # of the motion
+    np.testing.assert_allclose((end[1:] - start[1:]) / scale[1:], 0.0, atol=1e-8)
+    assert end[0] - start[0] == pytest.approx(orbit.advance["x"], rel=1e-7)
+    assert orbit.mean_velocity["x"] == pytest.approx(16.679e-3, abs=5e-7)  # another such code
+    columns = []
+    for i in (1, 2, 3):
+        step = np.eye(4)[i] * 1e-5 * scale[i]
+        ends = [integrated(CAPSULE, ROUGH, start + sign * step, 1) for sign in (1, -1)]
+        columns.append((ends[0] - ends[1])[1:] / (2e-5 * scale[i]))
+    found = np.linalg.eigvals(np.array(columns).T)
+    # differences over 1e-5 of the motion have errors of its square and of 1e-12 over it
+    np.testing.assert_allclose(
+        np.sort_complex(found), np.sort_complex(orbit.multipliers), atol=1e-5
+    )
+
+
+# -- invariants
+
+
+def test_multipliers_and_advance_do_not_depend_on_where_the_cycle_is_cut():
+    cut = [periodic_orbit(capsule_at(13.0, phase), ROUGH) for phase in (0.0, 1.0, 2.5, 4.0)]
+    for orbit in cut[1:]:
+        np.testing.assert_allclose(
+            np.abs(orbit.multipliers), np.abs(cut[0].multipliers), rtol=1e-7, atol=1e-12
+        )
+        assert orbit.advance["x"] == pytest.approx(cut[0].advance["x"], rel=1e-9)
+        assert orbit.sticking[""] == pytest.approx(cut[0].sticking[""], rel=1e-9)
+
+
+def test_multipliers_of_what_sticks_are_zero():
+    orbit = periodic_orbit(CAPSULE, ROUGH)
+    assert "stop" in [event.reason for event in orbit.events]
+    assert np.abs(orbit.multipliers).min() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "law", "path", "value"),
+    [
+        (CAPSULE, ROUGH, FREQUENCY, 13.0),
+        (CAPSULE, ROUGH, "friction.kinetic_coefficient", 0.2),
+        (
+            replace(CAPSULE, drive=Torque(drive=Square(high=0.2, low=-0.2, period=0.08))),
+            ROUGH,
+            "mechanism.drive.drive.period",
+            0.08,
+        ),
+        (
+            oscillator(),
+            Dahl(kinetic_coefficient=0.3, bristle_stiffness=50.0),
+            "mechanism.drive.frequency",
+            0.4 / math.pi,
+        ),
+    ],
+    ids=["sine", "friction", "square", "bristles"],
+)
+def test_derivatives_of_the_map_are_those_of_differences(mechanism, law, path, value):
+    orbit = periodic_orbit(mechanism, law)
+    shoot = return_map(mechanism, law, 1, None, orbit.solver, path)
+    y = np.array([orbit.start[name] for name in shoot.names])
+    shot = shoot.shoot(y, value)
+    h = 1e-5 * value
+    slope = (shoot.shoot(y, value + h).residual - shoot.shoot(y, value - h).residual) / (2 * h)
+    tolerance = 1e-5 * np.abs(slope).max()  # bristles are solved to 1e-8, differences over 1e-5
+    np.testing.assert_allclose(shot.slope, slope, atol=100 * tolerance if law.states else tolerance)
+
+
+def test_a_coordinate_is_left_out_only_if_nothing_depends_on_it():
+    assert set(periodic_orbit(CAPSULE, ROUGH).advance) == {"x"}
+    assert not periodic_orbit(oscillator(), Coulomb(kinetic_coefficient=0.2)).advance
+    resting = periodic_orbit(oscillator(), Coulomb(kinetic_coefficient=2.0))
+    assert "x" in resting.free  # it sticks throughout, and yet its spring depends on it
+    assert resting.sticking == {"": 1.0}
+    assert not resting.stable  # it rests in one of many places
+
+
+def test_orbits_of_a_prescribed_pendulum_are_those_of_the_published_checks():
+    swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+    orbit = periodic_orbit(cart, Coulomb(kinetic_coefficient=0.2))
+    assert orbit.advance["x"] == pytest.approx(0.0634659, abs=5e-8)
+
+
+# -- period doubling
+
+
+PENDULUM = Pendulum(
+    mass=1.0,
+    length=1.0,
+    gravity=1.0,
+    drive=Sine(amplitude=1.05, frequency=1.0 / (3.0 * math.pi), phase=math.pi / 2.0),
+)
+DAMPED = Viscous(viscous_coefficient=0.5)
+
+
+def test_a_pendulum_doubles_its_period_where_the_literature_says():
+    """The damped driven pendulum of Taylor, Classical Mechanics, 2005, table 12.1."""
+    between = (1.04, 1.1)
+    branch = continue_orbit(periodic_orbit(PENDULUM, DAMPED), "amplitude", between)
+    published, period = (1.0663, 1.0793, 1.0821), 1
+    for level in published:
+        event = next(e for e in branch.events if e.kind == "period doubling")
+        assert event.value == pytest.approx(level, abs=1e-4)
+        assert np.abs(event.orbit.multipliers + 1.0).min() < 1e-5
+        assert event.orbit.cycles == period
+        period *= 2
+        branch = continue_orbit(event.orbit, "amplitude", between, doubled=True)
+        assert branch.cycles == period
+        assert any("doubling" in end for end in branch.ends)
+
+
+def test_a_settled_run_lies_on_the_doubled_branch():
+    between = (1.04, 1.1)
+    branch = continue_orbit(periodic_orbit(PENDULUM, DAMPED), "amplitude", between)
+    event = next(e for e in branch.events if e.kind == "period doubling")
+    doubled = continue_orbit(event.orbit, "amplitude", between, doubled=True)
+    drive = replace(PENDULUM.drive, amplitude=1.074)
+    cycle = 3.0 * math.pi
+    run = simulate(replace(PENDULUM, drive=drive), DAMPED, t_end=400 * cycle)
+    omega = run.at(cycle * np.arange(380, 401))["omega"]
+    assert period_of(omega[:, None], np.abs(omega).max()) == 2
+    orbits = [orbit for orbit in doubled.orbits_at(1.074) if orbit.stable]
+    # the same rates, begun at the one or the other of two cycles
+    starts = [orbit.start["omega"] for orbit in orbits]
+    assert np.abs(np.subtract.outer(starts, omega[-2:])).min() < 1e-8
+    single = [orbit for orbit in branch.orbits_at(1.074) if orbit.cycles == 1]
+    assert single
+    assert not any(orbit.stable for orbit in single)
+
+
+# -- branches and diagrams
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    return orbit_diagram(CAPSULE, ROUGH, "drive.frequency", (12.0, 20.0), values=9, settle=150)
+
+
+def test_branches_turn_back_at_folds_with_a_multiplier_one(diagram):
+    folds = [event for _, event in diagram.events if event.kind == "fold"]
+    assert folds
+    for event in folds:
+        assert np.abs(event.orbit.multipliers - 1.0).min() < 1e-3
+    (turn,) = (event.value for event in folds if event.orbit.cycles == 1)
+    assert turn == pytest.approx(17.2036, abs=1e-3)
+
+
+def test_every_settled_motion_lies_on_a_stable_part_of_a_branch(diagram):
+    scale = np.nanmax(np.abs(diagram.samples), axis=(0, 1))
+    assert (diagram.settled > 0).all()
+    for value, closed, points in zip(diagram.values, diagram.settled, diagram.samples, strict=True):
+        orbits = [
+            orbit
+            for branch in diagram.branches
+            if branch.cycles == closed
+            for orbit in branch.orbits_at(value)
+            if orbit.stable
+        ]
+        starts = np.array([[orbit.start[name] for name in diagram.states] for orbit in orbits])
+        gaps = np.abs((starts[:, None, :] - points[None, :closed, :]) / scale).max(axis=2)
+        assert gaps.min() < 2e-3
+
+
+def test_runs_from_both_sides_of_a_fold_jump_as_the_branch_says(diagram):
+    fold = next(e.value for _, e in diagram.events if e.kind == "fold" and e.orbit.cycles == 1)
+    before = periodic_orbit(capsule_at(fold - 0.02), ROUGH, start=_start_near(diagram, fold - 0.02))
+    assert before.stable
+    assert abs(before.mean_velocity["x"]) > 5e-3
+    start = {name: before.start[name] for name in before.free}
+    behind = periodic_orbit(capsule_at(fold + 0.05), ROUGH, start=start, settle=1500)
+    assert abs(behind.mean_velocity["x"]) < 1e-6  # no impact carries it on
+
+
+def _start_near(diagram, value):
+    orbits = [o for branch in diagram.branches for o in branch.orbits_at(value) if o.stable]
+    fastest = max(orbits, key=lambda orbit: abs(orbit.mean_velocity["x"]))
+    return {name: fastest.start[name] for name in fastest.free}
+
+
+def test_branches_are_tables_and_pickles(diagram):
+    again = pickle.loads(pickle.dumps(diagram))
+    assert str(again) == str(diagram)
+    frame = diagram.to_dataframe()
+    assert len(frame) == sum(len(branch.values) for branch in diagram.branches)
+    assert {"branch", "cycles", "stable", FREQUENCY, "advance x"} <= set(frame.columns)
+    assert diagram.branch_cycles < diagram.brute_cycles
+
+
+def test_all_orbits_of_a_branch_close(diagram):
+    for branch in diagram.branches:
+        for index in range(0, len(branch.values), 11):
+            assert branch.orbit(index).residual <= 1e-10
+
+
+# -- what cannot be
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: periodic_orbit(Axis(inertia=1.0), ROUGH), "has no drive"),
+        (lambda: periodic_orbit(CAPSULE, ROUGH, cycles=0), "cycles must be a whole number of 1"),
+        (lambda: periodic_orbit(CAPSULE, ROUGH, start={"y": 1.0}), "unknown"),
+        (lambda: orbit_diagram(CAPSULE, ROUGH, "frequency", (3.0, 2.0)), "the lower one first"),
+        (lambda: orbit_diagram(CAPSULE, ROUGH, "frequency", (0.0, 2.0)), "above 0 Hz, got 0"),
+        (lambda: orbit_diagram(CAPSULE, ROUGH, "frequenzy", (1.0, 2.0)), "frequency"),
+        (lambda: orbit_diagram(CAPSULE, ROUGH, "initial.xi", (0.0, 1e-3)), "not a parameter"),
+        (lambda: orbit_diagram(CAPSULE, ROUGH, "restitution", (0.5, 1.5)), "at most 1"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_by_its_name(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_an_orbit_is_continued_within_a_range_around_it_and_doubled_at_minus_one():
+    orbit = periodic_orbit(CAPSULE, ROUGH)
+    with pytest.raises(InputError, match="13 Hz, outside of 14 to 20 Hz"):
+        continue_orbit(orbit, "frequency", (14.0, 20.0))
+    with pytest.raises(InputError, match="needs an orbit with a multiplier at -1"):
+        continue_orbit(orbit, "frequency", (12.0, 20.0), doubled=True)
+    with pytest.raises(InputError, match="step must be above"):
+        continue_orbit(orbit, "frequency", (12.0, 20.0), step=2.0)
+
+
+def test_a_search_that_finds_no_orbit_says_how_far_it_is_and_what_to_do():
+    pulled = Axis(inertia=1.0, offset=-5.0, drive=Sine(amplitude=1.0, frequency=1.0))
+    with pytest.raises(SimulationError, match=r"no periodic orbit of 1 cycle.* Settle longer"):
+        periodic_orbit(pulled, Coulomb(kinetic_coefficient=0.5), settle=3)  # faster and faster
