@@ -74,6 +74,8 @@ class Term:
     """Place in the order from usual to unusual."""
     cost: int = 1
     """Parameters that the coefficients count."""
+    doubt: float = 0.0
+    """Standard uncertainty of a coefficient that is stated and not fitted: 0, give or take it."""
     contrasts: int = 0
     """Those of them that differences between rows of a block tell: directions, temperatures."""
 

@@ -13,7 +13,7 @@ from stickslip.formatting import quantity
 from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import band_of
-from stickslip.identify.forces import load_slopes, with_gear
+from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
 from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
@@ -106,7 +106,8 @@ def _problem(
     if loads:
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
-        normal, slopes = load_of(mechanism), load_slopes(mechanism, vary)
+        doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
+        normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)
     constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
     inertias = [path for path in vary if path not in records[0].unknown and path != constant]
     return RecordsProblem(
@@ -148,7 +149,10 @@ def _judged(
     Forces that are taken as held and go straight from sample to sample are taken as such.
     """
     seen = with_gear(rig, measurement)
-    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset)
+    doubts = doubts_of(mechanism, measurement, vary)
+    records = partial(
+        records_of, mechanism, seen, unknown=vary, offset=offset, doubts=doubts
+    )
     problem = _problem(mechanism, records(held=_is_held(measurement)), vary, offset=offset)
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
@@ -161,8 +165,7 @@ def _judged(
         ]
         only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
     judgement = Judgement.of(problem)
-    if not problem.records[0].unknown:  # no observer has the forces of other parameters
-        judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
+    judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
     return problem, judgement
 
 
@@ -198,7 +201,14 @@ def select_record(
     if validate is not None:
         again = with_gear(rig, validate)
         other = problem.of(
-            records_of(mechanism, again, unknown=vary, offset=not held, held=first.held)
+            records_of(
+                mechanism,
+                again,
+                unknown=vary,
+                offset=not held,
+                held=first.held,
+                doubts=doubts_of(mechanism, measurement, vary),
+            )
         )
         found = readings(judgement.ensemble, judgement.regression.held_out(judgement.named), other)
         inside = float(np.mean((other.response >= found.low) & (other.response <= found.high)))

@@ -74,6 +74,7 @@ from stickslip.identify.problem import (
     Problem,
     Shape,
     Structure,
+    Term,
 )
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -172,10 +173,12 @@ class RecordsProblem(Problem):
             self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
         )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
-        self.always = frozenset(first.unknown) | {
+        doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
+        sought = frozenset(first.unknown.keys() - doubts.keys()) | {
             *(["inertia"] if self.finds_inertia else []),
             *(["offset"] if self.offset.startswith("mechanism.") else []),
         }
+        self.always = sought | doubts.keys()
         if like is None and not (self.free or first.friction):
             refuse_wrong_signs(self.rows, self.response, self.stretches, inertia=self.finds_inertia)
         if like is None:
@@ -184,9 +187,10 @@ class RecordsProblem(Problem):
                 self.rows,
                 *found,
                 finds_inertia=self.finds_inertia,
-                always=self.always,
+                always=sought,
                 constant=bool(self.offset),
             )
+            self.terms |= {path: _doubtful(path, doubt) for path, doubt in doubts.items()}
             self.references = _references(self, found[0][:2])
         else:
             self.terms, self.references = like.terms, like.references
@@ -365,6 +369,7 @@ class RecordsProblem(Problem):
         terms: dict[str, tuple[Shape, Array]] = {}
         memory: Shape = (0.0, 0.0)
         unlike = False
+        doubts = {path for path, one in self.records[0].unknown.items() if one.doubt}
         for name, shape in structure:
             term = self.terms[name]
             size = self.width(name, shape)
@@ -380,6 +385,8 @@ class RecordsProblem(Problem):
                     rig["load_exponent"] = np.full(len(own), entries[0])
                 terms[name] = (() if name == "level" else entries), own
         normal = self._normals(rig, len(coefficients))
+        # what is stated is no estimate
+        rig = {path: x for path, x in rig.items() if path not in doubts}
         for name, (entries, own) in terms.items():
             if name not in FLOWS and name != "gear" and "viscous" not in name:
                 terms[name] = entries, own / normal[:, None]
@@ -415,7 +422,7 @@ class RecordsProblem(Problem):
         """Return the normal forces (d,) of draws, which parameters that were found may change."""
         found = np.full(count, self.normal)
         for path, (slope, given) in self.load_slopes.items():
-            found = found + slope * (rig[path] - given)
+            found = found + slope * (rig.get(path, given) - given)
         return np.asarray(np.maximum(found, 1e-9 * self.normal))
 
     @cached_property
@@ -428,6 +435,18 @@ class RecordsProblem(Problem):
             one = np.reshape(self.terms[name].columns(self._rest, shape), (1, -1))
             self._widths[name, shape] = one.shape[1]
         return self._widths[name, shape]
+
+
+def _doubtful(path: str, doubt: float) -> Term:
+    """Return the term of a parameter of the mechanism whose uncertainty is stated."""
+    return Term(
+        name=path,
+        role="rig",
+        columns=lambda r, _: r.taken(path),
+        doubt=doubt,
+        cost=0,
+        title=path.rpartition(".")[2].replace("_", " "),
+    )
 
 
 def _made(
@@ -521,6 +540,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
     )
     noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
     beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
+    always: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
     return [
         tuple(
             sorted(
@@ -528,6 +548,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
                     ("curve", (*memory, 0.0, (noise / FREE_BENDING) ** 2)),
                     ("level", memory),
                     ("viscous", ()),
+                    *always,
                     *other,
                 ]
             )
