@@ -110,7 +110,8 @@ def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, A
     random = np.random.default_rng([61, seed])
     pick = random.choice(len(asked), min(NEW, len(asked)), replace=False)
     some, of = asked[np.sort(pick)], random.integers(len(rig.curves))
-    new = rig.curves[of](some) + rig.noise(some) * random.normal(size=len(some))
+    scatter = rig.noise if rig.shown is None else rig.shown
+    new = rig.curves[of](some) + scatter(some) * random.normal(size=len(some))
     found: dict[str, Any] = {
         "point": float(np.mean([one <= 1e-9 for one in out])),
         "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),

@@ -193,7 +193,9 @@ def forces_along(
 
 
 def _doubtful(
-    mechanism: Mechanism, forces: Callable[[Mapping[str, float]], Array], doubts: Mapping[str, float]
+    mechanism: Mechanism,
+    forces: Callable[[Mapping[str, float]], Array],
+    doubts: Mapping[str, float],
 ) -> dict[str, Unknown]:
     """Return what doubtful parameters change of forces (2 n + 1,), about their given values."""
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}

@@ -8,7 +8,7 @@ Every statement of a verdict is read from these; there are no further rules.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, final
@@ -24,6 +24,10 @@ from stickslip.identify.regression import BlockRegression, noise_at, noise_weigh
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
 
+NEIGHBOURS = 40
+"""Part of all rows, on either side, whose noise a speed has ..."""
+FEWEST = 10
+"""... and their number at least."""
 FLOW = "viscous_coefficient"
 """Parameter whose meaning depends on the part that has it."""
 
@@ -214,9 +218,35 @@ class Judgement:
         """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
         return noise_at(self.regression, rows)
 
+    @cached_property
+    def _left(self) -> Sequence[Array]:
+        """What the named and the best structure leave of parts of the measurement (2, n)."""
+        pair = dict.fromkeys([self.named, self.comparison.best])
+        return [self.regression.left_between(one, self.problem.parts()) for one in pair]
+
     def readings(self, rows: Any) -> Array:
-        """Return draws of new readings at rows (d, n): curves and noise."""
+        """Return draws of new readings at rows (d, n): curves and noise.
+
+        Of independent readings noise is normal, with a scale that residuals tell. Dense rows have
+        what laws leave of one part of the measurement that is predicted from the others, at
+        rows of about the same speed: with its tails, its scatter by speed, and what differs from
+        part to part.
+        """
         curves = self.ensemble.curves(rows)
         rng = np.random.default_rng(self.ensemble.seed + 3)
+        if not self.problem.independent:
+            return curves + self._resampled(rows, len(curves), rng)
         scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
         return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) / scale)
+
+    def _resampled(self, rows: Any, count: int, rng: np.random.Generator) -> Array:
+        """Return what readings at rows leave (count, n), drawn from rows of like speed."""
+        problem = self.problem
+        speed, asked = problem.speeds(problem.rows), problem.speeds(rows)
+        order = np.argsort(speed, kind="stable")
+        place = np.searchsorted(speed[order], asked)
+        near = max(len(speed) // NEIGHBOURS, FEWEST)
+        at = place + rng.integers(-near, near + 1, size=(count, len(asked)))
+        left = np.array([one[order] for one in self._left]) + problem.beside(rows)[order]
+        which = rng.integers(len(left), size=(count, 1))
+        return np.asarray(left[which, np.clip(at, 0, len(order) - 1)])

@@ -179,6 +179,14 @@ class Problem(ABC):
         """
         return {}
 
+    def parts(self) -> Sequence[Mask]:
+        """Return rows (n,) that differ as another measurement does, if rows are dense."""
+        return self.blocks
+
+    def beside(self, rows: Any) -> Array:  # noqa: ARG002  # kinds that filter what they read have some
+        """Return what readings at asked rows show beside the response, at measured rows (n,)."""
+        return np.zeros(len(self.response))
+
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]

@@ -233,6 +233,19 @@ class BlockRegression:
             at += size
         return True
 
+    def left_between(self, structure: Structure, parts: Sequence[Mask]) -> Array:
+        """Return what a structure leaves of parts (n,), each predicted from all others."""
+        columns, left = self.index(structure), np.array(self.problem.response)
+        if not len(columns):
+            return left
+        a, y = self._weighted[:, columns], self.problem.response * self.weights
+        for rows in parts:
+            others = a[~rows]
+            gram = others.T @ others + np.diag(self._ridge(columns))
+            c = np.linalg.solve(gram, others.T @ y[~rows])
+            left[rows] -= self._matrix[rows][:, columns] @ c
+        return left
+
     def held_out(self, structure: Structure, response: Array | None = None) -> Array:
         """Return the held-out residual of every row (n,); mean over the blocks that hold it.
 

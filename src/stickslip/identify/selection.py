@@ -16,7 +16,7 @@ from stickslip.identify.ensemble import band_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
+from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import Family
@@ -150,9 +150,7 @@ def _judged(
     """
     seen = with_gear(rig, measurement)
     doubts = doubts_of(mechanism, measurement, vary)
-    records = partial(
-        records_of, mechanism, seen, unknown=vary, offset=offset, doubts=doubts
-    )
+    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset, doubts=doubts)
     problem = _problem(mechanism, records(held=_is_held(measurement)), vary, offset=offset)
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
@@ -210,8 +208,8 @@ def select_record(
                 doubts=doubts_of(mechanism, measurement, vary),
             )
         )
-        found = readings(judgement.ensemble, judgement.regression.held_out(judgement.named), other)
-        inside = float(np.mean((other.response >= found.low) & (other.response <= found.high)))
+        low, high = np.quantile(judgement.readings(other.rows), (0.025, 0.975), axis=0)
+        inside = float(np.mean((other.response >= low) & (other.response <= high)))
         count = len(other.response)
     return verdict_on(
         judgement,

@@ -153,9 +153,7 @@ def records_of(
                 " or faster."
             )
         known_to = doubts or {}
-        found += [
-            _record(own, one, unknown, known_to, offset=offset, held=held) for one in pieces
-        ]
+        found += [_record(own, one, unknown, known_to, offset=offset, held=held) for one in pieces]
     if unknown and not any(_tells_scale(one) for one in found):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"

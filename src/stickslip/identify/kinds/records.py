@@ -50,7 +50,6 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identify.ensemble import Ensemble, PredictionBand, band_of
 from stickslip.identify.kinds.features import features_along, features_in_steady_motion
 from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
@@ -104,8 +103,6 @@ FREE_NATS = 3.0
 """Log likelihood of independent rows that a parameter of a free motion must gain."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
-NEIGHBOURS = 40
-"""Part of all rows, on either side, whose noise a speed has."""
 
 
 ASKED = 40
@@ -255,6 +252,28 @@ class RecordsProblem(Problem):
         # what is badly known about a turn stands out at low speeds
         speed = np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)
         return [speed, 1.0 / speed]
+
+    @override
+    def parts(self) -> Sequence[Mask]:
+        """Return the records, or the halves of a single one."""
+        if len(self.records) > 1:
+            each = [self.rows.record == k for k in range(len(self.records))]
+            return [rows for rows in each if np.any(rows)]
+        first = np.arange(self.rows.count) < self.rows.count // 2
+        return [first, ~first]
+
+    @override
+    def beside(self, rows: Any) -> Array:
+        """Return what readings in steady motion show beside the response, at measured rows (n,).
+
+        These are single samples: they have what the filter takes off the force.
+        """
+        if self.free or not isinstance(rows, Steady):
+            return np.zeros(self.rows.count)
+        along: Along = self.rows
+        both = zip(along.records, along.filters, strict=True)
+        samples = along.rows_of([one.force[:: filt.every] for one, filt in both])
+        return np.asarray(samples - (along.force - along.mechanism))
 
     @override
     def physical(self, structure: Structure, coefficients: Array) -> Mask:
@@ -462,21 +481,6 @@ def _made(
         records, like=like, band=band, normal=normal, inertia_path=inertia_path,
         load_slopes=load_slopes, offset=offset,
     )  # fmt: skip
-
-
-def readings(
-    ensemble: Ensemble, residual: Array, other: RecordsProblem, level: float = 0.95
-) -> PredictionBand:
-    """Return the band of the response of other records: what laws predict, and the noise."""
-    problem = ensemble.problem
-    speed = np.abs(problem.rows.seen(problem.rows.velocity))
-    order = np.argsort(speed)
-    place = np.searchsorted(speed[order], np.abs(other.rows.seen(other.rows.velocity)))
-    rng = np.random.default_rng(ensemble.seed + 3)
-    curves = ensemble.curves(other.rows)
-    near = max(len(speed) // NEIGHBOURS, 10)  # rows with about the same speed share their noise
-    at = place + rng.integers(-near, near + 1, size=curves.shape)
-    return band_of(curves + residual[order][np.clip(at, 0, len(order) - 1)], level)
 
 
 def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
