@@ -16,7 +16,7 @@ from typing import Any, final
 import numpy as np
 
 from stickslip.identify.comparison import Comparison, compare, family_members
-from stickslip.identify.ensemble import Draw, Ensemble, allotted
+from stickslip.identify.ensemble import Draw, Ensemble, PredictionBand, allotted, band_of
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
 from stickslip.identify.problem import Array, Problem, Structure
@@ -223,6 +223,14 @@ class Judgement:
         """What the named and the best structure leave of parts of the measurement (2, n)."""
         pair = dict.fromkeys([self.named, self.comparison.best])
         return [self.regression.left_between(one, self.problem.parts()) for one in pair]
+
+    def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
+        """Return the band of new readings at rows (n,)."""
+        draws = self.readings(rows)
+        if not self.problem.independent:  # another record has what no part of this one has
+            return band_of(draws, level)
+        low, median, high = np.quantile(draws, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
+        return PredictionBand(low=low, median=median, high=high)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.

@@ -233,16 +233,21 @@ class BlockRegression:
             at += size
         return True
 
-    def left_between(self, structure: Structure, parts: Sequence[Mask]) -> Array:
-        """Return what a structure leaves of parts (n,), each predicted from all others."""
+    def left_between(
+        self, structure: Structure, parts: Sequence[Mask], others: Sequence[Mask] | None = None
+    ) -> Array:
+        """Return what a structure leaves of parts (n,), each predicted from the other rows.
+
+        These are all that are not in the part, or those of `others`, one for each part.
+        """
         columns, left = self.index(structure), np.array(self.problem.response)
         if not len(columns):
             return left
         a, y = self._weighted[:, columns], self.problem.response * self.weights
-        for rows in parts:
-            others = a[~rows]
-            gram = others.T @ others + np.diag(self._ridge(columns))
-            c = np.linalg.solve(gram, others.T @ y[~rows])
+        for rows, learned in zip(parts, others or [~rows for rows in parts], strict=True):
+            known = a[learned]
+            gram = known.T @ known + np.diag(self._ridge(columns))
+            c = np.linalg.solve(gram, known.T @ y[learned])
             left[rows] -= self._matrix[rows][:, columns] @ c
         return left
 

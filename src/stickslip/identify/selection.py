@@ -12,15 +12,16 @@ from stickslip.experiments import Measurement, speeds_in_order
 from stickslip.formatting import quantity
 from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
-from stickslip.identify.ensemble import band_of
+from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter
+from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
-from stickslip.identify.problem import Family
+from stickslip.identify.problem import Array, Family
 from stickslip.identify.requests import REMEMBERED, families_of
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
 from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
 from stickslip.mechanisms import Mechanism
@@ -60,10 +61,7 @@ def select_table(
     inside = math.nan
     if validate is not None:
         other = TableProblem.of(mechanism, validate)
-        low, high = np.quantile(
-            judgement.readings(problem.like(other.rows)), (0.025, 0.975), axis=0
-        )
-        inside = float(np.mean((other.response >= low) & (other.response <= high)))
+        inside = _inside(judgement.reading_band(problem.like(other.rows)), other.response)
     ordered = speeds_in_order(problem.rows.velocity)
     return verdict_on(
         judgement,
@@ -85,15 +83,40 @@ def select_table(
     )
 
 
+def _inside(band: PredictionBand, values: Array) -> float:
+    """Return the share of values (n,) that lie in a band."""
+    return float(np.mean((band.low <= values) & (values <= band.high)))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records holds from sample to sample."""
     return all(not goes_straight(one, "zero") for one in measurement.records())
 
 
-def _remarks(problem: RecordsProblem, validate: Measurement | None) -> tuple[str, ...]:
+def _differ(problem: RecordsProblem, judgement: Judgement) -> float:
+    """Return the error of records that are predicted from others, over that of their stretches.
+
+    The stretches are predicted from the rest of their record alone.
+    """
+    records = problem.parts()
+    parts = [
+        (mask & (problem.stretches == k), mask & (problem.stretches != k))
+        for mask in records
+        for k in np.unique(problem.stretches[mask])
+    ]
+    inner = [(rows, others) for rows, others in parts if np.any(others)]
+    regression, named = judgement.regression, judgement.named
+    own = regression.left_between(named, [one for one, _ in inner], [one for _, one in inner])
+    between = regression.left_between(named, records)
+    return float(np.sqrt(np.mean(between**2) / (np.mean(own**2) + 1e-300)))
+
+
+def _remarks(
+    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
+) -> tuple[str, ...]:
     """Return what the number of records leaves to say."""
     if len(problem.records) > 1:
-        return (DIFFER,) if problem.spread > SPREAD else ()
+        return (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
     return (OTHERS,) if validate is None else ()
 
 
@@ -208,8 +231,7 @@ def select_record(
                 doubts=doubts_of(mechanism, measurement, vary),
             )
         )
-        low, high = np.quantile(judgement.readings(other.rows), (0.025, 0.975), axis=0)
-        inside = float(np.mean((other.response >= low) & (other.response <= high)))
+        inside = _inside(judgement.reading_band(other.rows), other.response)
         count = len(other.response)
     return verdict_on(
         judgement,
@@ -227,5 +249,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
+        remarks=(*map(str, outlying(far)), *_remarks(problem, judgement, validate)),
     )

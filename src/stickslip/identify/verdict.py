@@ -328,6 +328,9 @@ class BandVerdict(Verdict[LawCandidate]):
     ) -> PredictionBand:
         """Return the band of new readings: friction and the noise of a reading.
 
+        Of records it is a single sample of the force in steady motion, with what laws leave of one
+        part of the record that is predicted from the others.
+
         Parameters
         ----------
         velocity : array_like (n,)
@@ -345,9 +348,7 @@ class BandVerdict(Verdict[LawCandidate]):
             Limits and median (n,) [N] or [N m].
         """
         rows = self.judgement.problem.at(velocity, load, inputs)
-        low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level
-        limits = np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0)
-        return PredictionBand(low=limits[0], median=limits[1], high=limits[2])
+        return self.judgement.reading_band(rows, level)
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.
