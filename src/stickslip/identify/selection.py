@@ -19,11 +19,11 @@ from stickslip.identify.kinds.record_signals import Record, records_of
 from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
-from stickslip.identify.problem import Array, Family
+from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, UNDAMPED, Words
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -114,10 +114,13 @@ def _differ(problem: RecordsProblem, judgement: Judgement) -> float:
 def _remarks(
     problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
 ) -> tuple[str, ...]:
-    """Return what the number of records leaves to say."""
+    """Return what the number of records, and a balance, leave to say."""
     if len(problem.records) > 1:
-        return (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
-    return (OTHERS,) if validate is None else ()
+        found = (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
+    else:
+        found = (OTHERS,) if validate is None else ()
+    remembers = MEMORY in problem.family(judgement.named)
+    return (*found, UNDAMPED) if remembers and problem.memory == "lugre" else found
 
 
 def _problem(
@@ -147,6 +150,8 @@ def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
     own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
     problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
     laws = [frozenset(name for name in one if problem.terms[name].role == "law") for one in own]
+    named = {name for one in families for name in one if name in REMEMBERED}
+    problem.memory = named.pop() if len(named) == 1 else problem.memory
     problem.remembering = {
         (law, one != family) for law, one, family in zip(laws, own, families, strict=True)
     }
@@ -181,8 +186,9 @@ def _judged(
         known = [
             name
             for name, term in problem.terms.items()
+            if (term.role == "law" or name == "offset")
             # without a memory, a level that differs by direction is an offset
-            if name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes)
+            and (name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes))
         ]
         only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
     judgement = Judgement.of(problem)

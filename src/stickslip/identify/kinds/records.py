@@ -113,6 +113,8 @@ DRAWN = 600
 """Points of a figure, about."""
 ONE_WAY = 0.02
 """Share of the rows below which a direction counts as not moved in."""
+LINEAR = 1.0
+"""Exponent of bristles that LuGre has."""
 LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
@@ -207,17 +209,23 @@ class RecordsProblem(Problem):
         ]  # fmt: skip
         self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
         self.remembering: set[tuple[frozenset[str], bool]] = set()
+        self.memory: str = "dahl"
+        """Which law a memory is said to be: its damping is in no balance."""
         self.spread = _spread(self) if like is None else like.spread
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
-        return _made, self._made_of, {"only": self.only, "remembering": self.remembering}
+        own = {"only": self.only, "remembering": self.remembering, "memory": self.memory}
+        return _made, self._made_of, own
 
     @override
     def allowed(self, structure: Structure) -> bool:
         """Return whether terms may stand together, and a law is one that is compared."""
         if not super().allowed(structure):
+            return False
+        memories = {self._memory(column) for column in structure if self._memory(column)}
+        if self.memory == "lugre" and any(one[0] and one[1] != LINEAR for one in memories):
             return False
         if not self.remembering or not self.is_law(structure):
             return True
@@ -415,14 +423,18 @@ class RecordsProblem(Problem):
         if memory[0]:
             level = terms.get("level", ((), np.zeros((len(coefficients), 1))))[1][:, 0]
             values = {"bristle_stiffness": level / memory[0]}
-            values |= {"yield_exponent": np.full(len(coefficients), max(memory[1], LEAST_EXPONENT))}
+            if self.memory == "lugre":
+                values |= {"bristle_damping": np.zeros(len(coefficients))}
+            else:
+                exponent = max(memory[1], LEAST_EXPONENT)
+                values |= {"yield_exponent": np.full(len(coefficients), exponent)}
         found = compose(
             terms,
             self.frame.inputs,
             len(coefficients),
-            memory="dahl" if memory[0] else "",
+            memory=self.memory if memory[0] else "",
             memory_values=values,
-            memory_fixed=("yield_exponent",),
+            memory_fixed=("yield_exponent", "bristle_damping"),
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
 
