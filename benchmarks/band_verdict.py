@@ -1,6 +1,5 @@
-"""What the study of bands asks of a verdict: the one place that knows its API."""
+"""What the study of bands asks of a verdict: the one place that knows the public API."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +7,6 @@ import numpy as np
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
-from stickslip.identify.kinds.record_signals import records_of
 
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
@@ -43,7 +41,7 @@ class Judged:
             Fault(kind=one.term) for one in self.verdict.causes if terms[one.term].role == "fault"
         ]
 
-    def _selected(self) -> Any:
+    def _selected(self, validate: Measurement | None = None) -> Any:
         rig = self.rig
         return select(
             rig.mechanism,
@@ -51,6 +49,7 @@ class Judged:
             rig.measurement,
             vary=["friction.*", *rig.unknown] if rig.unknown else None,
             route=ROUTES.get(rig.kind, "balance"),  # type: ignore[arg-type]
+            validate=validate,
         )
 
     def band(self, points: Points, *, all_along: bool = False) -> Any:
@@ -71,17 +70,9 @@ class Judged:
             self.verdict.named_curve(points.velocity, points.load, points.inputs or None)
         )
 
-    def inside(self, record: Measurement, levels: Sequence[float]) -> list[float]:
-        """Return the shares of the rows of another record within their bands."""
-        judgement, rig = self.verdict.judgement, self.rig
-        problem = judgement.problem
-        other = problem.of(
-            records_of(
-                rig.mechanism, record, unknown=rig.unknown, offset=bool(problem.offset),
-                held=problem.records[0].held,
-            )
-        )  # fmt: skip
-        return [judgement.inside(other.rows, other.response, level) for level in levels]
+    def inside(self, record: Measurement) -> float:
+        """Return the share of the readings of another record within their band."""
+        return float(self._selected(record).inside)
 
     def advised(self) -> Points | None:
         """Return where readings are proposed."""

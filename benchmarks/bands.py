@@ -8,11 +8,10 @@ adds the measured numbers by kind of truth and every false statement. Rigs are t
 
 Measured of a rig: whether the band holds the true steady friction point by point, all along, and
 beyond the measured speeds; its half-width over the noise; how many new readings lie in the bands of
-readings, which are rows of a second record where there is one; whether the named law is the true
-one, or predicts as well (root mean square error at most 1.25 times that of the true structure
-fitted by least squares, or half the noise); whether the set holds the true family; intervals
-whichever law; and after the advised readings, drawn from the truth, whether the mean width has
-halved or one family is left.
+readings; whether the named law is the true one, or predicts as well (root mean square error at most
+1.25 times that of the true structure fitted by least squares, or half the noise); whether the set
+holds the true family; intervals whichever law; and after the advised readings, drawn from the
+truth, whether the mean width has halved or one family is left.
 
 *False statements*: a bounded interval "whichever law" that misses its true value by more than half
 its width; a named fault that is not there; a law that is alone in its set, wrong, and off by more
@@ -89,8 +88,7 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
     row["found"] = bool(accused & rig.faults) if rig.faults else None
     row["intervals"] = _intervals(rig, verdict)
     if rig.second is not None:
-        row["new"] = verdict.inside(rig.second, LEVELS)
-        row["second"] = row["new"][0]
+        row["second"] = verdict.inside(rig.second)
     if rig.more is not None and rig.curves and rig.asked is not None:
         row |= _advised(rig, verdict, seed)
     row["false"] = list(_false(rig, row))
@@ -109,18 +107,18 @@ def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, A
     true = [curve(asked) for curve in rig.curves]
     point, whole = verdict.band(asked), verdict.band(asked, all_along=True)
     out = [np.maximum(point.low - one, one - point.high) / noise for one in true]
+    random = np.random.default_rng([61, seed])
+    pick = random.choice(len(asked), min(NEW, len(asked)), replace=False)
+    some, of = asked[np.sort(pick)], random.integers(len(rig.curves))
+    scatter = rig.noise if rig.shown is None else rig.shown
+    new = rig.curves[of](some) + scatter(some) * random.normal(size=len(some))
     found: dict[str, Any] = {
         "point": float(np.mean([one <= 1e-9 for one in out])),
         "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),
         "width": float(np.mean((point.high - point.low) / 2.0 / noise)),
         "out": float(np.max(out)),
+        "new": [_share(verdict.readings(some, level), new) for level in LEVELS],
     }
-    if rig.second is None:
-        random = np.random.default_rng([61, seed])
-        pick = random.choice(len(asked), min(NEW, len(asked)), replace=False)
-        some, of = asked[np.sort(pick)], random.integers(len(rig.curves))
-        new = rig.curves[of](some) + rig.noise(some) * random.normal(size=len(some))
-        found["new"] = [_share(verdict.readings(some, level), new) for level in LEVELS]
     if rig.beyond is not None:
         far = verdict.band(rig.beyond)
         over = [curve(rig.beyond) for curve in rig.curves]

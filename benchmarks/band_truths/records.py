@@ -28,6 +28,7 @@ from benchmarks.band_truths.rig import (
     STATIC,
     VISCOUS,
     Array,
+    Curve,
     Points,
     Random,
     Rig,
@@ -36,6 +37,8 @@ from benchmarks.band_truths.rig import (
 from stickslip import Axis, Measurement
 
 SECONDS = 12.0
+SMOOTHED = 21
+"""Samples of the mean that counts as the slow part of a force."""
 Change: TypeAlias = Callable[[AxisRecord, Random], AxisRecord]
 
 
@@ -183,8 +186,29 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         family=family if wrong.inside else None, faults=wrong.named,
         curves=(lambda q: steady(p, q) - known,) if wrong.steady else (),
         noise=lambda q: np.full(len(q), p.force_noise), asked=asked, beyond=beyond,
+        shown=_shown(second),
         parameters={k: v for k, v in parameters.items() if v}, second=_measured(second),
     )  # fmt: skip
+
+
+def _shown(one: AxisRecord) -> Curve:
+    """Return the scatter of recorded forces around their slow part, by the speed.
+
+    It is that of the sensor and of the controller, whose command follows the noise of the encoder.
+    """
+    slow = np.ones(SMOOTHED) / SMOOTHED
+    fast = (one.force - np.convolve(one.force, slow, mode="same"))[SMOOTHED:-SMOOTHED]
+    fast = np.abs(fast) / np.sqrt(1.0 - 1.0 / SMOOTHED)
+    speed = np.abs(np.gradient(one.true_position, one.t))[SMOOTHED:-SMOOTHED]
+    order = np.argsort(speed)
+    near = len(speed) // 40
+
+    def scatter(q: Points) -> Array:
+        at = np.searchsorted(speed[order], np.abs(q.velocity))
+        windows = (fast[order][max(k - near, 0) : k + near] for k in np.minimum(at, len(speed)))
+        return np.array([1.4826 * float(np.median(one)) for one in windows])
+
+    return scatter
 
 
 def _with(random: Random, p: Plant, q: Points) -> Points:

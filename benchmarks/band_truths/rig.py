@@ -77,6 +77,8 @@ class Rig:
     """True steady friction, of each run where they differ; empty where there is none."""
     noise: Curve | None = None
     """Standard deviation of readings at points."""
+    shown: Curve | None = None
+    """Standard deviation of single samples that a sensor shows at points; `noise` if not given."""
     asked: Points | None = None
     """Points within what was measured."""
     beyond: Points | None = None

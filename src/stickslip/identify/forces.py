@@ -11,7 +11,7 @@ changes the force of the drive itself, as the constant of a motor does, is the c
 it changes from its given value, so that the force as commanded stays one.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -29,6 +29,8 @@ from stickslip.identification import (
     drives_itself,
     known_forces,
     load_of,
+    span_of,
+    uncertainties_of,
     varies_load,
 )
 from stickslip.identify.inner import pushed
@@ -58,6 +60,8 @@ class Unknown:
     """Value from which it counts: 0, or that which is given where it changes the drive's force."""
     limits: tuple[float, float] = (-np.inf, np.inf)
     """Range of what is counted."""
+    doubt: float = 0.0
+    """Standard uncertainty, where that is stated and the parameter is not looked for."""
 
 
 @final
@@ -77,10 +81,38 @@ class Forces:
     """Normal force (n,) [N], where inner bodies change it."""
 
 
+def doubts_of(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
+) -> dict[str, float]:
+    """Return stated standard uncertainties by path, of parameters that are not looked for.
+
+    What was set anew for each record counts as one number for all, which averages out less.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> record = Measurement(
+    ...     time=[0.0, 1.0], position=[0.0, 0.5], parameter_uncertainties={"inertia": 0.1}
+    ... )
+    >>> doubts_of(Axis(inertia=3.0), record, [])
+    {'mechanism.inertia': 0.1}
+    """
+    found: dict[str, float] = {}
+    for parts in uncertainties_of(mechanism, measurement):
+        for path, doubt in (one for part in parts for one in part.items()):
+            found[path] = max(doubt, found.get(path, 0.0))
+    return {path: doubt for path, doubt in found.items() if path not in unknown}
+
+
 def forces_along(
-    mechanism: Mechanism, record: Measurement, x: Array, v: Array, unknown: Sequence[str]
+    mechanism: Mechanism,
+    record: Measurement,
+    x: Array,
+    v: Array,
+    unknown: Sequence[str],
+    doubts: Mapping[str, float] | None = None,
 ) -> Forces:
-    """Return the forces along a record, split by parameters that are looked for.
+    """Return the forces along a record, split by parameters that are looked for or doubtful.
 
     Examples
     --------
@@ -99,11 +131,16 @@ def forces_along(
             raise InputError(f"vary: {why}, got {names}: give the values, or use `fit` of one law.")
         inner, none = pushed(mechanism, record, x, v), np.zeros_like(x)
         recorded = bool(command_of(record))
+
+        def moving(changes: Mapping[str, float]) -> Array:
+            one = pushed(vary(mechanism, "mechanism", changes), record, x, v)
+            return np.concatenate([one.force, none, [one.inertia]])
+
         return Forces(
             driven=inner.force if recorded else none,
             still=none if recorded else inner.force,
             inertia=inner.inertia,
-            unknown={},
+            unknown=_doubtful(mechanism, moving, doubts or {}),
             load=inner.load,
         )
     count = len(x)
@@ -151,7 +188,29 @@ def forces_along(
             raise InputError(_refusal([*moved]))
     # what is left of unknowns is rounding
     rest[np.abs(rest) <= LINEAR * np.max(np.abs(base)) * (rest != base)] = 0.0
+    found |= _doubtful(mechanism, on, doubts or {})
     return Forces(driven=rest[:count], still=rest[count:-1], inertia=float(rest[-1]), unknown=found)
+
+
+def _doubtful(
+    mechanism: Mechanism,
+    forces: Callable[[Mapping[str, float]], Array],
+    doubts: Mapping[str, float],
+) -> dict[str, Unknown]:
+    """Return what doubtful parameters change of forces (2 n + 1,), about their given values."""
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    found = {}
+    for path, doubt in doubts.items():
+        low, high = span_of(mechanism, path, doubt)
+        slope = (forces({path: high}) - forces({path: low})) / (high - low)
+        count = len(slope) // 2
+        found[path] = Unknown(
+            force=slope[:count] + slope[count:-1],
+            inertia=float(slope[-1]),
+            given=values[path],
+            doubt=doubt,
+        )
+    return found
 
 
 def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
@@ -202,8 +261,12 @@ def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
-def load_slopes(mechanism: Mechanism, unknown: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Return by how much parameters that are looked for change the normal force, and their values.
+def load_slopes(
+    mechanism: Mechanism, unknown: Sequence[str], doubts: Mapping[str, float] | None = None
+) -> dict[str, tuple[float, float]]:
+    """Return by how much parameters change the normal force, and their values.
+
+    Those are meant that are looked for, or doubtful.
 
     Examples
     --------
@@ -224,6 +287,11 @@ def load_slopes(mechanism: Mechanism, unknown: Sequence[str]) -> dict[str, tuple
             raise InputError(_refusal([path]))
         if abs(first) > LINEAR * base:
             found[path] = first / step, values[path]
+    for path, doubt in (doubts or {}).items():
+        ends = span_of(mechanism, path, doubt)
+        low, high = (load_of(vary(mechanism, "mechanism", {path: end})) for end in ends)
+        if abs(high - low) > LINEAR * base * (ends[1] - ends[0]) / doubt:
+            found[path] = (high - low) / (ends[1] - ends[0]), values[path]
     return found
 
 

@@ -8,7 +8,7 @@ Every statement of a verdict is read from these; there are no further rules.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -16,7 +16,14 @@ from typing import Any, final
 import numpy as np
 
 from stickslip.identify.comparison import Comparison, compare, family_members
-from stickslip.identify.ensemble import Draw, Ensemble, Prepared, allotted
+from stickslip.identify.ensemble import (
+    Draw,
+    Ensemble,
+    PredictionBand,
+    Prepared,
+    allotted,
+    band_of,
+)
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
 from stickslip.identify.problem import Array, Problem, Structure
@@ -24,6 +31,10 @@ from stickslip.identify.regression import BlockRegression, noise_at, noise_weigh
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
 
+NEIGHBOURS = 40
+"""Part of all rows, on either side, whose noise a speed has ..."""
+FEWEST = 10
+"""... and their number at least."""
 FLOW = "viscous_coefficient"
 """Parameter whose meaning depends on the part that has it."""
 
@@ -214,21 +225,46 @@ class Judgement:
         """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
         return noise_at(self.regression, rows)
 
+    @cached_property
+    def _left(self) -> Sequence[Array]:
+        """What the named and the best structure leave of parts of the measurement (2, n)."""
+        pair = dict.fromkeys([self.named, self.comparison.best])
+        return [self.regression.left_between(one, self.problem.parts()) for one in pair]
+
+    def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
+        """Return the band of new readings at rows (n,)."""
+        draws = self.readings(rows)
+        if not self.problem.independent:  # another record has what no part of this one has
+            return band_of(draws, level)
+        low, median, high = np.quantile(draws, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
+        return PredictionBand(low=low, median=median, high=high)
+
     def readings(self, rows: Any) -> Array:
-        """Return draws of new readings at rows (d, n): curves and noise."""
+        """Return draws of new readings at rows (d, n): curves and noise.
+
+        Of independent readings noise is normal, with a scale that residuals tell. Dense rows have
+        what laws leave of one part of the measurement that is predicted from the others, at
+        rows of about the same speed: with its tails, its scatter by speed, and what differs from
+        part to part.
+        """
         curves = self.ensemble.curves(rows)
         rng = np.random.default_rng(self.ensemble.seed + 3)
-        left = self.regression.held_out(self.named)
-        errors = self.problem.scatter(rows, left, curves.shape, rng)
-        if errors is None:
-            scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
-            errors = self.noise(rows) * rng.normal(size=curves.shape) / scale
-        return np.asarray(curves + errors)
+        if not self.problem.independent:
+            return curves + self._resampled(rows, len(curves), rng)
+        scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
+        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) / scale)
 
-    def inside(self, rows: Any, response: Array, level: float = 0.95) -> float:
-        """Return the share of new readings (n,) at rows that lie in their band."""
-        low, high = np.quantile(self.readings(rows), (0.5 - 0.5 * level, 0.5 + 0.5 * level), axis=0)
-        return float(np.mean((response >= low) & (response <= high)))
+    def _resampled(self, rows: Any, count: int, rng: np.random.Generator) -> Array:
+        """Return what readings at rows leave (count, n), drawn from rows of like speed."""
+        problem = self.problem
+        speed, asked = problem.speeds(problem.rows), problem.speeds(rows)
+        order = np.argsort(speed, kind="stable")
+        place = np.searchsorted(speed[order], asked)
+        near = max(len(speed) // NEIGHBOURS, FEWEST)
+        at = place + rng.integers(-near, near + 1, size=(count, len(asked)))
+        left = np.array([one[order] for one in self._left]) + problem.beside(rows)[order]
+        which = rng.integers(len(left), size=(count, 1))
+        return np.asarray(left[which, np.clip(at, 0, len(order) - 1)])
 
     def widened_by(self, other: Problem) -> "Judgement":
         """Return the judgement with a band that holds what a second record differs by.

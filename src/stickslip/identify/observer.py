@@ -35,7 +35,7 @@ from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble
 from stickslip.identify.kinds.record_signals import Record, noise_of
 from stickslip.identify.kinds.records import RecordsProblem
-from stickslip.identify.problem import Array, Fitted, Shape, Structure
+from stickslip.identify.problem import Array, Column, Fitted, Mask, Shape, Structure
 from stickslip.identify.search import block_scores
 from stickslip.kernels import observer
 from stickslip.solver import observe
@@ -416,6 +416,17 @@ def _fitted(coefficients: Array, covariance: Array, freedom: float) -> Fitted:
     )  # fmt: skip
 
 
+def _with_doubts(fit: Fitted, plain: Mask, moved: Array) -> Fitted:
+    """Return a fit with further coefficients, which are 0 and move those of plain places (p,)."""
+    assert fit.root is not None
+    root = np.zeros((len(fit.root), len(plain)))
+    root[:, plain] = fit.root
+    root = np.vstack([root, moved])
+    coefficients = np.zeros(len(plain))
+    coefficients[plain] = fit.coefficients
+    return replace(fit, coefficients=coefficients, covariance=root.T @ root, root=root)
+
+
 def _inverse(matrix: Array) -> Array:
     size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     inverse = np.linalg.pinv(matrix / np.outer(size, size), hermitian=True, rcond=1e-13)
@@ -450,7 +461,7 @@ class Observer:
         """Whether a force drives an inertia alone to places."""
         first = self.problem.records[0]
         driven = not self.problem.free and not first.friction
-        return driven and first.located and not first.unknown
+        return driven and first.located and all(one.doubt for one in first.unknown.values())
 
     def refined(self) -> Ensemble:
         """Return the ensemble of refined laws; that of the balance where these do not hold."""
@@ -505,9 +516,26 @@ class Observer:
         kin += [comparison.structures[i] for i in order]
         kin += [comparison.curve]
         allowed = (one for one in dict.fromkeys(kin) if not UNSEEN & {name for name, _ in one})
-        found = [one for one in allowed if one and problem.allowed(one)]
+        found = [self._plain(one) for one in allowed if one and problem.allowed(one)]
         self.ensemble.regression.add(column for one in found for column in one)
         return found
+
+    def _plain(self, structure: Structure) -> Structure:
+        """Return a structure without what is doubtful of the mechanism, which stays as given."""
+        return tuple(one for one in structure if not self.problem.terms[one[0]].doubt)
+
+    def _doubtful(self, law: Structure) -> tuple[Sequence[Column], Array]:
+        """Return columns of what is doubtful, and coefficients (k, p) that each moves a law by.
+
+        They are those of the balance: the column of what is doubtful is in its structures.
+        """
+        terms = self.problem.terms
+        columns = [(name, ()) for name, term in terms.items() if term.doubt]
+        if not columns:
+            return (), np.zeros((0, 0))
+        root = self.ensemble.regression.fit(tuple(sorted([*law, *columns]))).root
+        assert root is not None
+        return columns, root[-len(columns) :]
 
     def _law(self, structure: Structure) -> ObservedLaw:
         columns = self.ensemble.regression.columns
@@ -629,7 +657,17 @@ class Observer:
         rows: list[int] = []
         first: dict[int, Structure] = {}
         for i, (one, share) in enumerate(zip(laws, shares, strict=True)):
-            for structure, part, fit in one.drawn(float(share), rng):
+            doubtful, moved = self._doubtful(one.law.structure)
+            for plain, part, plain_fit in one.drawn(float(share), rng):
+                structure, fit = plain, plain_fit
+                if doubtful:
+                    structure = tuple(sorted([*plain, *doubtful]))
+                    plain_at = [
+                        not problem.terms[name].doubt
+                        for name, shape in structure
+                        for _ in range(problem.width(name, shape))
+                    ]
+                    fit = _with_doubts(fit, np.array(plain_at), moved)
                 structures.append(structure)
                 fits[structure] = fit
                 own.append(part)

@@ -74,6 +74,8 @@ class Term:
     """Place in the order from usual to unusual."""
     cost: int = 1
     """Parameters that the coefficients count."""
+    doubt: float = 0.0
+    """Standard uncertainty of a coefficient that is stated and not fitted: 0, give or take it."""
     contrasts: int = 0
     """Those of them that differences between rows of a block tell: directions, temperatures."""
 
@@ -177,6 +179,14 @@ class Problem(ABC):
         """
         return {}
 
+    def parts(self) -> Sequence[Mask]:
+        """Return rows (n,) that differ as another measurement does, if rows are dense."""
+        return self.blocks
+
+    def beside(self, rows: Any) -> Array:  # noqa: ARG002  # kinds that filter what they read have some
+        """Return what readings at asked rows show beside the response, at measured rows (n,)."""
+        return np.zeros(len(self.response))
+
     def variants(self, rows: Any) -> Sequence[Any]:
         """Return rows as they were in each run; the rows themselves where runs do not differ."""
         return [rows]
@@ -184,19 +194,6 @@ class Problem(ABC):
     def places(self, structure: Structure) -> Sequence[Structure]:
         """Return a structure with the shapes that the same fit may have between the readings."""
         return (structure,)
-
-    def scatter(
-        self,
-        rows: Any,  # noqa: ARG002  # kinds with dense rows use these
-        left: Array,  # noqa: ARG002
-        shape: tuple[int, ...],  # noqa: ARG002
-        rng: np.random.Generator,  # noqa: ARG002
-    ) -> Array | None:
-        """Return errors of new rows (d, n), drawn from the held-out residuals `left` (m,).
-
-        None where there are too few of these: then the noise is normal, with a scale of its own.
-        """
-        return None
 
     def price(self, size: float) -> float:  # noqa: ARG002  # kinds with dense rows use it
         """Return the share of the held-out error that a parameter must save to be believed.

@@ -12,6 +12,8 @@ coefficients without block :math:`b` and its held-out loss are
 
 and no row is touched again. :math:`P` holds the inverse variances of random effects; elsewhere it
 is a ridge of 1e-7 of the diagonal, which only ends the solution where columns are the same.
+Coefficients whose uncertainty is stated (`Term.doubt`) stay at 0; what they move the others by,
+:math:`-(G + P)^{-1} g_k \delta_k`, is a part of the covariance, whatever the number of rows.
 All structures with the same number of columns are solved together.
 
 The *marginal likelihood* of a structure needs the same matrices. With coefficients of columns of
@@ -48,6 +50,8 @@ SLOPES = (0.5, 1.0)
 """Powers of the force or the speed with which the scatter may grow."""
 FEW = 2.0
 """Degrees of freedom from which residuals of independent rows tell the noise."""
+FIXED = 1e13
+"""Precision of what is not fitted, over that of all rows."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -67,6 +71,7 @@ class BlockRegression:
         self._at: dict[Column, NDArray[np.intp]] = {}
         self._size = np.zeros(0)
         self._precision = np.zeros(0)
+        self._doubt = np.zeros(0)
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
@@ -76,18 +81,23 @@ class BlockRegression:
         new = [column for column in dict.fromkeys(columns) if column not in self._at]
         if not new:
             return
-        parts, precisions, j = [], [self._precision], len(self._size)
+        parts, precisions, doubts, j = [], [], [], len(self._size)
         for name, shape in new:
             x = self.columns.of((name, shape))
             self._at[name, shape] = np.arange(j, j + x.shape[1])
             parts.append(x)
             precisions.append(self.problem.terms[name].precision(shape) * np.ones(x.shape[1]))
+            doubts.append(self.problem.terms[name].doubt * np.ones(x.shape[1]))
             j += x.shape[1]
         matrix = np.hstack(parts)
         size = np.sqrt(np.mean(matrix**2, axis=0)) + NOTHING
         self._size = np.concatenate([self._size, size])
         self._matrix = np.hstack([self._matrix, matrix / size])
-        self._precision = np.concatenate(precisions)
+        doubt = np.concatenate(doubts)
+        fixed = FIXED * len(matrix) * size**2
+        precision = np.where(doubt > 0.0, fixed, np.concatenate(precisions))
+        self._precision = np.concatenate([self._precision, precision])
+        self._doubt = np.concatenate([self._doubt, doubt])
         if self._weighed:
             self._extend()
 
@@ -223,6 +233,24 @@ class BlockRegression:
             at += size
         return True
 
+    def left_between(
+        self, structure: Structure, parts: Sequence[Mask], others: Sequence[Mask] | None = None
+    ) -> Array:
+        """Return what a structure leaves of parts (n,), each predicted from the other rows.
+
+        These are all that are not in the part, or those of `others`, one for each part.
+        """
+        columns, left = self.index(structure), np.array(self.problem.response)
+        if not len(columns):
+            return left
+        a, y = self._weighted[:, columns], self.problem.response * self.weights
+        for rows, learned in zip(parts, others or [~rows for rows in parts], strict=True):
+            known = a[learned]
+            gram = known.T @ known + np.diag(self._ridge(columns))
+            c = np.linalg.solve(gram, known.T @ y[learned])
+            left[rows] -= self._matrix[rows][:, columns] @ c
+        return left
+
     def held_out(self, structure: Structure, response: Array | None = None) -> Array:
         """Return the held-out residual of every row (n,); mean over the blocks that hold it.
 
@@ -302,6 +330,10 @@ class BlockRegression:
             prior = np.sqrt(self._precision[columns]) / size * float(np.median(w))
             if np.any(prior):  # where rows tell nothing, the prior does
                 root = np.vstack([root, (prior[:, None] * inverse)[prior > 0.0]])
+            doubt = self._doubt[columns] * size
+            if np.any(doubt):
+                moved = np.eye(len(columns)) - gram @ inverse
+                root = np.vstack([root, (doubt[:, None] * moved)[doubt > 0.0]])
             covariance, root = root.T @ root, root / size
         return Fitted(
             fitted=x @ c,

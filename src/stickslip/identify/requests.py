@@ -11,8 +11,9 @@ IGNORED = ("peak", "step")
 """Optional parts: without a value for them, a law lacks them."""
 NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
 """Terms that are not called as the part is."""
-REMEMBERED = ("dahl",)
-"""Memories that records tell: they mark a family."""
+REMEMBERED = ("dahl", "lugre")
+"""Memories that records tell: they mark a family. The balance does not tell them apart, as the
+damping of bristles is hardly a part of it."""
 BOTH_WAYS: Mapping[str, str] = {
     "level": "level_direction",
     "stribeck": "stribeck_sides",
@@ -68,7 +69,8 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     if unknown:
         memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
         why = (
-            "tells the memory of Dahl alone, and only in time: use stickslip.fit for its parameters"
+            "tells the memories of Dahl and LuGre, and only in time: use stickslip.fit for its"
+            " parameters"
             if memory
             else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
         )

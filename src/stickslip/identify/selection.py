@@ -12,17 +12,18 @@ from stickslip.experiments import Measurement, speeds_in_order
 from stickslip.formatting import quantity
 from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
-from stickslip.identify.ensemble import band_of
-from stickslip.identify.forces import load_slopes, with_gear
+from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter
+from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
-from stickslip.identify.problem import Family
+from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.requests import REMEMBERED, families_of
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words, widened_sentence
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, UNDAMPED, Words, widened_sentence
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -60,7 +61,7 @@ def select_table(
     inside = math.nan
     if validate is not None:
         other = TableProblem.of(mechanism, validate)
-        inside = judgement.inside(problem.like(other.rows), other.response)
+        inside = _inside(judgement.reading_band(problem.like(other.rows)), other.response)
     ordered = speeds_in_order(problem.rows.velocity)
     return verdict_on(
         judgement,
@@ -82,20 +83,46 @@ def select_table(
     )
 
 
+def _inside(band: PredictionBand, values: Array) -> float:
+    """Return the share of values (n,) that lie in a band."""
+    return float(np.mean((band.low <= values) & (values <= band.high)))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records holds from sample to sample."""
     return all(not goes_straight(one, "zero") for one in measurement.records())
 
 
+def _differ(problem: RecordsProblem, judgement: Judgement) -> float:
+    """Return the error of records that are predicted from others, over that of their stretches.
+
+    The stretches are predicted from the rest of their record alone.
+    """
+    records = problem.parts()
+    parts = [
+        (mask & (problem.stretches == k), mask & (problem.stretches != k))
+        for mask in records
+        for k in np.unique(problem.stretches[mask])
+    ]
+    inner = [(rows, others) for rows, others in parts if np.any(others)]
+    regression, named = judgement.regression, judgement.named
+    own = regression.left_between(named, [one for one, _ in inner], [one for _, one in inner])
+    between = regression.left_between(named, records)
+    return float(np.sqrt(np.mean(between**2) / (np.mean(own**2) + 1e-300)))
+
+
 def _remarks(
-    judgement: Judgement, problem: RecordsProblem, validate: Measurement | None
+    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
 ) -> tuple[str, ...]:
-    """Return what the number of records leaves to say."""
-    if judgement.ensemble.wider > 1.0:
-        return (widened_sentence(judgement.ensemble.wider),)
+    """Return what the number of records, and a balance, leave to say."""
     if len(problem.records) > 1:
-        return (DIFFER,) if problem.spread > SPREAD else ()
-    return (OTHERS,) if validate is None else ()
+        found = (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
+    else:
+        found = (OTHERS,) if validate is None else ()
+    if judgement.ensemble.wider > 1.0:
+        found = (widened_sentence(judgement.ensemble.wider),)
+    remembers = MEMORY in problem.family(judgement.named)
+    return (*found, UNDAMPED) if remembers and problem.memory == "lugre" else found
 
 
 def _problem(
@@ -107,7 +134,8 @@ def _problem(
     if loads:
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
-        normal, slopes = load_of(mechanism), load_slopes(mechanism, vary)
+        doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
+        normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)
     constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
     inertias = [path for path in vary if path not in records[0].unknown and path != constant]
     return RecordsProblem(
@@ -124,6 +152,8 @@ def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
     own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
     problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
     laws = [frozenset(name for name in one if problem.terms[name].role == "law") for one in own]
+    named = {name for one in families for name in one if name in REMEMBERED}
+    problem.memory = named.pop() if len(named) == 1 else problem.memory
     problem.remembering = {
         (law, one != family) for law, one, family in zip(laws, own, families, strict=True)
     }
@@ -149,7 +179,8 @@ def _judged(
     Forces that are taken as held and go straight from sample to sample are taken as such.
     """
     seen = with_gear(rig, measurement)
-    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset)
+    doubts = doubts_of(mechanism, measurement, vary)
+    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset, doubts=doubts)
     problem = _problem(mechanism, records(held=_is_held(measurement)), vary, offset=offset)
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
@@ -157,13 +188,13 @@ def _judged(
         known = [
             name
             for name, term in problem.terms.items()
+            if (term.role == "law" or name == "offset")
             # without a memory, a level that differs by direction is an offset
-            if name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes)
+            and (name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes))
         ]
         only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
     judgement = Judgement.of(problem)
-    if not problem.records[0].unknown:  # no observer has the forces of other parameters
-        judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
+    judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
     return problem, judgement
 
 
@@ -198,9 +229,16 @@ def select_record(
     if validate is not None:
         again = with_gear(rig, validate)
         other = problem.of(
-            records_of(mechanism, again, unknown=vary, offset=not held, held=first.held)
+            records_of(
+                mechanism,
+                again,
+                unknown=vary,
+                offset=not held,
+                held=first.held,
+                doubts=doubts_of(mechanism, measurement, vary),
+            )
         )
-        inside = judgement.inside(other.rows, other.response)
+        inside = _inside(judgement.reading_band(other.rows), other.response)
         count = len(other.response)
         judgement = judgement.widened_by(other)
     return verdict_on(
@@ -219,5 +257,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *_remarks(judgement, problem, validate)),
+        remarks=(*map(str, outlying(far)), *_remarks(problem, judgement, validate)),
     )

@@ -328,6 +328,9 @@ class BandVerdict(Verdict[LawCandidate]):
     ) -> PredictionBand:
         """Return the band of new readings: friction and the noise of a reading.
 
+        Of records it is a single sample of the force in steady motion, with what laws leave of one
+        part of the record that is predicted from the others.
+
         Parameters
         ----------
         velocity : array_like (n,)
@@ -345,9 +348,7 @@ class BandVerdict(Verdict[LawCandidate]):
             Limits and median (n,) [N] or [N m].
         """
         rows = self.judgement.problem.at(velocity, load, inputs)
-        low, high = 0.5 - 0.5 * level, 0.5 + 0.5 * level
-        limits = np.quantile(self.judgement.readings(rows), (low, 0.5, high), axis=0)
-        return PredictionBand(low=limits[0], median=limits[1], high=limits[2])
+        return self.judgement.reading_band(rows, level)
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.
@@ -362,8 +363,9 @@ class BandVerdict(Verdict[LawCandidate]):
         Returns
         -------
         list of FrictionLaw
-            Laws of `stickslip.friction`, by their shares; through measured levels only where no
-            structure is such a law.
+            Laws by their shares. A draw that is no law of `stickslip.friction`, such as the
+            measured curve or a static level below the kinetic one, is the law through its levels:
+            left out, it would bias the ensemble.
 
         Examples
         --------
@@ -375,18 +377,14 @@ class BandVerdict(Verdict[LawCandidate]):
         5
         """
         judgement = self.judgement
-        laws, curves = list[FrictionLaw](), list[FrictionLaw]()
-        for draw in replace(judgement.ensemble, seed=seed).draws():
-            composed = judgement.problem.composition(draw.structure, draw.coefficients)
-            for k, row in enumerate(draw.coefficients):
-                law = composed.law(k)
-                if law is not None:
-                    laws.append(law)
-                elif not laws and len(curves) < count:
-                    curves.append(law_through(judgement, draw.structure, row))
-        found = laws or curves
-        order = np.random.default_rng(seed).permutation(len(found))
-        return [found[k] for k in np.resize(order, count)]
+        draws = replace(judgement.ensemble, seed=seed).draws()
+        rows = [(draw.structure, row) for draw in draws for row in draw.coefficients]
+        order = np.random.default_rng(seed).permutation(len(rows))
+        found = []
+        for structure, row in (rows[k] for k in np.resize(order, count)):
+            law = judgement.problem.composition(structure, row[None]).law()
+            found.append(law_through(judgement, structure, row) if law is None else law)
+        return found
 
     @override
     def _details(self) -> Mapping[str, Any]:
@@ -631,9 +629,15 @@ def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -
 
 
 def law_through(judgement: Judgement, structure: Structure, coefficients: Array) -> FrictionLaw:
-    """Return the law through levels that a structure predicts over the measured speeds."""
+    """Return the law through levels of a structure over the measured speeds, without its rig."""
     speeds, rows, load = judgement.problem.curve_rows()
-    force = judgement.ensemble.predicted(structure, coefficients, rows)
+    at, force = 0, np.zeros(len(speeds))
+    for name, shape in structure:
+        term = judgement.problem.terms[name]
+        x = np.reshape(term.columns(rows, shape), (len(speeds), -1))
+        if term.role in ("law", "curve"):
+            force += x @ coefficients[at : at + x.shape[1]]
+        at += x.shape[1]
     return curve_law(speeds, force, load)
 
 

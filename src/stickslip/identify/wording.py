@@ -279,6 +279,12 @@ def widened_sentence(times: float) -> str:
     )
 
 
+UNDAMPED = (
+    "The force balance does not tell the damping of bristles, which is 0 here: use `fit` of LuGre"
+    " for it."
+)
+
+
 def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}

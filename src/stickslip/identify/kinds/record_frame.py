@@ -119,12 +119,13 @@ def band_for(records: Sequence[Record]) -> float:
         least = STRETCHES / longest
         return float(min(max(FREE * mean if free == "work" else 0.0, least), FREE_SAMPLED / h))
     trial = Along(records, None, min(20.0 * mean + low, top))
-    if first.inertia is None or any(one.inertia for one in first.unknown.values()):
+    sought = {path: one for path, one in first.unknown.items() if not one.doubt}
+    if first.inertia is None or any(one.inertia for one in sought.values()):
         v = trial.seen(trial.velocity)
         slow = 0.02 * float(np.quantile(np.abs(v), 0.98)) + 1e-300
         x = np.column_stack([
             trial.acceleration, np.tanh(v / slow), v, np.ones_like(v),
-            *(trial.taken(path) for path, one in first.unknown.items() if not one.inertia),
+            *(trial.taken(path) for path, one in sought.items() if not one.inertia),
         ])  # fmt: skip
         inertia = abs(float(np.linalg.lstsq(x, trial.force, rcond=None)[0][0]))
     else:

@@ -21,6 +21,7 @@ from stickslip.experiments import Measurement, as_recorded, between_gaps, with_v
 from stickslip.identify.forces import Unknown, forces_along, with_transmitted
 from stickslip.identify.problem import Array, Mask
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
 
 STRETCHES = 20
 """Stretches that records are cut into, which are left out one at a time."""
@@ -118,10 +119,12 @@ def records_of(
     unknown: Sequence[str] = (),
     offset: bool = True,
     held: bool = True,
+    doubts: Mapping[str, float] | None = None,
 ) -> list[Record]:
     """Return the records of a measurement between its gaps, with the known forces of a mechanism.
 
-    Its constant force is one of them unless it is to be found (`offset`).
+    Its constant force is one of them unless it is to be found (`offset`). Standard uncertainties
+    of the mechanism (`doubts`) are by path.
 
     Examples
     --------
@@ -149,7 +152,8 @@ def records_of(
                 f" {max(len(np.asarray(one.time)) for one in between_gaps(given))}: record longer,"
                 " or faster."
             )
-        found += [_record(own, one, unknown, offset=offset, held=held) for one in pieces]
+        known_to = doubts or {}
+        found += [_record(own, one, unknown, known_to, offset=offset, held=held) for one in pieces]
     if unknown and not any(_tells_scale(one) for one in found):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"
@@ -165,7 +169,13 @@ def _tells_scale(record: Record) -> bool:
 
 
 def _record(
-    mechanism: Mechanism, given: Measurement, unknown: Sequence[str], *, offset: bool, held: bool
+    mechanism: Mechanism,
+    given: Measurement,
+    unknown: Sequence[str],
+    doubts: Mapping[str, float],
+    *,
+    offset: bool,
+    held: bool,
 ) -> Record:
     """Return one piece of a record."""
     record = with_voltage(mechanism, given, "zero")
@@ -193,16 +203,18 @@ def _record(
     if "friction" in known:
         return Record(
             time=time, position=x, velocity=velocity, load=load, inputs=inputs, friction=True,
+            unknown=_without_forces(mechanism, x, doubts),
             force=np.asarray(record.values("friction"), dtype=float), located=located,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
-    forces = forces_along(mechanism, record, x, v, unknown)
+    forces = forces_along(mechanism, record, x, v, unknown, doubts)
     found_too = offset and "mechanism.offset" in unknown
     constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     inertia: float | None = forces.inertia
     found = dict(forces.unknown)
     for path, one in forces.unknown.items():  # an inertia and nothing else
-        if not np.any(one.force) and abs(one.inertia - 1.0) < 1e-9 and not forces.inertia:
+        alone = not np.any(one.force) and abs(one.inertia - 1.0) < 1e-9 and not one.doubt
+        if alone and not forces.inertia:
             inertia = None
             del found[path]
     return Record(
@@ -212,6 +224,17 @@ def _record(
         driven=len(mechanism.coordinates) > 1,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
     )  # fmt: skip
+
+
+def _without_forces(
+    mechanism: Mechanism, x: Array, doubts: Mapping[str, float]
+) -> dict[str, Unknown]:
+    """Return doubtful parameters of a mechanism where friction was measured: they change loads."""
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    return {
+        path: Unknown(force=np.zeros_like(x), inertia=0.0, given=values[path], doubt=doubt)
+        for path, doubt in doubts.items()
+    }
 
 
 @final

@@ -71,7 +71,7 @@ def _bristles(rows: Along, response: Array, *, finds_inertia: bool) -> tuple[lis
     lengths = _lengths(rows)
     plain = [rows.acting(np.ones(len(rows.velocity))), rows.acting(rows.velocity)]
     plain += [rows.inertial] if finds_inertia else []
-    plain += [rows.taken(path) for path in rows.records[0].unknown]
+    plain += [rows.taken(path) for path, one in rows.records[0].unknown.items() if not one.doubt]
     left: dict[Shape, tuple[float, Array]] = {}
 
     def try_(memory: Shape) -> None:
@@ -325,7 +325,8 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             Term(name="inertia", role="rig", columns=lambda r, _: r.inertial,
                  nonnegative=True, title="inertia", rank=0)
         )  # fmt: skip
-    for path, one in rows.records[0].unknown.items():
+    sought = {path: one for path, one in rows.records[0].unknown.items() if not one.doubt}
+    for path, one in sought.items():
         terms.append(
             Term(name=path, role="rig", columns=lambda r, _, path=path: r.taken(path),  # type: ignore[misc]
                  limits=one.limits, rank=0, title=path.rpartition(".")[2].replace("_", " "),

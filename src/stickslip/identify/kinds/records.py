@@ -50,7 +50,6 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError
 from stickslip.identify.kinds.features import features_along, features_in_steady_motion
 from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
@@ -74,6 +73,7 @@ from stickslip.identify.problem import (
     Problem,
     Shape,
     Structure,
+    Term,
 )
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -95,6 +95,8 @@ BENDING = (1e-4, 1e-2, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
 LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
+QUARTERS = 4
+"""Parts of a record that are as far apart as records are (halves: .91 in the 80 % band)."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
 FREE_BENDING = 0.12
@@ -103,14 +105,16 @@ FREE_NATS = 3.0
 """Log likelihood of independent rows that a parameter of a free motion must gain."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
-NEIGHBOURS, FEWEST = 40, 10
-"""Part of all rows, on either side, whose noise a speed has, and rows at least."""
+
+
 ASKED = 40
 """Speeds of each direction at which the band is stated."""
 DRAWN = 600
 """Points of a figure, about."""
 ONE_WAY = 0.02
 """Share of the rows below which a direction counts as not moved in."""
+LINEAR = 1.0
+"""Exponent of bristles that LuGre has."""
 LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
@@ -170,10 +174,12 @@ class RecordsProblem(Problem):
             self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
         )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
-        self.always = frozenset(first.unknown) | {
+        doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
+        sought = frozenset(first.unknown.keys() - doubts.keys()) | {
             *(["inertia"] if self.finds_inertia else []),
             *(["offset"] if self.offset.startswith("mechanism.") else []),
         }
+        self.always = sought | doubts.keys()
         if like is None and not (self.free or first.friction):
             refuse_wrong_signs(self.rows, self.response, self.stretches, inertia=self.finds_inertia)
         if like is None:
@@ -182,9 +188,10 @@ class RecordsProblem(Problem):
                 self.rows,
                 *found,
                 finds_inertia=self.finds_inertia,
-                always=self.always,
+                always=sought,
                 constant=bool(self.offset),
             )
+            self.terms |= {path: _doubtful(path, doubt) for path, doubt in doubts.items()}
             self.references = _references(self, found[0][:2])
         else:
             self.terms, self.references = like.terms, like.references
@@ -202,17 +209,23 @@ class RecordsProblem(Problem):
         ]  # fmt: skip
         self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
         self.remembering: set[tuple[frozenset[str], bool]] = set()
+        self.memory: str = "dahl"
+        """Which law a memory is said to be: its damping is in no balance."""
         self.spread = _spread(self) if like is None else like.spread
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
-        return _made, self._made_of, {"only": self.only, "remembering": self.remembering}
+        own = {"only": self.only, "remembering": self.remembering, "memory": self.memory}
+        return _made, self._made_of, own
 
     @override
     def allowed(self, structure: Structure) -> bool:
         """Return whether terms may stand together, and a law is one that is compared."""
         if not super().allowed(structure):
+            return False
+        memories = {self._memory(column) for column in structure if self._memory(column)}
+        if self.memory == "lugre" and any(one[0] and one[1] != LINEAR for one in memories):
             return False
         if not self.remembering or not self.is_law(structure):
             return True
@@ -249,6 +262,28 @@ class RecordsProblem(Problem):
         # what is badly known about a turn stands out at low speeds
         speed = np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)
         return [speed, 1.0 / speed]
+
+    @override
+    def parts(self) -> Sequence[Mask]:
+        """Return the records, or the quarters of a single one."""
+        if len(self.records) > 1:
+            each = [self.rows.record == k for k in range(len(self.records))]
+            return [rows for rows in each if np.any(rows)]
+        quarter = np.arange(self.rows.count) * QUARTERS // self.rows.count
+        return [quarter == k for k in range(QUARTERS)]
+
+    @override
+    def beside(self, rows: Any) -> Array:
+        """Return what readings in steady motion show beside the response, at measured rows (n,).
+
+        These are single samples: they have what the filter takes off the force.
+        """
+        if self.free or not isinstance(rows, Steady):
+            return np.zeros(self.rows.count)
+        along: Along = self.rows
+        both = zip(along.records, along.filters, strict=True)
+        samples = along.rows_of([one.force[:: filt.every] for one, filt in both])
+        return np.asarray(samples - (along.force - along.mechanism))
 
     @override
     def physical(self, structure: Structure, coefficients: Array) -> Mask:
@@ -317,25 +352,6 @@ class RecordsProblem(Problem):
         return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
     @override
-    def scatter(
-        self, rows: Any, left: Array, shape: tuple[int, ...], rng: np.random.Generator
-    ) -> Array:
-        """Return residuals drawn from those at about the same speeds: their tails are heavy.
-
-        They are of forces as the filter of the balance shows them.
-        """
-        if self.free and isinstance(rows, Steady):
-            raise InputError(
-                "a free motion has no readings of friction, whose noise new ones could have: ask"
-                " for band(...), which holds the friction itself."
-            )
-        speed, order = self.speeds(self.rows), np.argsort(self.speeds(self.rows))
-        near = max(len(speed) // NEIGHBOURS, FEWEST)
-        place = np.searchsorted(speed[order], self.speeds(rows))
-        at = place + rng.integers(-near, near + 1, size=shape)
-        return np.asarray(left[order][np.clip(at, 0, len(order) - 1)])
-
-    @override
     def curve_rows(self) -> tuple[Array, Any, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
         speeds = np.geomspace(self.frame.low, self.frame.top, POINTS)
@@ -382,6 +398,7 @@ class RecordsProblem(Problem):
         terms: dict[str, tuple[Shape, Array]] = {}
         memory: Shape = (0.0, 0.0)
         unlike = False
+        doubts = {path for path, one in self.records[0].unknown.items() if one.doubt}
         for name, shape in structure:
             term = self.terms[name]
             size = self.width(name, shape)
@@ -397,6 +414,8 @@ class RecordsProblem(Problem):
                     rig["load_exponent"] = np.full(len(own), entries[0])
                 terms[name] = (() if name == "level" else entries), own
         normal = self._normals(rig, len(coefficients))
+        # what is stated is no estimate
+        rig = {path: x for path, x in rig.items() if path not in doubts}
         for name, (entries, own) in terms.items():
             if name not in FLOWS and name != "gear" and "viscous" not in name:
                 terms[name] = entries, own / normal[:, None]
@@ -404,14 +423,18 @@ class RecordsProblem(Problem):
         if memory[0]:
             level = terms.get("level", ((), np.zeros((len(coefficients), 1))))[1][:, 0]
             values = {"bristle_stiffness": level / memory[0]}
-            values |= {"yield_exponent": np.full(len(coefficients), max(memory[1], LEAST_EXPONENT))}
+            if self.memory == "lugre":
+                values |= {"bristle_damping": np.zeros(len(coefficients))}
+            else:
+                exponent = max(memory[1], LEAST_EXPONENT)
+                values |= {"yield_exponent": np.full(len(coefficients), exponent)}
         found = compose(
             terms,
             self.frame.inputs,
             len(coefficients),
-            memory="dahl" if memory[0] else "",
+            memory=self.memory if memory[0] else "",
             memory_values=values,
-            memory_fixed=("yield_exponent",),
+            memory_fixed=("yield_exponent", "bristle_damping"),
         )
         return replace(found, rig=rig, text="" if unlike else found.text)
 
@@ -432,7 +455,7 @@ class RecordsProblem(Problem):
         """Return the normal forces (d,) of draws, which parameters that were found may change."""
         found = np.full(count, self.normal)
         for path, (slope, given) in self.load_slopes.items():
-            found = found + slope * (rig[path] - given)
+            found = found + slope * (rig.get(path, given) - given)
         return np.asarray(np.maximum(found, 1e-9 * self.normal))
 
     @cached_property
@@ -445,6 +468,18 @@ class RecordsProblem(Problem):
             one = np.reshape(self.terms[name].columns(self._rest, shape), (1, -1))
             self._widths[name, shape] = one.shape[1]
         return self._widths[name, shape]
+
+
+def _doubtful(path: str, doubt: float) -> Term:
+    """Return the term of a parameter of the mechanism whose uncertainty is stated."""
+    return Term(
+        name=path,
+        role="rig",
+        columns=lambda r, _: r.taken(path),
+        doubt=doubt,
+        cost=0,
+        title=path.rpartition(".")[2].replace("_", " "),
+    )
 
 
 def _made(
@@ -523,6 +558,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
     )
     noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
     beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
+    always: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
     return [
         tuple(
             sorted(
@@ -530,6 +566,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
                     ("curve", (*memory, 0.0, (noise / FREE_BENDING) ** 2)),
                     ("level", memory),
                     ("viscous", ()),
+                    *always,
                     *other,
                 ]
             )
