@@ -77,6 +77,8 @@ from stickslip.identify.problem import (
 )
 from stickslip.identify.thresholds import THRESHOLDS
 
+WHITE = {"work": 0.65, "momentum": 0.9}
+"""Width of the noise of free motions over their band, as white noise would have (study: decays)."""
 FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -99,8 +101,6 @@ CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
 FREE_BENDING = 0.12
 """Bending of the curve of a free motion, over its friction: the prior (study: decays)."""
-FREE_NATS = 3.0
-"""Log likelihood of independent rows that a parameter of a free motion must gain."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
 NEIGHBOURS = 40
@@ -172,6 +172,10 @@ class RecordsProblem(Problem):
             self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
         )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
+        filt = self.rows.filters[0]
+        # the noise of what is integrated is white up to here, that of forces is not
+        width = WHITE.get(self.free, 0.0) * self.rows.band
+        self.worth = min(2.0 * width * filt.every * filt.step, 1.0)
         self.always = frozenset(first.unknown) | {
             *(["inertia"] if self.finds_inertia else []),
             *(["offset"] if self.offset.startswith("mechanism.") else []),
@@ -228,10 +232,10 @@ class RecordsProblem(Problem):
         Where noise is small beside the force everything is significant, and what counts is whether
         it is material; where it is large a parameter must only be significant.
         """
+        if self.free:
+            return 0.0
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
-        if self.free:  # energies are independent readings
-            return float(FREE_NATS / independent)
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
