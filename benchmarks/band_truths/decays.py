@@ -172,7 +172,9 @@ def drawn(number: int, seed: int) -> Rig:
         friction = _sum(dict(zip(parameters, x.tolist(), strict=False)))
         return np.array([math.copysign(friction(abs(v)), v) for v in p.velocity.tolist()])
 
-    asked, beyond = asked_over(0.08 * top, 0.95 * top, both=pendulum)
+    # a wheel that does not stop was not slower than at the end
+    last = 0.0 if pendulum else float(moved(body, *at, np.array([0.0, duration]), step)[1][-1])
+    asked, beyond = asked_over(max(0.08 * top, last), 0.95 * top, both=pendulum)
 
     def steady(p: Points) -> Array:
         return np.array([math.copysign(friction(abs(v)), v) for v in p.velocity.tolist()])
