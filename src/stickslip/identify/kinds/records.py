@@ -99,8 +99,8 @@ LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
-FREE_BENDING = 0.12
-"""Bending of the curve of a free motion, over its friction: the prior (study: decays)."""
+FREE_BENDING = (0.12, 0.4)
+"""Bendings of the curve of a free motion, over its friction: its prior (study: decays)."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
 NEIGHBOURS = 40
@@ -529,7 +529,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
         tuple(
             sorted(
                 [
-                    ("curve", (*memory, 0.0, (noise / FREE_BENDING) ** 2)),
+                    ("curve", (*memory, 0.0, (noise / bending) ** 2)),
                     ("level", memory),
                     ("viscous", ()),
                     *other,
@@ -538,6 +538,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
         )
         for memory in memories
         for other in beside
+        for bending in FREE_BENDING
     ]
 
 
