@@ -22,7 +22,7 @@ from stickslip.identify.observer import Observer
 from stickslip.identify.problem import Family
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, SCALED, Words
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -91,10 +91,11 @@ def _is_held(measurement: Measurement) -> bool:
 
 
 def _remarks(problem: RecordsProblem, validate: Measurement | None) -> tuple[str, ...]:
-    """Return what the number of records leaves to say."""
+    """Return what the number of records leaves to say, and what a free motion does."""
+    scaled = (SCALED,) if problem.free else ()
     if len(problem.records) > 1:
-        return (DIFFER,) if problem.spread > SPREAD else ()
-    return (OTHERS,) if validate is None else ()
+        return (*scaled, DIFFER) if problem.spread > SPREAD else scaled
+    return (*scaled, OTHERS) if validate is None else scaled
 
 
 def _problem(

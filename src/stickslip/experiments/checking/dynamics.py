@@ -1,5 +1,6 @@
 """Forces that must fit the motion: one that is missing, energy from nowhere, factors of units."""
 
+import math
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, Final
@@ -190,12 +191,13 @@ def _turned(moving: Motion) -> float:
     """Return by how much a velocity goes both ways, over the largest.
 
     With nothing but friction and a constant force its rate depends on itself alone: it can only
-    fall, or only rise.
+    fall, or only rise. What noise makes, the range of as many samples of it, is left out.
     """
     v = moving.velocity
     up = float(np.max(v - np.minimum.accumulate(v)))
     down = float(np.max(np.maximum.accumulate(v) - v))
-    return min(up, down) / moving.fastest
+    noise = 2.0 * math.sqrt(2.0 * math.log(v.size)) * moving.noise
+    return max(min(up, down) - noise, 0.0) / moving.fastest
 
 
 def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion) -> bool:

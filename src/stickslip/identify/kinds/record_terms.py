@@ -325,13 +325,6 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             Term(name="mechanism", role="rig", columns=lambda r, _: r.mechanism, rank=3,
                  limits=(-2.0, 2.0), title="known forces larger or smaller than given")
         )  # fmt: skip
-    given = rows.records[0].inertia
-    if rows.free == "work" and given:  # either may be wrong, and friction differs by as much
-        terms.append(
-            Term(name="inertia_error", role="rig", columns=lambda r, _: r.inertial, rank=3,
-                 limits=(-0.7 * given, given), excludes=frozenset({"mechanism", "spring"}),
-                 title="inertia other than given")
-        )  # fmt: skip
     if finds_inertia:
         terms.append(
             Term(name="inertia", role="rig", columns=lambda r, _: r.inertial,
