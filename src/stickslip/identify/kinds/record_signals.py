@@ -235,8 +235,14 @@ class Filter:
         return pad, rows, rows * self.every
 
     def __call__(
-        self, x: Array, *, slope: int = 0, wider: float = 1.0, late: float = 0.0,
-        full: bool = False, blue: float = math.inf,
+        self,
+        x: Array,
+        *,
+        slope: int = 0,
+        wider: float = 1.0,
+        late: float = 0.0,
+        full: bool = False,
+        blue: float = math.inf,
     ) -> Array:
         """Return columns (n, ...) after the filter, derived `slope` times, `late` [s]; or rows.
 
