@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from benchmarks.band_truths.rig import (
     DRAG,
@@ -147,7 +148,33 @@ def drawn(number: int, seed: int) -> Rig:
         return Measurement(time=times, turning=True, **{quantity: y})
 
     record = measured(1.0, random)
-    asked, beyond = asked_over(0.08 * top, 0.95 * top, both=pendulum)
+
+    def fitted(p: Points) -> Array:
+        """Return what the true structure says, fitted to the record by least squares."""
+        scale = np.array([abs(x) for x in parameters.values()] + [abs(at[0]) + abs(at[1])] * 2)
+        times, y = np.asarray(record.time), np.asarray(getattr(record, quantity))
+        coarse = max(step, period / 50.0) if pendulum else step
+
+        def motion(x: Array) -> Array:
+            friction = _sum(dict(zip(parameters, x.tolist(), strict=False)))
+            own = Body(inertia=inertia, pull=body.pull, level=friction(0.0), friction=friction)
+            q, v = moved(own, float(x[-2]), float(x[-1]), times, coarse)
+            return q if quantity == "position" else v
+
+        x = np.array([*parameters.values(), *at])
+        for _ in range(3):
+            middle = motion(x)
+            slopes = np.array([
+                (motion(x + 1e-4 * h) - middle) / 1e-4 for h in np.diag(scale)
+            ]).T  # fmt: skip
+            least = np.r_[-x[:-2] / scale[:-2] - 1e-12, -np.inf, -np.inf]
+            x = x + scale * lsq_linear(slopes, y - middle, (least, np.inf)).x
+        friction = _sum(dict(zip(parameters, x.tolist(), strict=False)))
+        return np.array([math.copysign(friction(abs(v)), v) for v in p.velocity.tolist()])
+
+    # a wheel that does not stop was not slower than at the end
+    last = 0.0 if pendulum else float(moved(body, *at, np.array([0.0, duration]), step)[1][-1])
+    asked, beyond = asked_over(max(0.08 * top, last), 0.95 * top, both=pendulum)
 
     def steady(p: Points) -> Array:
         return np.array([math.copysign(friction(abs(v)), v) for v in p.velocity.tolist()])
@@ -157,7 +184,7 @@ def drawn(number: int, seed: int) -> Rig:
     return Rig(
         kind="decays", truth=name, inside=inside, measurement=record, mechanism=mechanism,
         family=TRUTHS[name][0] if inside else None, curves=(steady,), noise=noises,
-        asked=asked, beyond=beyond, parameters=parameters, fitted=None,
+        asked=asked, beyond=beyond, parameters=parameters, fitted=fitted if inside else None,
         second=measured(float(random.uniform(0.6, 0.9)), random),
     )  # fmt: skip
 
@@ -174,5 +201,11 @@ def _friction(
     c = {
         one: amount * s / top ** powers[one] for one, s in zip(parts, shares.tolist(), strict=True)
     }
-    level, viscous, drag = (c.get(one, 0.0) for one in PARTS)
-    return lambda v: level + viscous * v + drag * v * v, {NAMES[k]: x for k, x in c.items()}
+    parameters = {NAMES[k]: x for k, x in c.items()}
+    return _sum(parameters), parameters
+
+
+def _sum(parameters: Mapping[str, float]) -> Callable[[float], float]:
+    """Return friction over speeds above 0 of parameters."""
+    level, viscous, drag = (parameters.get(NAMES[one], 0.0) for one in PARTS)
+    return lambda v: level + viscous * v + drag * v * v

@@ -839,3 +839,25 @@ def test_a_shuffled_column_of_times_is_no_time_of_a_record(tmp_path):
     record = read_data([file], guess_data(file).reading)
     assert record.kind == "friction-map"
     assert not check(record).of("order")
+
+
+def test_noise_makes_no_speed_rise_and_fall():
+    t = np.arange(0.0, 10.0, 0.0125)
+    noise = np.random.default_rng(4).normal(size=len(t))
+    slowing = 2.0 * t - 0.09 * t**2
+    rising = slowing + 0.25 * np.sin(2.0 * t)
+    for x, doubted in ((slowing + 5e-3 * noise, False), (rising, True)):
+        findings = check(Measurement(time=t, position=x), mechanism=Axis(inertia=1.0)).of("drive")
+        assert any("rises and falls" in one.sentence for one in findings) == doubted
+
+
+def test_noise_of_many_passages_is_no_gain_of_energy():
+    t = np.arange(0.0, 60.0, 0.005)
+    noise = np.random.default_rng(5).normal(size=len(t))
+    rig = Axis(inertia=1.0, stiffness=10.0)
+    w = np.sqrt(10.0)
+    fading = np.exp(-0.02 * t) * np.cos(w * t)
+    growing = (1.0 + 0.01 * t) * np.cos(w * t)
+    for x, doubted in ((fading + 4.5e-3 * noise, False), (growing, True)):
+        findings = check(Measurement(time=t, position=x), mechanism=rig).of("drive")
+        assert any("gains energy" in one.sentence for one in findings) == doubted

@@ -65,3 +65,20 @@ def test_a_swing_under_dry_friction_alone_loses_the_same_angle_each_time():
     q, v = decays.moved(body, 1.0, 0.0, at, 1e-3)
     np.testing.assert_allclose(np.abs(q), 1.0 - 0.1 * np.arange(6.0), atol=1e-9)
     assert np.max(np.abs(v)) < 1e-9
+
+
+@pytest.mark.parametrize("number", [4, 10, 22])
+def test_the_true_structure_of_a_decay_is_fitted_near_its_friction(number):
+    rig = decays.drawn(number, 8801)
+    error = (rig.fitted(rig.asked) - rig.curves[0](rig.asked)) / rig.noise(rig.asked)
+    assert 0.0 < np.sqrt(np.mean(error**2)) < 1.0
+
+
+def test_a_wheel_that_does_not_stop_is_asked_at_speeds_that_it_had():
+    slow = 0
+    for number in range(20):
+        rig = decays.drawn(number, 711)
+        v = rig.measurement.velocity
+        if v is not None:
+            slow += rig.asked.velocity.min() < 0.9 * np.mean(v[-5:])
+    assert slow == 0

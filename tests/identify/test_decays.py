@@ -114,3 +114,53 @@ def test_noise_turns_no_coast_down():
     assert not {"spring", "ripple", "offset"} & problem.terms.keys()
     column = problem.terms["level"].columns(problem.rows, (0.0, 0.0))
     assert column @ problem.response / (column @ column) == pytest.approx(level, rel=0.03)
+
+
+def test_a_constant_force_of_a_decay_is_no_friction():
+    # the zero of the encoder is off: the spring then pulls with a constant force
+    shifted = swings()
+    shifted = Measurement(time=shifted.time, position=np.asarray(shifted.position) + 0.02)
+    verdict = select(RIG, None, shifted, route="balance")
+    assert set(verdict.family) == {"level", "offset"}
+    top = verdict.judgement.problem.frame.top
+    band = verdict.band([-0.5 * top, 0.5 * top])
+    for side, low, high in zip((-1.0, 1.0), band.low, band.high, strict=True):
+        assert low < side * LEVEL < high
+        assert high - low < 0.2 * LEVEL  # the constant force is ten times as large
+
+
+def test_a_free_motion_says_that_its_friction_goes_with_the_inertia(verdict):
+    assert any("friction over inertia only" in one for one in verdict.words.cannot_tell)
+
+
+def test_the_ends_of_few_swings_do_not_bias_the_level():
+    full = swings(noise=1e-6)
+    few = np.asarray(full.time) < 6.0 * math.pi / math.sqrt(STIFFNESS / INERTIA)
+    short = Measurement(time=np.asarray(full.time)[few], position=np.asarray(full.position)[few])
+    problem = RecordsProblem(records_of(RIG, short))
+    x = problem.terms["level"].columns(problem.rows, (0.0, 0.0))
+    assert x @ problem.response / (x @ x) == pytest.approx(LEVEL, rel=0.01)
+
+
+def test_noise_of_the_energy_of_a_swing_is_white_in_half_its_band():
+    # without the filter its power grows fivefold from 0 to four times the frequency
+    low = high = 0.0
+    for seed in range(20):
+        problem = RecordsProblem(records_of(RIG, swings(seed, level=1e-6)))
+        rows, filt = problem.rows, problem.rows.filters[0]
+        power = np.abs(np.fft.rfft(problem.response)) ** 2
+        at = np.fft.rfftfreq(rows.count, filt.every * filt.step) / rows.band
+        low += power[(at > 0.03) & (at < 0.25)].mean()
+        high += power[(at > 0.35) & (at < 0.55)].mean()
+    assert 0.6 < high / low < 1.6
+
+
+def test_a_row_of_a_free_motion_is_worth_less_than_a_reading():
+    problem = RecordsProblem(records_of(RIG, swings()))
+    filt = problem.rows.filters[0]
+    samples = problem.rows.count * filt.every
+    # as many readings as white noise of its width has, and fewer than samples
+    assert 0.0 < problem.worth * problem.rows.count < 0.5 * samples
+    forced = Measurement(time=swings().time, position=swings().position,
+                         force=np.sin(np.asarray(swings().time)))  # fmt: skip
+    assert RecordsProblem(records_of(RIG, forced)).worth == 0.0

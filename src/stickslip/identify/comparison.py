@@ -76,7 +76,7 @@ def compare(search: Search) -> Comparison:
     laws = np.array([problem.is_law(one) for one in structures])
     priors = priors_of(search.regression, structures)
     shares = stacked_shares(scores, priors)
-    if problem.independent:
+    if problem.worth:
         shares = _with_likelihood(search, shares, priors)
     curve_share = float(shares[~laws].sum())
     shares = with_curve(shares, laws)
@@ -84,7 +84,7 @@ def compare(search: Search) -> Comparison:
     for i in np.flatnonzero(laws):
         best_of.setdefault(families[i], int(i))
     top = min(best_of.values())
-    if problem.independent:
+    if problem.worth:
         evidence = evidence_of(search.regression, structures, best_of)
     else:
         evidence = _material_evidence(search, losses, best_of)
@@ -93,7 +93,7 @@ def compare(search: Search) -> Comparison:
     )
     least = evidence[named] - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
-    if not problem.independent:
+    if not problem.worth:
         # terms that are not needed cost little on dense rows: laws with more are no rivals
         parts, count = set(families[named]), problem.parameters(structures[named])
         near = {

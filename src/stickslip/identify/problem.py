@@ -134,6 +134,8 @@ class Problem(ABC):
     """Whether the errors of rows are independent; else those of stretches are."""
     stretches: NDArray[np.intp]
     """Number of the stretch of each row (n,), between which errors are independent."""
+    worth: float = 1.0
+    """Independent readings that a row is worth, by which structures have a likelihood; 0: none."""
     softness: float
     """Exponent by which rows beyond `Thresholds.outlier` lose weight."""
     spread: float = 1.0

@@ -188,15 +188,15 @@ class BlockRegression:
     def _marginal(self, columns: NDArray[np.intp]) -> Array:
         """Return the logarithms of the marginal likelihoods of columns (s, k)."""
         problem = self.problem
-        count = len(problem.response)
+        count, worth = problem.worth * len(problem.response), problem.worth
         weighted = self.weights * problem.response
         spread = float(np.sqrt(np.mean(problem.response**2))) + NOTHING
         penalty = self._penalty[columns]
         t = np.where(penalty > 0.0, 1.0 / np.sqrt(penalty + NOTHING), spread)
         gram = self._total[columns[:, :, None], columns[:, None, :]]
-        values, vectors = np.linalg.eigh(gram * t[:, :, None] * t[:, None, :])
-        z = np.einsum("skl,sk->sl", vectors, t * self._moment[columns])
-        squared = float(weighted @ weighted)
+        values, vectors = np.linalg.eigh(worth * gram * t[:, :, None] * t[:, None, :])
+        z = np.einsum("skl,sk->sl", vectors, worth * t * self._moment[columns])
+        squared = worth * float(weighted @ weighted)
 
         def log(scales: Array) -> Array:
             """Return the logarithm of the likelihood at scales of the noise (s, g)."""

@@ -87,7 +87,7 @@ class Search:
 
     def _likely(self) -> Structure:
         """Return the structure by whose residuals the rows are weighed."""
-        if not self.problem.independent:
+        if not self.problem.worth:
             return min(self.structures, key=self._priced)
         structures = self.structures
         best_of: dict[Family, int] = {}

@@ -23,7 +23,15 @@ from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, UNDAMPED, Words, widened_sentence
+from stickslip.identify.wording import (
+    DIFFER,
+    ORDERED,
+    OTHERS,
+    SCALED,
+    UNDAMPED,
+    Words,
+    widened_sentence,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
@@ -114,7 +122,7 @@ def _differ(problem: RecordsProblem, judgement: Judgement) -> float:
 def _remarks(
     problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
 ) -> tuple[str, ...]:
-    """Return what the number of records, and a balance, leave to say."""
+    """Return what the number of records, a free motion and a balance leave to say."""
     if len(problem.records) > 1:
         found = (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
     else:
@@ -122,7 +130,8 @@ def _remarks(
     if judgement.ensemble.wider > 1.0:
         found = (widened_sentence(judgement.ensemble.wider),)
     remembers = MEMORY in problem.family(judgement.named)
-    return (*found, UNDAMPED) if remembers and problem.memory == "lugre" else found
+    undamped = (UNDAMPED,) if remembers and problem.memory == "lugre" else ()
+    return (*((SCALED,) if problem.free else ()), *found, *undamped)
 
 
 def _problem(

@@ -265,6 +265,12 @@ OTHERS = (
 )
 
 
+SCALED = (
+    "A free motion tells friction over inertia only: friction is as uncertain as the mass or"
+    " inertia that was given, 1 % of which is 1 % of friction."
+)
+
+
 DIFFER = (
     "The records differ by more than stretches of one do: the law is an average of them, and the"
     " band allows for it."

@@ -1,5 +1,6 @@
 """Forces that must fit the motion: one that is missing, energy from nowhere, factors of units."""
 
+import math
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, Final
@@ -165,7 +166,8 @@ def _positions(record: Measurement) -> Array:
 def _passages(position: Array, moving: Motion) -> tuple[float, float]:
     """Return what energy is gained at one position, and what is left, over the largest energy.
 
-    Both are medians over positions; what is left counts where a position is passed often.
+    Both are medians over positions; what is left counts where a position is passed often. What
+    noise makes of as many passages is no gain.
     """
     v, most = moving.velocity, moving.fastest**2
     rises, left = [], []
@@ -176,7 +178,9 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
             continue
         share = apart[at] / (apart[at] - apart[at + 1])
         squares = (v[at] + share * (v[at + 1] - v[at])) ** 2
-        rises.append(float(np.max(squares - np.minimum.accumulate(squares))) / most)
+        rise = float(np.max(squares - np.minimum.accumulate(squares)))
+        noise = 2.0 * float(np.sqrt(np.mean(squares))) * _range_of_noise(moving, at.size)
+        rises.append(max(rise - noise, 0.0) / most)
         if at.size >= LASTING and squares[0] > GAINED * most:
             left.append(float(squares[-1] / squares[0]))
     enough = len(rises) >= FEWEST
@@ -190,12 +194,17 @@ def _turned(moving: Motion) -> float:
     """Return by how much a velocity goes both ways, over the largest.
 
     With nothing but friction and a constant force its rate depends on itself alone: it can only
-    fall, or only rise.
+    fall, or only rise. What noise makes, the range of as many samples of it, is left out.
     """
     v = moving.velocity
     up = float(np.max(v - np.minimum.accumulate(v)))
     down = float(np.max(np.maximum.accumulate(v) - v))
-    return min(up, down) / moving.fastest
+    return max(min(up, down) - _range_of_noise(moving, v.size), 0.0) / moving.fastest
+
+
+def _range_of_noise(moving: Motion, count: int) -> float:
+    """Return between which velocities [m/s] the noise of as many samples lies."""
+    return 2.0 * math.sqrt(2.0 * math.log(count)) * moving.noise
 
 
 def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion) -> bool:

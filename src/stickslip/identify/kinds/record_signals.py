@@ -37,6 +37,8 @@ LEAST_ENERGY = 0.02
 """Part of the energy that is lost from which its noise grows no less."""
 FEWEST = 60
 """Samples of a record at least."""
+ENDS, ENDS_FREE = 0.05, 0.1
+"""Largest part of a record, and of a free motion, that is left out at either end."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
@@ -256,9 +258,19 @@ class Filter:
         return pad, rows, rows * self.every
 
     def __call__(
-        self, x: Array, *, slope: int = 0, wider: float = 1.0, late: float = 0.0, full: bool = False
+        self,
+        x: Array,
+        *,
+        slope: int = 0,
+        wider: float = 1.0,
+        late: float = 0.0,
+        full: bool = False,
+        blue: float = math.inf,
     ) -> Array:
-        """Return columns (n, ...) after the filter, derived `slope` times, `late` [s]; or rows."""
+        """Return columns (n, ...) after the filter, derived `slope` times, `late` [s]; or rows.
+
+        Noise that grows from a frequency `blue` [Hz] on is white after it.
+        """
         pad, rows, size = self._sizes
         ends = 2.0 * x[:1] - x[pad:0:-1], 2.0 * x[-1:] - x[-2 : -pad - 2 : -1]
         rest = size - self.count - 2 * pad
@@ -269,7 +281,7 @@ class Filter:
         spectrum = fft.rfft(whole, axis=0)
         f = fft.rfftfreq(size, self.step)
         pass_ = (2j * np.pi * f) ** slope / (1.0 + (f / (wider * self.band)) ** 8)
-        pass_ = pass_ * np.exp(-2j * np.pi * f * late)
+        pass_ = pass_ * np.exp(-2j * np.pi * f * late) / np.hypot(1.0, f / blue)
         spectrum *= pass_.reshape(-1, *(1,) * (x.ndim - 1))
         if full:
             return np.asarray(fft.irfft(spectrum, size, axis=0)[pad : pad + self.count])
@@ -463,8 +475,22 @@ class Along:
             else:
                 done = _summed(force, filt.step)
                 done = _summed(done, filt.step) if self.moves else done
-            parts.append(done[:: filt.every] / self.frame.unit)
-        return parts
+            parts.append(done / self.frame.unit)
+        return self._whitened(parts)
+
+    def _whitened(self, parts: Sequence[Array]) -> list[Array]:
+        """Return integrals (n, ...) every few samples, so that their noise is white.
+
+        White noise e of places x = A sin(w t) gives an energy the noise J w^2 (2 x e) and the
+        slope of J v e: its power grows as 4 + (f / f_0)^2, from twice the frequency f_0 on.
+        """
+        if self.free == "momentum" or not self.moves:
+            return [x[:: f.every] for x, f in zip(parts, self.filters, strict=True)]
+        found = []
+        for x, q, filt in zip(parts, self.ways, self.filters, strict=True):
+            rate = float(np.std(np.gradient(q, filt.step)) / np.std(q))
+            found.append(filt(x, blue=rate / math.pi))
+        return found
 
     def _centred(self, parts: Sequence[Array]) -> Array:
         """Return rows (n, ...) less what depends on where and how the motion of a record began."""
@@ -511,8 +537,8 @@ class Along:
                 v = filt(one.velocity, full=True)
             assert v is not None
             has = 0.5 * v * v if self.free == "work" else q if self.moves else v
-            found.append(has[:: filt.every] / self.frame.unit)
-        return found
+            found.append(has / self.frame.unit)
+        return self._whitened(found)
 
     @cached_property
     def _lost(self) -> list[Array]:
@@ -570,7 +596,9 @@ class Along:
                 min(2.0 * filt.step * filt.band, 1.0)
             )
         still = maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0
-        ends = min(math.ceil(2.0 / filt.band / filt.step), len(still) // 20)
+        # where a record is continued shows, and the energy of few swings knows it for long
+        most = ENDS_FREE if self.free else ENDS
+        ends = min(math.ceil(2.0 / filt.band / filt.step), int(most * len(still)))
         still[:ends] = still[len(still) - ends :] = True
         kept: Mask = ~still[:: filt.every]
         return kept

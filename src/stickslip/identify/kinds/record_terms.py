@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.kinds.record_frame import mean_frequency
-from stickslip.identify.kinds.record_signals import Along
+from stickslip.identify.kinds.record_signals import Along, Steady
 from stickslip.identify.laws import CHANGING, TITLES
 from stickslip.identify.problem import Array, Shape, Term
 
@@ -214,6 +214,11 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
             r.acting(np.hstack([z * hats, np.abs(z) * hats]) if shape[2] else z * hats)
         )
 
+    def constant_force(r: Any, _: Shape) -> Array:
+        # a force that does no work in a swing, as that of an encoder's zero, is no friction
+        none = rows.free == "work" and isinstance(r, Steady)
+        return np.asarray(r.acting((0.0 if none else 1.0) * np.ones(len(r.velocity))))
+
     def of_memory(*own: Shape) -> list[Shape]:
         return [(*memory, *one) for memory in memories for one in own]
 
@@ -229,7 +234,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
              rank=0, **on_memory),
         Term(name="viscous", role="law", columns=law(lambda r, _: r.velocity),
              title=TITLES["viscous"], rank=1),
-        Term(name="offset", role="rig", columns=law(lambda r, _: np.ones(len(r.velocity))),
+        Term(name="offset", role="rig", columns=constant_force,
              title=TITLES["offset"], rank=2),
         Term(name="stribeck", role="law",
              columns=on_state(lambda r, s: np.exp(-(np.abs(r.velocity) / s[0]) ** s[1])),

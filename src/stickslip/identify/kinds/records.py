@@ -77,6 +77,8 @@ from stickslip.identify.problem import (
 )
 from stickslip.identify.thresholds import THRESHOLDS
 
+WHITE = {"work": 0.65, "momentum": 0.9}
+"""Width of the noise of free motions over their band, as white noise would have (study: decays)."""
 FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -99,10 +101,8 @@ QUARTERS = 4
 """Parts of a record that are as far apart as records are (halves: .91 in the 80 % band)."""
 CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
-FREE_BENDING = 0.12
-"""Bending of the curve of a free motion, over its friction: the prior (study: decays)."""
-FREE_NATS = 3.0
-"""Log likelihood of independent rows that a parameter of a free motion must gain."""
+FREE_BENDING = (0.12, 0.4)
+"""Bendings of the curve of a free motion, over its friction: its prior (study: decays)."""
 NATS = 2.0
 """Least price of a parameter: log likelihood of independent rows."""
 
@@ -174,6 +174,10 @@ class RecordsProblem(Problem):
             self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
         )
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
+        filt = self.rows.filters[0]
+        # the noise of what is integrated is white up to here, that of forces is not
+        width = WHITE.get(self.free, 0.0) * self.rows.band
+        self.worth = min(2.0 * width * filt.every * filt.step, 1.0)
         doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
         sought = frozenset(first.unknown.keys() - doubts.keys()) | {
             *(["inertia"] if self.finds_inertia else []),
@@ -239,10 +243,10 @@ class RecordsProblem(Problem):
         Where noise is small beside the force everything is significant, and what counts is whether
         it is material; where it is large a parameter must only be significant.
         """
+        if self.free:
+            return 0.0
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
-        if self.free:  # energies are independent readings
-            return float(FREE_NATS / independent)
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(NATS / independent, material), THRESHOLDS.material))
 
@@ -563,7 +567,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
         tuple(
             sorted(
                 [
-                    ("curve", (*memory, 0.0, (noise / FREE_BENDING) ** 2)),
+                    ("curve", (*memory, 0.0, (noise / bending) ** 2)),
                     ("level", memory),
                     ("viscous", ()),
                     *always,
@@ -573,6 +577,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
         )
         for memory in memories
         for other in beside
+        for bending in FREE_BENDING
     ]
 
 
