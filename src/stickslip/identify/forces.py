@@ -202,6 +202,24 @@ def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
+def transmitted_of(inputs: Mapping[str, Array]) -> Array | None:
+    """Return what a gear transmits (n,) with its sign; None where its inputs have no sign.
+
+    Where it has the direction of the motion the motor drives, else it is driven.
+
+    Examples
+    --------
+    >>> both = {"motor": np.array([-1.0, 2.0]), "external": np.array([1.0, 0.0])}
+    >>> transmitted_of(both).tolist()
+    [-2.0, 2.0]
+    """
+    found = inputs.get(TRANSMITTED)
+    if found is None and {"motor", "external"} <= {*inputs}:
+        found = inputs["motor"] - inputs["external"]
+    signed = found is not None and float(np.min(found)) < 0.0 < float(np.max(found))
+    return found if signed else None
+
+
 def load_slopes(mechanism: Mechanism, unknown: Sequence[str]) -> dict[str, tuple[float, float]]:
     """Return by how much parameters that are looked for change the normal force, and their values.
 

@@ -16,14 +16,21 @@ from stickslip.identify.ensemble import band_of
 from stickslip.identify.forces import load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import SPREAD, RecordsProblem, goes_straighter, readings
+from stickslip.identify.kinds.records import (
+    SPREAD,
+    RecordsProblem,
+    goes_straighter,
+    readings,
+    unseen_length,
+)
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import Family
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words
+from stickslip.identify.wording import DIFFER, ORDERED, OTHERS, Words, presliding_sentence
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
 
@@ -203,6 +210,9 @@ def select_record(
         found = readings(judgement.ensemble, judgement.regression.held_out(judgement.named), other)
         inside = float(np.mean((other.response >= found.low) & (other.response <= found.high)))
         count = len(other.response)
+    unseen = unseen_length(judgement.regression, judgement.named)
+    unit = turned("m", measurement.turning)
+    said = [presliding_sentence(quantity(unseen, unit, 2))] if unseen > 0.0 else []
     return verdict_on(
         judgement,
         mechanism,
@@ -219,5 +229,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *_remarks(problem, validate)),
+        remarks=(*map(str, outlying(far)), *said, *_remarks(problem, validate)),
     )

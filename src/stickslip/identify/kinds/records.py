@@ -63,7 +63,7 @@ from stickslip.identify.kinds.record_frame import (
     free_form,
 )
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
-from stickslip.identify.kinds.record_terms import screened, terms_of
+from stickslip.identify.kinds.record_terms import DEAD_ZONE, screened, terms_of
 from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import (
     MEMORY,
@@ -75,8 +75,11 @@ from stickslip.identify.problem import (
     Shape,
     Structure,
 )
+from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
+LENGTHS = 16
+"""Lengths of bristles of which is said whether they would show."""
 FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -117,12 +120,16 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error", "hose", "inertia",
+    "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
-UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
+UNLIKE = (
+    "stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion", "gear_direction",
+)  # fmt: skip
 """Terms that no law of `stickslip.friction` has."""
-SHAPED = ("delay", "latency", "clip", "backlash", "flexible")
+DELAYS = ("delay", "latency")
+"""Those whose size is the product of both."""
+SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
@@ -203,6 +210,8 @@ class RecordsProblem(Problem):
             )
         ]  # fmt: skip
         self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
+        if "clip" in self.terms and "dead_zone" not in self.terms:
+            self.instead["level"] = DEAD_ZONE
         self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.spread = _spread(self) if like is None else like.spread
 
@@ -270,6 +279,18 @@ class RecordsProblem(Problem):
             at += size
         found &= np.all(force * np.sign(self._moved.velocity) >= 0.0, axis=1)
         return found
+
+    @override
+    def noise_floor(self, structure: Structure, coefficients: Array) -> float:
+        """Return what white noise of the recorded force and positions is after the filter."""
+        if self.free:
+            return 0.0
+        inertia = self.records[0].inertia or 0.0
+        at = 0
+        for name, shape in structure:
+            inertia += float(coefficients[at]) if name == "inertia" else 0.0
+            at += self.width(name, shape)
+        return self.rows.white(inertia)
 
     @cached_property
     def _moved(self) -> Steady:
@@ -401,6 +422,8 @@ class RecordsProblem(Problem):
     def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array] | None:
         """Return the property of rig or record (d,) that a term is, by path; None of others."""
         unknown = self.records[0].unknown
+        if name in DELAYS:
+            return {name: shape[0] * own[:, 0]}
         if name in SHAPED:
             return {name: np.full(len(own), shape[0])}
         if name in unknown:
@@ -443,6 +466,35 @@ def _made(
         records, like=like, band=band, normal=normal, inertia_path=inertia_path,
         load_slopes=load_slopes, offset=offset,
     )  # fmt: skip
+
+
+def unseen_length(regression: BlockRegression, named: Structure) -> float:
+    """Return the longest bristle that a law without one may have and predict as well [m].
+
+    0 where the shortest shows. A bristle that costs less of the held-out error than a parameter has
+    to save is not told from none.
+    """
+    problem = regression.problem
+    assert isinstance(problem, RecordsProblem)
+    shared = [name for name, _ in named if problem.terms[name].shared]
+    if not shared or problem.free or MEMORY in problem.family(named):
+        return 0.0
+    frame, longest = problem.frame, 0.0
+    regression.losses([named])
+    least = float(np.log(np.mean(regression.losses_of[named])))
+    shortest = min(max(frame.noise, 1e-9 * frame.span), frame.span / 8.0)
+    for length in np.geomspace(shortest, frame.span / 4.0, LENGTHS).tolist():
+        memory = (length, 1.0)
+        structure = tuple(
+            (name, (*memory, *shape[2:]) if name in shared else shape) for name, shape in named
+        )
+        regression.add(structure)
+        regression.losses([structure])
+        loss = float(np.mean(regression.losses_of[structure]))
+        if not 0.5 * (math.log(loss) - least) < regression.price:
+            break
+        longest = length
+    return longest
 
 
 def readings(
