@@ -287,5 +287,6 @@ RIG_QUANTITIES: Mapping[str, Quantity] = {
     "force_gain": Quantity("g", "1"),
     "position_scale": Quantity("g", "1"),
     "dead_zone": Quantity("F_d", "N"),
+    "gear_direction": Quantity("mu_d", "1"),
 }
 """Symbols and units of what is no parameter of a law or mechanism."""

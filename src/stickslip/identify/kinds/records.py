@@ -120,7 +120,7 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia",
+    "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia", "gear_direction",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
 UNLIKE = (
@@ -390,12 +390,11 @@ class RecordsProblem(Problem):
             term = self.terms[name]
             size = self.width(name, shape)
             own, at = coefficients[:, at : at + size], at + size
-            memory = shape[:2] if term.shared and shape[0] else memory
+            memory = shape[:2] if term.shared and shape[0] and name == "level" else memory
+            unlike = unlike or name in UNLIKE
             if (of_rig := self._of_rig(name, shape, own)) is not None:
                 rig |= of_rig
-            elif name in UNLIKE:
-                unlike = True
-            elif term.role == "law":
+            elif term.role == "law" and name not in UNLIKE:
                 entries = shape[term.shared :]
                 if name == "level" and entries:
                     rig["load_exponent"] = np.full(len(own), entries[0])
