@@ -470,8 +470,8 @@ def _made(
 def unseen_length(regression: BlockRegression, named: Structure) -> float:
     """Return the longest bristle that a law without one may have and predict as well [m].
 
-    0 where the shortest shows. A bristle that costs less of the held-out error than a parameter has
-    to save is not told from none.
+    0 where the shortest shows. A bristle against which the odds are less than `Thresholds.odds`, by
+    the evidence of records, is not told from none.
     """
     problem = regression.problem
     assert isinstance(problem, RecordsProblem)
@@ -490,7 +490,7 @@ def unseen_length(regression: BlockRegression, named: Structure) -> float:
         regression.add(structure)
         regression.losses([structure])
         loss = float(np.mean(regression.losses_of[structure]))
-        if not 0.5 * (math.log(loss) - least) < regression.price:
+        if not 0.5 * (math.log(loss) - least) * len(problem.blocks) < math.log(THRESHOLDS.odds):
             break
         longest = length
     return longest
