@@ -642,7 +642,14 @@ class Along:
 
     def early(self, delay: float) -> Array:
         """Return the recorded force at the rows, less what comes a delay later [N]."""
-        return self.seen(self.raw) - self.seen(self.raw, late=-delay)
+        return self.held(self.raw) - self.held(self.raw, late=-delay)
+
+    def held(self, x: Array, late: float = 0.0) -> Array:
+        """Return a part of the recorded force (n,) at the rows, which holds as the force does."""
+        pieces = zip(self.records, self.filters, np.split(x, self._cuts), strict=True)
+        return self.rows_of(
+            [filt(part, late=0.5 * filt.step * one.held + late) for one, filt, part in pieces]
+        )
 
     @cached_property
     def mechanism(self) -> Array:
@@ -924,7 +931,7 @@ class Steady:
         """Return a column itself; nothing filters it, and its slope is 0."""
         return 0.0 * x if options.get("slope") else x
 
-    acting = seen
+    acting = held = seen
 
     def state(self, *_: float) -> Array:
         """Return the direction."""

@@ -395,7 +395,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
         dead = _dead_zones(rows)
         terms += [
-            Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
+            Term(name="clip", role="fault", columns=lambda r, s: r.held(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped",
                  rank=18, needs=moving),
