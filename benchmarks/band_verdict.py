@@ -1,5 +1,6 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
+from stickslip.identify.verdict import groups_of
 
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
@@ -14,9 +16,13 @@ ROUTES = {"tables": None}
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """A fault that is named."""
+    """A property of the rig or a fault that is named without doubt."""
 
     kind: str
+    instead: frozenset[str]
+    """What it is said not to be told from."""
+    fault: bool
+    """Whether it is a fault."""
 
 
 def judged(rig: Rig) -> "Judged":
@@ -38,8 +44,16 @@ class Judged:
         self.parameters = self.verdict.parameters
         terms = judgement.problem.terms
         self.faults = [
-            Fault(kind=one.term) for one in self.verdict.causes if terms[one.term].role == "fault"
+            Fault(
+                kind=one.term,
+                instead=frozenset({one.term, *one.instead}),
+                fault=terms[one.term].role == "fault",
+            )
+            for one in self.verdict.causes
+            if one.asserted and one.needed
         ]
+        self.doubts = any(not one.asserted for one in self.verdict.causes)
+        self.hidden = " ".join(itertools.chain(*groups_of(judgement)))
 
     def _selected(self, validate: Measurement | None = None) -> Any:
         rig = self.rig

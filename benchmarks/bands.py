@@ -14,8 +14,9 @@ holds the true family; intervals whichever law; and after the advised readings, 
 truth, whether the mean width has halved or one family is left.
 
 *False statements*: a bounded interval "whichever law" that misses its true value by more than half
-its width; a named fault that is not there; a law that is alone in its set, wrong, and off by more
-than the noise; a band that misses the truth by more than two noises anywhere.
+its width; a fault, and on records any property of the rig, that is named without doubt and is not
+there; a law that is alone in its set without doubt, wrong, and off by more than the noise; a band
+that misses the truth by more than two noises anywhere, unless what hides there is said to.
 """
 
 import argparse
@@ -83,9 +84,13 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
         row["right"] = named == rig.family
         row["good"] = row["right"] or row.get("equal", False)
         row["in_set"] = any(_named(one) == rig.family for one in verdict.set)
-    accused = {one.kind for one in verdict.faults}
-    row["accused"] = sorted(accused - rig.faults)
-    row["found"] = bool(accused & rig.faults) if rig.faults else None
+    named = [one for one in verdict.faults if one.fault or rig.causes is not None]
+    true = rig.faults | (rig.causes or frozenset())
+    row["accused"] = sorted(one.kind for one in named if not one.instead & true)
+    told = any(one.instead & rig.faults for one in verdict.faults)
+    row["found"] = told if rig.faults else None
+    row["doubts"] = verdict.doubts
+    row["hidden"] = bool(rig.hidden) and rig.hidden in verdict.hidden
     row["intervals"] = _intervals(rig, verdict)
     if rig.second is not None:
         row["second"] = verdict.inside(rig.second)
@@ -185,7 +190,9 @@ def _false(rig: Rig, row: Row) -> Iterator[str]:
             yield f"{one['path']} misses its interval by {one['miss']:.1f} half-widths"
     for kind in row["accused"]:
         yield f"{kind} is named and is not there"
-    wrong = not row.get("right", False) and not row.get("equal", False)
+    if row["hidden"]:  # the verdict says that its band holds without what is hidden
+        return
+    wrong = not row.get("right", False) and not row.get("equal", False) and not row["doubts"]
     if row["set"] == 1 and wrong and row.get("error", 0.0) > 1.0 and row["gain"] <= 0.0:
         yield f"{row['named']} stands alone, and is off by {row['error']:.1f} noises"
     if row.get("out", 0.0) > 2.0:

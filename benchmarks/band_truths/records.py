@@ -39,6 +39,7 @@ from stickslip import Axis, Measurement
 SECONDS = 12.0
 SMOOTHED = 21
 """Samples of the mean that counts as the slow part of a force."""
+DEAD_ZONE = "dead zone"
 Change: TypeAlias = Callable[[AxisRecord, Random], AxisRecord]
 
 
@@ -54,6 +55,8 @@ class Wrong:
     named: frozenset[str] = frozenset()
     steady: bool = True
     """Whether there is a steady curve to compare with."""
+    hidden: str = ""
+    """What no record tells from friction."""
     scatter: float = 0.0
     """Relative change of friction from record to record."""
     inside: bool = False
@@ -70,6 +73,10 @@ def _grown(one: AxisRecord, random: Random) -> AxisRecord:
 
 def _scaled(one: AxisRecord, _random: Random) -> AxisRecord:
     return replace(one, q=1.05 * one.q)
+
+
+def _amplified(one: AxisRecord, _random: Random) -> AxisRecord:
+    return replace(one, force=1.1 * one.force)
 
 
 def _flipped(one: AxisRecord, _random: Random) -> AxisRecord:
@@ -100,10 +107,16 @@ WRONG: Mapping[str, Wrong] = {
     "noise grows": Wrong(truth=_truth(), change=_grown, named=frozenset({"noise"})),
     "stiffness 40 % wrong": Wrong(
         truth=_truth(spring=1.0), mechanism=Axis(inertia=0.026, stiffness=1.4),
-        named=frozenset({"spring"})),
+        named=frozenset({"spring", "mechanism"})),
     "encoder scale": Wrong(
         truth=_truth(), change=_scaled, mechanism=Axis(inertia=0.02), free=False,
-        named=frozenset({"mass", "position scale", "force gain", "scale"}), steady=False),
+        named=frozenset({"position_scale"}), steady=False),
+    "force gain": Wrong(
+        truth=_truth(), change=_amplified, mechanism=Axis(inertia=0.02), free=False,
+        named=frozenset({"force_gain"}), steady=False),
+    "force gain, spring": Wrong(
+        truth=_truth(spring=1.0), change=_amplified, mechanism=Axis(inertia=0.02, stiffness=1.0),
+        free=False, named=frozenset({"force_gain"}), steady=False),
     "sign flipped midway": Wrong(
         truth=_truth(), change=_flipped, named=frozenset({"sign"}), steady=False),
     "sign": Wrong(truth=_truth(), change=_reversed, named=frozenset({"sign"}), steady=False),
@@ -114,14 +127,16 @@ WRONG: Mapping[str, Wrong] = {
     "lag of friction": Wrong(truth=_truth(
         "level stribeck viscous", step_forward=0.5, step_backward=0.5, lag=0.03),
         named=frozenset({"memory", "lag"})),
-    "dead zone": Wrong(truth=_truth(dead=0.3), named=frozenset({"dead zone", "backlash"})),
+    "dead zone": Wrong(truth=_truth(dead=0.3), named=frozenset({"dead_zone"}), hidden=DEAD_ZONE),
+    "dead zone, heavy": Wrong(
+        truth=_truth(dead=0.3, inertia=0.15), named=frozenset({"dead_zone"}), hidden=DEAD_ZONE),
     "known slope": Wrong(
         truth=_truth(offset=0.4), mechanism=Axis(inertia=0.026, offset=0.4), inside=True),
     "running-in": Wrong(
         truth=_truth(drift=-0.35), named=frozenset({"drift", "running-in"}), steady=False),
     "scatter of runs": Wrong(truth=_truth(), scatter=0.06, inside=True),
     "ringing at 82 Hz": Wrong(
-        truth=_truth(), change=_rung, named=frozenset({"ringing", "delay", "resonance"})),
+        truth=_truth(), change=_rung, named=frozenset({"holder"})),
     "low inertia": Wrong(truth=_truth(inertia=0.001), inside=True),
     "falls with speed": Wrong(truth=_truth(
         "level stribeck", viscous=0.0, step_forward=0.7, step_backward=0.7,
@@ -137,7 +152,7 @@ NAMES = {"level_dir": "level_direction", "viscous_dir": "viscous_direction",
 """Terms, where `axis_records` calls them otherwise."""
 SOUND = [one for one in (*TRUTHS, *FURTHER) if one.name != "quiet"]
 ALLOWED = {
-    "delay": {"delay", "lag"}, "saturation": {"saturation", "clipping"}, "backlash": {"backlash"},
+    "delay": {"delay", "lag"}, "saturation": {"clip"}, "backlash": {"backlash"},
     "spring": {"spring"}, "drift": {"drift"}, "flexible": {"flexible", "resonance"},
 }  # fmt: skip
 
@@ -183,7 +198,8 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         kind="records", truth=name, inside=wrong.inside, measurement=_measured(first),
         mechanism=wrong.mechanism or Axis(inertia=1.3 * p.inertia),
         unknown=("mechanism.inertia",) if wrong.free else (),
-        family=family if wrong.inside else None, faults=wrong.named,
+        family=family if wrong.inside else None, faults=wrong.named, causes=family | {"offset"},
+        hidden=wrong.hidden,
         curves=(lambda q: steady(p, q) - known,) if wrong.steady else (),
         noise=lambda q: np.full(len(q), p.force_noise), asked=asked, beyond=beyond,
         shown=_shown(second),

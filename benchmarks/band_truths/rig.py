@@ -73,6 +73,10 @@ class Rig:
     """Terms of the true law and its rig; None: the vocabulary does not hold them."""
     faults: frozenset[str] = frozenset()
     """Kinds of faults that may be named."""
+    causes: frozenset[str] | None = None
+    """Terms of the rig that are there beside those, where all that are named are to be true."""
+    hidden: str = ""
+    """What no record of this kind tells from friction, and a verdict has to say so."""
     curves: tuple[Curve, ...] = ()
     """True steady friction, of each run where they differ; empty where there is none."""
     noise: Curve | None = None

@@ -9,6 +9,7 @@ from stickslip import Axis, Measurement, Pendulum
 from stickslip.errors import InputError
 from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
+from stickslip.identify.forces import forces_along
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import (
     Filter,
@@ -19,7 +20,8 @@ from stickslip.identify.kinds.record_signals import (
     noise_of,
     records_of,
 )
-from stickslip.identify.kinds.records import RecordsProblem
+from stickslip.identify.kinds.records import RecordsProblem, unseen_length
+from stickslip.identify.problem import family_of
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 
@@ -165,6 +167,99 @@ def test_gain_of_the_force_and_inertia_are_one_group_where_the_inertia_is_given(
     search = Search(problem).run()
     comparison = compare(search)
     assert set(problem_names(comparison)) == {"level", "viscous"}
+
+
+def sines(seed: int, *, inertia: float = INERTIA, relaxation: float = 1.0):
+    """Return times, positions, forces of a plain axis, and the stretch of a relaxing spring."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, 8.0, 0.002)
+    x, v, a, hose = np.zeros((4, len(t)))
+    for f in (0.31, 0.73, 1.1):
+        w, phase, size = 2.0 * np.pi * f, random.uniform(0.0, 6.0), random.uniform(0.2, 0.5)
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w**2 * np.sin(w * t + phase)
+        late, gain = np.arctan(w * relaxation), w * relaxation / np.hypot(1.0, w * relaxation)
+        hose += size * gain * np.cos(w * t + phase - late)
+    hose -= hose[0] * np.exp(-t / relaxation)
+    force = inertia * a + LEVEL * np.sign(v) + VISCOUS * v
+    return t, x + 3e-5 * random.normal(size=len(t)), force, hose
+
+
+def noisy(force, seed=5):
+    return force + 0.02 * np.random.default_rng(seed).normal(size=len(force))
+
+
+def test_a_dead_zone_is_told_from_a_level_only_where_the_inertia_turns_the_force():
+    t, x, force, _ = sines(1)
+    problem = RecordsProblem([Record(time=t, position=x, force=noisy(force))])
+    assert problem.instead["level"] == "dead zone of the driver"
+    t, x, force, _ = sines(1, inertia=0.15)
+    command = force + 0.3 * np.sign(force)
+    judgement = Judgement.of(RecordsProblem([Record(time=t, position=x, force=noisy(command))]))
+    assert family_of(judgement.named) == ("dead_zone", "inertia", "level", "viscous")
+    shape = dict(judgement.named)["dead_zone"]
+    assert shape[0] == pytest.approx(0.3, rel=0.2)
+
+
+def test_gain_of_the_force_scale_of_the_position_and_inertia_are_one_group():
+    t, x, force, _ = sines(2)
+    record = Record(time=t, position=x, force=noisy(1.3 * force), inertia=INERTIA)
+    (cause,) = Judgement.of(RecordsProblem([record])).causes
+    assert cause.term == "inertia_error"
+    assert {*cause.instead} == {"force_gain", "position_scale"}
+    assert cause.needed
+
+
+def test_a_relaxing_spring_stands_alone_though_its_time_is_between_those_tried_first():
+    relaxation = 0.4
+    t, x, force, hose = sines(3, relaxation=relaxation)
+    judgement = Judgement.of(
+        RecordsProblem([Record(time=t, position=x, force=noisy(force + 2.0 * hose))])
+    )
+    assert family_of(judgement.named) == ("hose", "inertia", "level", "viscous")
+    assert dict(judgement.named)["hose"][0] == pytest.approx(relaxation, rel=0.05)
+    (cause,) = judgement.causes
+    assert cause.asserted
+    steady = judgement.problem.asked()
+    band = judgement.ensemble.band(steady)
+    # curves beside it have its time constant, too: else they are no friction of this axis
+    assert np.median(band.high - band.low) < 0.2 * LEVEL
+
+
+def test_a_gear_takes_another_share_where_it_is_driven():
+    t, x, _, _ = sines(4)
+    v, torque = np.gradient(x, t), 20.0 * np.sin(1.7 * t)
+    friction = 0.12 * np.abs(torque) * np.sign(v) + 0.04 * torque + 0.8 * v
+    record = Record(
+        time=t, position=x, force=noisy(friction), friction=True, transmitted=torque,
+        inputs={"transmitted": np.abs(torque)},
+    )  # fmt: skip
+    judgement = Judgement.of(RecordsProblem([record]))
+    found = coefficients(judgement.problem, judgement, judgement.named)
+    assert found["gear"] == pytest.approx(0.12, rel=0.05)
+    assert found["gear_direction"] == pytest.approx(0.04, rel=0.1)
+
+
+def test_how_long_a_bristle_may_be_is_said_of_laws_without_one():
+    t, x, force, _ = sines(6)
+    slow = slice(None, None, 10)  # sampled so slowly that a turn is over between two rows
+    loud = force + 0.5 * np.random.default_rng(6).normal(size=len(t))
+    record = Record(time=t[slow], position=x[slow], force=loud[slow])
+    regression = Search(RecordsProblem([record])).run().regression
+    plain = (("inertia", ()), ("level", (0.0, 0.0)), ("viscous", ()))
+    longest = unseen_length(regression, plain)
+    assert 1e-4 < longest < 0.1
+    _, search, comparison, _ = judged(memory=0.03)
+    assert unseen_length(search.regression, comparison.named) == 0.0
+
+
+def test_forces_beside_a_large_inertia_are_no_rounding():
+    record = Measurement(time=[0.0, 1.0], position=[0.0, 0.5], force=[0.0, 2.0])
+    x, v = np.array([0.0, 0.5]), np.array([0.5, 0.5])
+    heavy = Axis(inertia=1e7, stiffness=4.0, damping=1.0)
+    found = forces_along(heavy, record, x, v, ["mechanism.damping"])
+    np.testing.assert_allclose(found.still, -4.0 * x)
 
 
 def test_terms_with_the_same_columns_are_named_together():

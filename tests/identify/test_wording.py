@@ -105,7 +105,9 @@ def test_terms_that_are_no_law_are_said_as_they_are(text, phrase):
 
 def test_a_size_without_an_interval_has_none():
     delay = Quantity("t_d", "s")
-    cause = Cause(term="delay", title="delay of the force", share=0.4, left=0.01)
+    cause = Cause(
+        term="delay", title="delay of the force", share=0.4, left=0.01, explained=0.9, needed=True
+    )
     one = Estimate(
         path="delay", quantity=delay, value=-0.00436, low=-0.00436, high=-0.00436, interval="95 %"
     )
@@ -113,4 +115,7 @@ def test_a_size_without_an_interval_has_none():
         "Delay of the force: t_d = −0.0044 s: it takes 40 % off"
     )
     known = replace(one, low=-0.005, high=-0.004)
+    doubted = cause_sentence(replace(cause, explained=0.4), known, WORDS)
+    assert doubted.endswith("it may be something else.")
+    assert "not told apart" in cause_sentence(replace(cause, needed=False), known, WORDS)
     assert "−0.0050 to −0.0040" in cause_sentence(cause, known, WORDS)

@@ -26,6 +26,8 @@ from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import DIGITS, Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 
+TIED = 6
+"""Digits of the evidence that say something: terms of one span differ by rounding."""
 LEAST = 1e-12
 """Stands for the share of a structure that has none."""
 
@@ -88,9 +90,7 @@ def compare(search: Search) -> Comparison:
         evidence = evidence_of(search.regression, structures, best_of)
     else:
         evidence = _material_evidence(search, losses, best_of)
-    named = min(
-        evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
-    )
+    named = min(evidence, key=lambda i: (-round(evidence[i], TIED), problem.rank(structures[i]), i))
     least = evidence[named] - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
     if not problem.worth:

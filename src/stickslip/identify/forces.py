@@ -45,6 +45,8 @@ TRANSMITTED = "transmitted"
 """Input of a contact: what goes through its gear."""
 LINEAR = 1e-6
 """Share of a change by which a second step may differ from a first: rounding."""
+EXACT = 1e-6
+"""The same of what does not change, over that share."""
 
 
 @final
@@ -161,19 +163,19 @@ def forces_along(
     rest, found = base.copy(), dict[str, Unknown]()
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     ranges, moved = all_paths(mechanism, "mechanism"), dict[str, float]()
-    expected = base.copy()
+    expected, least = base.copy(), EXACT * _rounding(base)
     for path in unknown:
         if path.endswith(".offset"):  # a term of its own
             continue
         step = _step(mechanism, path, values[path])
         first, second = (on({path: values[path] + n * step}) - base for n in (1.0, 2.0))
-        size = float(np.max(np.abs(first[:-1]))) + abs(float(first[-1]))
-        if np.max(np.abs(second - 2.0 * first)) > LINEAR * size or size == 0.0:
-            raise InputError(_refusal([path], changes=size > 0.0))
+        changes = bool(np.any(first))
+        if not changes or np.any(np.abs(second - 2.0 * first) > _rounding(first) + least):
+            raise InputError(_refusal([path], changes=changes))
         moved[path] = values[path] + step
         expected += first
         slope, low, high = first / step, ranges[path].low, ranges[path].high
-        drives = bool(np.max(np.abs(first[:count])) > LINEAR * size)
+        drives = bool(np.any(np.abs(first[:count]) > _rounding(first)[:count]))
         given = values[path] if drives else 0.0
         found[path] = Unknown(
             force=slope[:count] + slope[count:-1],
@@ -183,11 +185,11 @@ def forces_along(
         )
         rest -= (values[path] - given) * slope
     if len(moved) > 1:
-        off = np.max(np.abs(on(moved) - expected))
-        if off > LINEAR * float(np.max(np.abs(expected - base))):
+        off = np.abs(on(moved) - expected)
+        if np.any(off > _rounding(expected - base) + least):
             raise InputError(_refusal([*moved]))
     # what is left of unknowns is rounding
-    rest[np.abs(rest) <= LINEAR * np.max(np.abs(base)) * (rest != base)] = 0.0
+    rest[(np.abs(rest) <= _rounding(base)) & (rest != base)] = 0.0
     found |= _doubtful(mechanism, on, doubts or {})
     return Forces(driven=rest[:count], still=rest[count:-1], inertia=float(rest[-1]), unknown=found)
 
@@ -211,6 +213,12 @@ def _doubtful(
             doubt=doubt,
         )
     return found
+
+
+def _rounding(x: Array) -> Array:
+    """Return what is rounding beside forces and, the last, an inertia (n,): each in its unit."""
+    forces = np.full(len(x) - 1, np.max(np.abs(x[:-1]), initial=0.0))
+    return LINEAR * np.append(forces, abs(float(x[-1])))
 
 
 def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
@@ -259,6 +267,24 @@ def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
     elif {"motor", "external"} <= {*inputs}:
         found[TRANSMITTED] = np.abs(inputs["motor"] - inputs["external"])
     return found
+
+
+def transmitted_of(inputs: Mapping[str, Array]) -> Array | None:
+    """Return what a gear transmits (n,) with its sign; None where its inputs have no sign.
+
+    Where it has the direction of the motion the motor drives, else it is driven.
+
+    Examples
+    --------
+    >>> both = {"motor": np.array([-1.0, 2.0]), "external": np.array([1.0, 0.0])}
+    >>> transmitted_of(both).tolist()
+    [-2.0, 2.0]
+    """
+    found = inputs.get(TRANSMITTED)
+    if found is None and {"motor", "external"} <= {*inputs}:
+        found = inputs["motor"] - inputs["external"]
+    signed = found is not None and float(np.min(found)) < 0.0 < float(np.max(found))
+    return found if signed else None
 
 
 def load_slopes(

@@ -26,9 +26,10 @@ from stickslip.identify.ensemble import (
 )
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
-from stickslip.identify.problem import Array, Problem, Structure
+from stickslip.identify.problem import Array, Column, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_at, noise_weights
 from stickslip.identify.search import Search
+from stickslip.identify.spans import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 
 NEIGHBOURS = 40
@@ -69,6 +70,17 @@ class Cause:
     """Share of the squared held-out error that it takes off."""
     left: float
     """Share of the variance of the response that the named structure leaves."""
+    explained: float
+    """Share that it takes off what noise of the sensors does not explain without it."""
+    needed: bool
+    """Whether all laws that are not told apart hold it, or what is not told from it."""
+    instead: tuple[str, ...] = ()
+    """Names of terms that this design does not tell from it."""
+
+    @property
+    def asserted(self) -> bool:
+        """Whether most of what could be explained is, by it and by the law beside it."""
+        return self.explained > THRESHOLDS.explained and self.left <= THRESHOLDS.explained
 
 
 @final
@@ -188,20 +200,51 @@ class Judgement:
         losses = self.regression.losses_of
         total = float(np.var(self.problem.response)) or 1.0
         left = self.held_out_error(named) ** 2 / total
+        coefficients = self.ensemble.fit(named).coefficients
+        noise = np.mean(self.problem.noise_floor(named, coefficients) * self.regression.weights**2)
+        instead = same_span(self.regression, named).instead
         found = []
         for column in named:
             if terms[column[0]].role not in ("rig", "fault", "run"):
                 continue
-            without = tuple(other for other in named if other != column)
-            if not self.problem.allowed(without):
+            without = self._without(column)
+            if without is None:
                 continue
             self.regression.losses([without])
             before, after = (float(np.mean(losses[one])) for one in (without, named))
-            share = 1.0 - after / before if math.isfinite(before) and before > 0.0 else 1.0
+            share, explained = 1.0, 1.0
+            if math.isfinite(before) and before > 0.0:
+                share = 1.0 - after / before
+                explained = (before - after) / max(before - float(noise), before - after, 1e-300)
+            alike = tuple(name for name, _ in instead.get(column[0], ()))
+            each = [{name for name, _ in one} for one in self.comparison.set]
             found.append(
-                Cause(term=column[0], title=terms[column[0]].title, share=share, left=left)
+                Cause(
+                    term=column[0],
+                    title=terms[column[0]].title,
+                    share=share,
+                    left=left,
+                    explained=explained,
+                    needed=all(names & {column[0], *alike} for names in each),
+                    instead=alike,
+                )
             )
         return tuple(sorted(found, key=lambda one: -one.share))
+
+    def _without(self, column: Column) -> Structure | None:
+        """Return the named structure without a term and those that need it; None if none stands."""
+        terms, rest = self.problem.terms, tuple(one for one in self.named if one != column)
+        if column[0] in self.problem.always:
+            return None
+        while not self.problem.allowed(rest):
+            names = {name for name, _ in rest}
+            kept = tuple(
+                one for one in rest if not terms[one[0]].needs or terms[one[0]].needs & names
+            )
+            if kept == rest:
+                return None
+            rest = kept
+        return rest
 
     @cached_property
     def patterns(self) -> tuple[Pattern, ...]:

@@ -285,5 +285,9 @@ RIG_QUANTITIES: Mapping[str, Quantity] = {
     "backlash": Quantity("x_b", "m"),
     "flexible": Quantity("f_0", "Hz"),
     "inertia_error": Quantity("Delta_J", "kg"),
+    "force_gain": Quantity("g", "1"),
+    "position_scale": Quantity("g", "1"),
+    "dead_zone": Quantity("F_d", "N"),
+    "gear_direction": Quantity("mu_d", "1"),
 }
 """Symbols and units of what is no parameter of a law or mechanism."""

@@ -67,7 +67,10 @@ OUTLIER = 3.0
 """Standard deviations from which innovations weigh less."""
 LEAST_GAIN = 0.1
 """Standard deviations by which estimates move in the last round."""
-UNSEEN = frozenset({"backlash", "flexible", "hose", "latency"})
+UNSEEN = frozenset(
+    {"backlash", "flexible", "hose", "latency", "dead_zone", "force_gain", "position_scale",
+     "gear_direction"}
+)  # fmt: skip
 """Terms that no observer of one inertia has."""
 OF_TIME = frozenset({"drift", "adhesion", "offset_drift", "mechanism", "viscous_drift"})
 """Terms whose coefficients act at samples."""

@@ -209,6 +209,13 @@ class Problem(ABC):
         """Return which coefficients (d, p) of a structure are physics (d,)."""
         return np.ones(len(coefficients), dtype=bool)
 
+    def noise_floor(self, structure: Structure, coefficients: Array) -> Array | float:  # noqa: ARG002
+        """Return the mean square that noise of the sensors makes of the response (n,).
+
+        0 where that is not known: then all that is left could be explained.
+        """
+        return 0.0
+
     @property
     def twins(self) -> Sequence["Problem"]:
         """The same measurement prepared otherwise, whose differences count as uncertainty."""

@@ -82,6 +82,8 @@ class Search:
             best = self._climb()
             self._add_usual(best)
             self._refine()
+            if not self.problem.independent:
+                self._exchange()
             best = self._likely()
         return self
 
@@ -138,11 +140,15 @@ class Search:
             if set(ahead) <= set(front):
                 break
             front = ahead
-        beside = problem.beside_curve(front[0])
+        self._add_curves(front[0])
+        return min(self.structures, key=self._order)
+
+    def _add_curves(self, law: Structure) -> None:
+        """Compare the measured curves, alone and beside what they do not stand for in a law."""
+        problem, beside = self.problem, self.problem.beside_curve(law)
         curves = [tuple(sorted({*one, *beside})) for one in problem.references]
         curves = [one for one in curves if problem.allowed(one)]
         self.regression.losses([*curves, *problem.references])
-        return min(self.structures, key=self._order)
 
     def _is_determined(self, structure: Structure, *, usual: bool = False) -> bool:
         """Return whether blocks and rows are more than parameters by enough.
@@ -250,6 +256,33 @@ class Search:
             around = [one for one in around if self.problem.allowed(one)]
             self.regression.add(column for one in around for column in one)
             self.regression.losses(around)
+
+    def _exchange(self) -> None:
+        """Give away, add and swap terms where shapes are fine, and refine what that leads to.
+
+        On a coarse grid of shapes, terms that are not there make up for a limit or a time constant
+        that is: the structure without them is only as good with fine shapes.
+        """
+        problem = self.problem
+        best = self._cheapest()
+        for _ in range(THRESHOLDS.depth):
+            tried = [
+                one
+                for one in self._neighbours(best, replacing=True)
+                if problem.allowed(one) and self._is_determined(one)
+            ]
+            self.regression.losses(tried)
+            last, best = best, self._cheapest()
+            if best == last:
+                break
+            if problem.family(best) != problem.family(last):
+                self._refine()
+                best = self._cheapest()
+        self._add_curves(best)
+
+    def _cheapest(self) -> Structure:
+        """Return the law that predicts best at the price of its parameters."""
+        return min((one for one in self.structures if self.problem.is_law(one)), key=self._priced)
 
     def _fixed(self, structure: Structure) -> Shape:
         """Return the entries of shapes that are not refined, such as a Stribeck exponent."""

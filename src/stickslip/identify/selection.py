@@ -16,7 +16,7 @@ from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
+from stickslip.identify.kinds.records import RecordsProblem, goes_straighter, unseen_length
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
@@ -30,9 +30,11 @@ from stickslip.identify.wording import (
     SCALED,
     UNDAMPED,
     Words,
+    presliding_sentence,
     widened_sentence,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.selection import checked
 
@@ -250,6 +252,9 @@ def select_record(
         inside = _inside(judgement.reading_band(other.rows), other.response)
         count = len(other.response)
         judgement = judgement.widened_by(other)
+    unseen = unseen_length(judgement.regression, judgement.named)
+    unit = turned("m", measurement.turning)
+    said = [presliding_sentence(quantity(unseen, unit, 2))] if unseen > 0.0 else []
     return verdict_on(
         judgement,
         mechanism,
@@ -266,5 +271,5 @@ def select_record(
         second=validate,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *_remarks(problem, judgement, validate)),
+        remarks=(*map(str, outlying(far)), *said, *_remarks(problem, judgement, validate)),
     )

@@ -49,6 +49,8 @@ class Thresholds:
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
+    explained: float = 0.5
+    """Part of what noise does not explain that a cause must, to be asserted (study: records)."""
     same_span: float = 0.01
     """Part of a column outside a span from which a design tells them apart."""
     no_law: float = 0.9

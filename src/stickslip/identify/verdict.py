@@ -419,6 +419,10 @@ class BandVerdict(Verdict[LawCandidate]):
                     "title": one.title,
                     "share": one.share,
                     "left": one.left,
+                    "explained": one.explained,
+                    "asserted": one.asserted,
+                    "needed": one.needed,
+                    "instead": list(one.instead),
                 }
                 for one in self.causes
             ],

@@ -7,7 +7,8 @@ what other measurements would differ by; what to measure next.
 """
 
 import itertools
-from collections.abc import Sequence
+import math
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from typing import final
 
@@ -83,11 +84,16 @@ def phrase_of(judgement: Judgement, structure: Structure) -> str:
     return friction_of(title) if composed.text else in_sentence(title)
 
 
-def beside_of(judgement: Judgement, structure: Structure) -> str:
-    """Return what a structure holds beside its law, as the end of a phrase."""
+def beside_of(
+    judgement: Judgement, structure: Structure, *, doubted: Set[str] = frozenset()
+) -> str:
+    """Return what a structure holds beside its law, as the end of a phrase.
+
+    Terms that are doubted are said to be what something may be.
+    """
     problem = judgement.problem
     beside = [
-        problem.terms[name].title
+        f"what may be {problem.terms[name].title}" if name in doubted else problem.terms[name].title
         for name in family_of(structure)
         if problem.terms[name].role in BESIDE and name not in problem.always
     ]
@@ -107,9 +113,10 @@ def no_law(judgement: Judgement) -> bool:
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
-    named, own = comparison.named, beside_of(judgement, comparison.named)
+    doubted = {one.term for one in judgement.causes if not one.asserted}
+    named, own = comparison.named, beside_of(judgement, comparison.named, doubted=doubted)
     phrase = phrase_of(judgement, named)
-    others = _others(judgement, title_of(judgement, named), own)
+    others = _others(judgement, title_of(judgement, named), beside_of(judgement, named))
     if no_law(judgement):
         return (
             f"No law explains the {words.measured}: a curve over the speed predicts held-out"
@@ -204,12 +211,19 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     what = capital(cause.title) + (f": {_sized(size)}" if size else "")
     if size is not None and size.low <= 0.0 <= size.high:
         return f"{what}, consistent with zero."
-    if cause.left > 0.5:
+    if cause.left > THRESHOLDS.explained:
         return f"{what}; it explains little of what is measured, most stays unexplained."
     if cause.share <= 0.01:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
-    return f"{what}: it takes {share} off the squared error of held-out {words.held_out}."
+    said = f"{what}: it takes {share} off the squared error of held-out {words.held_out}"
+    if not cause.asserted:
+        return f"{said}, and most of what noise does not explain is left: it may be something else."
+    if not cause.needed:
+        return f"{said}; a law without it is not told apart."
+    return (
+        f"{said}, which leaves {percent(math.sqrt(max(cause.left, 0.0)))} of the {words.response}."
+    )
 
 
 def _sized(size: Estimate) -> str:
@@ -239,6 +253,14 @@ def group_sentence(titles: Sequence[str], words: Words) -> str:
     named = [in_sentence(one) for one in titles[:NAMED]]
     kind = words.measured.removesuffix("s")
     return f"{capital(' or '.join(named))}: not separable by this design of the {kind}."
+
+
+def presliding_sentence(length: str) -> str:
+    """Return up to which length (with its unit) the record tells no bristle from none."""
+    return (
+        f"Presliding over up to {length} does not show in this record: friction may give way like a"
+        " spring over as much at each turn."
+    )
 
 
 def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:

@@ -18,7 +18,7 @@ from scipy.signal import lfilter
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identify.forces import Unknown, forces_along, with_transmitted
+from stickslip.identify.forces import Unknown, forces_along, transmitted_of, with_transmitted
 from stickslip.identify.problem import Array, Mask
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -39,6 +39,8 @@ FEWEST = 60
 """Samples of a record at least."""
 ENDS, ENDS_FREE = 0.05, 0.1
 """Largest part of a record, and of a free motion, that is left out at either end."""
+SCALED = 1e-3
+"""Share by which positions and velocities are scaled to see what known forces change by."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
@@ -61,12 +63,16 @@ class Record:
     """Inertia [kg]; None where it is to be found."""
     mechanism: Array | None = None
     """Known forces of the mechanism that change along the motion (n,) [N]."""
+    scaled: Array | None = None
+    """What those change by for each unit of the scale of positions and velocities (n,) [N]."""
     unknown: Mapping[str, Unknown] = field(default_factory=dict)
     """By path, what parameters of the mechanism change that are to be found beside an inertia."""
     load: Array | None = None
     """Normal force (n,) [N]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
     """Temperatures and other inputs of the contact (n,)."""
+    transmitted: Array | None = None
+    """What the gear transmits, with the sign of the motor (n,) [N], where it has both."""
     constant: float = 0.0
     """Known constant resistance, which `force` is without [N]."""
     held: bool = False
@@ -109,7 +115,9 @@ class Record:
                 path: replace(one, force=np.interp(time, self.time, one.force))
                 for path, one in self.unknown.items()
             },
+            scaled=at(self.scaled),
             load=at(self.load),
+            transmitted=at(self.transmitted),
             inputs={name: np.interp(time, self.time, x) for name, x in self.inputs.items()},
         )
 
@@ -201,15 +209,21 @@ def _record(
         name: np.broadcast_to(np.asarray(values, dtype=float), x.shape)
         for name, values in record.contact_inputs().items()
     }
+    transmitted = transmitted_of(inputs)
     inputs = with_transmitted(inputs)
     if "friction" in known:
         return Record(
             time=time, position=x, velocity=velocity, load=load, inputs=inputs, friction=True,
             unknown=_without_forces(mechanism, x, doubts),
             force=np.asarray(record.values("friction"), dtype=float), located=located,
+            transmitted=transmitted,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
     forces = forces_along(mechanism, record, x, v, unknown, doubts)
+    scaled = None
+    if np.ptp(forces.still) > 0.0 and len(mechanism.coordinates) == 1:
+        larger = forces_along(mechanism, record, (1.0 + SCALED) * x, (1.0 + SCALED) * v, unknown)
+        scaled = (larger.still - forces.still) / SCALED
     found_too = offset and "mechanism.offset" in unknown
     constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     inertia: float | None = forces.inertia
@@ -224,7 +238,8 @@ def _record(
         load=forces.load if load is None else load, force=forces.driven - constant,
         constant=constant, unknown=found, held=held, located=located,
         driven=len(mechanism.coordinates) > 1,
-        mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
+        mechanism=forces.still if np.ptp(forces.still) > 0.0 else None, scaled=scaled,
+        transmitted=transmitted,
     )  # fmt: skip
 
 
@@ -616,6 +631,19 @@ class Along:
                 found.append(one.velocity_noise * share / (2.0 * math.pi * filt.band))
         return max(found)
 
+    def white(self, inertia: float) -> float:
+        """Return the mean square at the rows of the noise of forces and accelerations [N^2]."""
+        rng, found = np.random.default_rng(3), []
+        for one, filt in zip(self.records, self.filters, strict=True):
+            noise = rng.normal(size=len(one.time))
+            parts = [noise_of(one.force) * filt(noise)]
+            if not one.friction and one.velocity is None:
+                parts.append(inertia * one.position_noise * filt(noise, slope=2))
+            elif not one.friction:
+                parts.append(inertia * one.velocity_noise * filt(noise, slope=1))
+            found.append(sum(float(np.mean(x * x)) for x in parts))
+        return float(np.mean(found))
+
     @cached_property
     def position(self) -> Array:
         """Positions as measured (n,) [m]."""
@@ -665,7 +693,14 @@ class Along:
 
     def early(self, delay: float) -> Array:
         """Return the recorded force at the rows, less what comes a delay later [N]."""
-        return self.seen(self.raw) - self.seen(self.raw, late=-delay)
+        return self.held(self.raw) - self.held(self.raw, late=-delay)
+
+    def held(self, x: Array, late: float = 0.0) -> Array:
+        """Return a part of the recorded force (n,) at the rows, which holds as the force does."""
+        pieces = zip(self.records, self.filters, np.split(x, self._cuts), strict=True)
+        return self.rows_of(
+            [filt(part, late=0.5 * filt.step * one.held + late) for one, filt, part in pieces]
+        )
 
     @cached_property
     def mechanism(self) -> Array:
@@ -681,6 +716,20 @@ class Along:
             return driven if one.mechanism is None else driven + one.mechanism
 
         return self._full(made)
+
+    @cached_property
+    def scaled(self) -> Array:
+        """What known forces change by for each unit of the scale of the motion, at the rows [N]."""
+        return self.seen(
+            self._full(lambda one, _: 0.0 * one.time if one.scaled is None else one.scaled)
+        )
+
+    @cached_property
+    def transmitted(self) -> Array:
+        """What a gear transmits, with the sign of the motor (n,) [N]."""
+        return self._full(
+            lambda one, _: 0.0 * one.time if one.transmitted is None else one.transmitted
+        )
 
     @property
     def inertial(self) -> Array:
@@ -809,6 +858,23 @@ class Along:
         """Return by how much recorded forces exceed a limit (n,) [N]."""
         return np.asarray(np.sign(self.raw) * np.maximum(np.abs(self.raw) - limit, 0.0))
 
+    @cached_property
+    def balanced(self) -> Array:
+        """Forces (n,) [N] that a plain balance of the motion takes, without those of the mechanism.
+
+        What is made of these has no part of the noise of the recorded force, and turns with the
+        motion.
+        """
+        parts = [self._full(lambda one, filt: filt(one.position, slope=2, full=True))]
+        parts += [self.direction * self.load, self.velocity, np.ones(len(self.direction))]
+        x = np.column_stack([self.acceleration, *(self.seen(part) for part in parts[1:])])
+        c = np.linalg.lstsq(x, self.force, rcond=1e-9)[0]
+        return np.asarray(np.column_stack(parts) @ c - self._known)
+
+    def within(self, limit: float) -> Array:
+        """Return forces up to a limit (n,) [N]: what a dead zone takes of them."""
+        return np.asarray(np.clip(self.balanced, -limit, limit))
+
     def loose(self, half: float) -> Array:
         """Return accelerations of a load in a gap, less those of the motor, at the rows."""
 
@@ -872,6 +938,7 @@ def _finer(record: Record, band: float) -> Record:
         position=at(record.position),
         velocity=None if record.velocity is None else at(record.velocity),
         mechanism=None if record.mechanism is None else at(record.mechanism),
+        scaled=None if record.scaled is None else at(record.scaled),
         unknown={p: replace(one, force=at(one.force)) for p, one in record.unknown.items()},
         rarer=float(times),
     )
@@ -909,12 +976,13 @@ class Steady:
         return np.zeros(len(self.velocity))
 
     acceleration = inertial = force_rate = mechanism = property(lambda self: self._none)
+    scaled = transmitted = property(lambda self: self._none)
 
     def seen(self, x: Array, **options: Any) -> Array:
         """Return a column itself; nothing filters it, and its slope is 0."""
         return 0.0 * x if options.get("slope") else x
 
-    acting = seen
+    acting = held = seen
 
     def state(self, *_: float) -> Array:
         """Return the direction."""
@@ -947,6 +1015,8 @@ class Steady:
     def excess(self, _: float) -> Array:
         """Return 0: steady forces are not clipped."""
         return self._none
+
+    within = excess
 
     def wave(self, _: float) -> Array:
         """Return 0: the mean over places."""

@@ -11,7 +11,11 @@ from stickslip.identify.kinds.record_frame import mean_frequency
 from stickslip.identify.kinds.record_signals import Along, Steady
 from stickslip.identify.laws import CHANGING, TITLES
 from stickslip.identify.problem import Array, Shape, Term
+from stickslip.identify.thresholds import THRESHOLDS
 
+GAINS = frozenset({"force_gain", "position_scale"})
+"""Terms of what a record is scaled by."""
+DEAD_ZONE = "dead zone of the driver"
 EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl, slower."""
 SHORTEST = 5.0
@@ -22,8 +26,11 @@ HALVINGS = 5
 """Times that the step between lengths is halved about the best."""
 PAIRED = 0.5
 """Part of what one memory leaves that two must explain to be looked at."""
-LATER = (0.62, 1.6)
-"""Multiples of a delay that a neighbour on the grid shows; half of it would only smooth noise."""
+LATER = (0.88, 1.14)
+"""Multiples of a delay that its column may have: others would only smooth the noise of the force,
+of which it is made, by up to (1 - c)^2 + c^2 + 2 c (1 - c) r for noise with the correlation r."""
+DELAYS = 20
+"""Delays that are tried first: neighbours are within `LATER` of each other."""
 CLIPPED = 0.8
 """Quantile of the force below which nothing is clipped."""
 RELAXING = 3.0
@@ -38,6 +45,8 @@ WAVES = 2
 """Wave numbers of the place that are looked at."""
 SAME = 1e-3
 """Part of a column that others may leave of it that say the same."""
+DEAD = 6
+"""Dead zones that are tried first."""
 SPEEDS = 7
 """Stribeck velocities that are tried first."""
 RUNNING_IN = (0.0, 0.1, 0.3)
@@ -160,6 +169,28 @@ def _alike_terms(rows: Along, path: str, terms: Sequence[Term]) -> frozenset[str
         if np.sqrt(np.mean(left * left)) < SAME * np.sqrt(np.mean(y * y)):
             found.add(term.name)
     return frozenset(found)
+
+
+def hides_dead_zone(rows: Along, *, finds_inertia: bool) -> bool:
+    """Return whether what a dead zone of the driver takes is in the span of a plain balance.
+
+    A force has the direction of the motion wherever friction is large beside what accelerates: then
+    a dead zone is a level, whatever its size, and no record of this kind tells them apart.
+    """
+    plain = [rows.seen(rows.direction * rows.load), rows.seen(rows.velocity), np.ones(rows.count)]
+    plain += [rows.acceleration] if finds_inertia else []
+    plain += [rows.taken(path) for path in rows.records[0].unknown]
+    x = np.column_stack(plain)
+    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+    y = np.column_stack([rows.seen(rows.within(size)) for size in _dead_zones(rows).tolist()])
+    left = y - x @ np.linalg.lstsq(x, y, rcond=1e-9)[0]
+    part = np.linalg.norm(left, axis=0) / (np.linalg.norm(y, axis=0) + 1e-300)
+    return bool(np.min(part) <= THRESHOLDS.same_span)
+
+
+def _dead_zones(rows: Along) -> Array:
+    """Return sizes of dead zones [N], up to the median of the force."""
+    return np.geomspace(0.05, 1.0, DEAD) * float(np.median(np.abs(rows.raw)))
 
 
 def _fading(clock: Array, constant: float) -> Array:
@@ -311,6 +342,13 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  shapes=of_memory(()), steps=step, nonnegative=True, rank=3,
                  title="share of what the gear transmits", **on_memory)
         )  # fmt: skip
+        if all(one.transmitted is not None for one in rows.records):
+            terms.append(
+                Term(name="gear_direction", role="law", needs=frozenset({"gear"}),
+                     columns=lambda r, s: r.acting(r.state(*s) ** 2 * r.transmitted),
+                     shapes=of_memory(()), steps=step, rank=6,
+                     title="share that differs where the gear is driven", **on_memory)
+            )  # fmt: skip
     for name in frame.inputs.keys() - {TRANSMITTED}:
         terms += [
             Term(name=f"level*{name}", role="law", needs=base, shapes=of_memory(()), steps=step,
@@ -342,7 +380,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         # the noise of positions leaves the moment of a reversal open by as much
         rate = float(np.sqrt(np.mean(rows.acceleration**2)))
         least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
-        delays = np.geomspace(least, max(late, 2.0 * least), 7)
+        delays = np.geomspace(least, max(late, 2.0 * least), DELAYS)
         terms += [
             Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, 0.0),
                  title="lag of the force", rank=17),
@@ -361,8 +399,9 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         relaxing = np.geomspace(RELAXING / frame.band, 0.25 * frame.duration, 6)
         rings = np.geomspace(0.1, RINGS, 8) * frame.band
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
+        dead = _dead_zones(rows)
         terms += [
-            Term(name="clip", role="fault", columns=lambda r, s: r.seen(r.excess(s[0])),
+            Term(name="clip", role="fault", columns=lambda r, s: r.held(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
                  ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped",
                  rank=18, needs=moving),
@@ -370,6 +409,10 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  shapes=[(float(x),) for x in relaxing], nonnegative=True,
                  steps=(float(relaxing[1] / relaxing[0]),), title="relaxing spring",
                  excludes=frozenset({"backlash", "flexible"}), rank=16),
+            *([] if hides_dead_zone(rows, finds_inertia=finds_inertia) else [
+                Term(name="dead_zone", role="fault", columns=lambda r, s: r.seen(r.within(s[0])),
+                     shapes=[(float(x),) for x in dead], steps=(float(dead[1] / dead[0]),),
+                     limits=(0.7, 1.3), title=DEAD_ZONE, rank=18, needs=moving)]),
             Term(name="backlash", role="fault", columns=lambda r, s: r.loose(s[0]),
                  shapes=[(float(x),) for x in gaps], steps=(float(gaps[1] / gaps[0]),),
                  nonnegative=True, title="backlash", rank=19, needs=always - {"offset"}),
@@ -378,13 +421,26 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  shapes=[(float(x),) for x in rings], steps=(float(rings[1] / rings[0]),),
                  nonnegative=True, title="flexible coupling", rank=20),
         ]  # fmt: skip
-        if not finds_inertia and rows.records[0].inertia:
-            inertia = rows.records[0].inertia
+        known = rows.records[0].mechanism is not None
+        inertia = rows.records[0].inertia or 0.0
+        if not finds_inertia and inertia:
             terms.append(
                 Term(name="inertia_error", role="fault", columns=lambda r, _: r.acceleration,
-                     limits=(-0.7 * inertia, inertia), rank=16,
-                     title="inertia, or gain of the force, other than given")
+                     limits=(-0.7 * inertia, inertia), rank=16, excludes=GAINS,
+                     title="inertia other than given")
             )  # fmt: skip
+        if (not finds_inertia and inertia) or known:
+            # what a gain changes of friction is in the coefficients of friction
+            terms += [
+                Term(name="force_gain", role="fault", limits=(-0.7, 1.0), rank=17,
+                     columns=lambda r, _: inertia * r.acceleration - r.mechanism,
+                     excludes=(GAINS - {"force_gain"}) | {"mechanism", "inertia_error"},
+                     title="gain of the force other than given"),
+                Term(name="position_scale", role="fault", limits=(-0.7, 1.0), rank=17,
+                     columns=lambda r, _: inertia * r.acceleration - r.scaled,
+                     excludes=(GAINS - {"position_scale"}) | {"mechanism", "inertia_error"},
+                     title="scale of the position other than given"),
+            ]  # fmt: skip
     names = [one.name for one in terms]
     left_out = set[str]() if constant else {"offset", "offset_drift"}
     if len(np.unique(np.sign(rows.direction))) < 2:

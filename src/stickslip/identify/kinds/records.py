@@ -62,7 +62,7 @@ from stickslip.identify.kinds.record_frame import (
     free_form,
 )
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
-from stickslip.identify.kinds.record_terms import screened, terms_of
+from stickslip.identify.kinds.record_terms import DEAD_ZONE, screened, terms_of
 from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.problem import (
     MEMORY,
@@ -75,10 +75,13 @@ from stickslip.identify.problem import (
     Structure,
     Term,
 )
+from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = {"work": 0.65, "momentum": 0.9}
 """Width of the noise of free motions over their band, as white noise would have (study: decays)."""
+LENGTHS = 16
+"""Lengths of bristles of which is said whether they would show."""
 FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -119,12 +122,16 @@ LEAST_EXPONENT = 0.2
 """Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error", "hose", "inertia",
+    "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia", "gear_direction",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
-UNLIKE = ("stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion")
+UNLIKE = (
+    "stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion", "gear_direction",
+)  # fmt: skip
 """Terms that no law of `stickslip.friction` has."""
-SHAPED = ("delay", "latency", "clip", "backlash", "flexible")
+DELAYS = ("delay", "latency")
+"""Those whose size is the product of both."""
+SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
@@ -212,6 +219,8 @@ class RecordsProblem(Problem):
             )
         ]  # fmt: skip
         self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
+        if "clip" in self.terms and "dead_zone" not in self.terms:
+            self.instead["level"] = DEAD_ZONE
         self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.memory: str = "dahl"
         """Which law a memory is said to be: its damping is in no balance."""
@@ -307,6 +316,18 @@ class RecordsProblem(Problem):
             at += size
         found &= np.all(force * np.sign(self._moved.velocity) >= 0.0, axis=1)
         return found
+
+    @override
+    def noise_floor(self, structure: Structure, coefficients: Array) -> float:
+        """Return what white noise of the recorded force and positions is after the filter."""
+        if self.free:
+            return 0.0
+        inertia = self.records[0].inertia or 0.0
+        at = 0
+        for name, shape in structure:
+            inertia += float(coefficients[at]) if name == "inertia" else 0.0
+            at += self.width(name, shape)
+        return self.rows.white(inertia)
 
     @cached_property
     def _moved(self) -> Steady:
@@ -407,12 +428,11 @@ class RecordsProblem(Problem):
             term = self.terms[name]
             size = self.width(name, shape)
             own, at = coefficients[:, at : at + size], at + size
-            memory = shape[:2] if term.shared and shape[0] else memory
+            memory = shape[:2] if term.shared and shape[0] and name == "level" else memory
+            unlike = unlike or name in UNLIKE
             if (of_rig := self._of_rig(name, shape, own)) is not None:
                 rig |= of_rig
-            elif name in UNLIKE:
-                unlike = True
-            elif term.role == "law":
+            elif term.role == "law" and name not in UNLIKE:
                 entries = shape[term.shared :]
                 if name == "level" and entries:
                     rig["load_exponent"] = np.full(len(own), entries[0])
@@ -445,6 +465,8 @@ class RecordsProblem(Problem):
     def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array] | None:
         """Return the property of rig or record (d,) that a term is, by path; None of others."""
         unknown = self.records[0].unknown
+        if name in DELAYS:
+            return {name: shape[0] * own[:, 0]}
         if name in SHAPED:
             return {name: np.full(len(own), shape[0])}
         if name in unknown:
@@ -499,6 +521,35 @@ def _made(
         records, like=like, band=band, normal=normal, inertia_path=inertia_path,
         load_slopes=load_slopes, offset=offset,
     )  # fmt: skip
+
+
+def unseen_length(regression: BlockRegression, named: Structure) -> float:
+    """Return the longest bristle that a law without one may have and predict as well [m].
+
+    0 where the shortest shows. A bristle against which the odds are less than `Thresholds.odds`, by
+    the evidence of records, is not told from none.
+    """
+    problem = regression.problem
+    assert isinstance(problem, RecordsProblem)
+    shared = [name for name, _ in named if problem.terms[name].shared]
+    if not shared or problem.free or MEMORY in problem.family(named):
+        return 0.0
+    frame, longest = problem.frame, 0.0
+    regression.losses([named])
+    least = float(np.log(np.mean(regression.losses_of[named])))
+    shortest = min(max(frame.noise, 1e-9 * frame.span), frame.span / 8.0)
+    for length in np.geomspace(shortest, frame.span / 4.0, LENGTHS).tolist():
+        memory = (length, 1.0)
+        structure = tuple(
+            (name, (*memory, *shape[2:]) if name in shared else shape) for name, shape in named
+        )
+        regression.add(structure)
+        regression.losses([structure])
+        loss = float(np.mean(regression.losses_of[structure]))
+        if not 0.5 * (math.log(loss) - least) * len(problem.blocks) < math.log(THRESHOLDS.odds):
+            break
+        longest = length
+    return longest
 
 
 def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
