@@ -84,9 +84,9 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
         row["right"] = named == rig.family
         row["good"] = row["right"] or row.get("equal", False)
         row["in_set"] = any(_named(one) == rig.family for one in verdict.set)
-    named = [one for one in verdict.faults if one.fault or rig.causes is not None]
+    asserted = [one for one in verdict.faults if one.fault or rig.causes is not None]
     true = rig.faults | (rig.causes or frozenset())
-    row["accused"] = sorted(one.kind for one in named if not one.instead & true)
+    row["accused"] = sorted(one.kind for one in asserted if not one.instead & true)
     told = any(one.instead & rig.faults for one in verdict.faults)
     row["found"] = told if rig.faults else None
     row["doubts"] = verdict.doubts

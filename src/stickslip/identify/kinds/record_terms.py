@@ -16,6 +16,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 GAINS = frozenset({"force_gain", "position_scale"})
 """Terms of what a record is scaled by."""
 DEAD_ZONE = "dead zone of the driver"
+"""What a level may be where the force turns with the motion."""
 EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl, slower."""
 SHORTEST = 5.0

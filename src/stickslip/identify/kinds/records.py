@@ -327,7 +327,7 @@ class RecordsProblem(Problem):
         for name, shape in structure:
             inertia += float(coefficients[at]) if name == "inertia" else 0.0
             at += self.width(name, shape)
-        return self.rows.white(inertia)
+        return float(self.rows.white(inertia))
 
     @cached_property
     def _moved(self) -> Steady:
