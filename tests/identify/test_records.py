@@ -9,6 +9,7 @@ from stickslip import Axis, Measurement, Pendulum
 from stickslip.errors import InputError
 from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
+from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import (
     Filter,
     Record,
@@ -18,7 +19,7 @@ from stickslip.identify.kinds.record_signals import (
     noise_of,
     records_of,
 )
-from stickslip.identify.kinds.records import RecordsProblem, readings
+from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 
@@ -80,7 +81,8 @@ def test_the_band_holds_the_steady_curve():
 def test_the_band_holds_readings_of_a_second_record():
     problem, search, comparison, ensemble = judged()
     other = problem.of([axis(seed=1)])
-    band = readings(ensemble, search.regression.held_out(comparison.best), other)
+    judgement = Judgement(problem, search.regression, comparison, ensemble)
+    band = judgement.reading_band(other.rows)
     inside = np.mean((band.low <= other.response) & (other.response <= band.high))
     assert inside > 0.93
 
