@@ -17,6 +17,7 @@ import pandas as pd
 
 from stickslip import Axis, Measurement, Pendulum, catalogue, select
 from stickslip.errors import StickslipError
+from stickslip.results import BandVerdict
 
 FIRST = 0.6
 """Part of a record that the rest is predicted from."""
@@ -133,6 +134,7 @@ def measured(pair: Pair) -> Iterator[str]:
             yield f"{pair.name:20}{name:16}refused: {error}"
             continue
         seconds = time.process_time() - began
+        assert isinstance(verdict, BandVerdict)
         law = verdict.closest.title
         yield f"{pair.name:20}{name:16}{verdict.inside:.3f} inside  {seconds:5.1f} s  {law}"
 

@@ -301,7 +301,7 @@ def test_a_static_level_below_the_kinetic_one_of_its_direction_is_no_law():
 
 
 def test_a_law_with_bristles_is_refused_where_no_displacement_was_measured():
-    with pytest.raises(InputError, match="tells the memory of Dahl alone, and only in time"):
+    with pytest.raises(InputError, match="tells the memories of Dahl and LuGre, and only in time"):
         select(AXIS, ["coulomb", "lugre"], table(stribeck))
 
 

@@ -25,6 +25,8 @@ r"""Records of one coordinate in time: the force balance along the measured moti
 6. **Twins** are the same records in a band of .6 and 1.5 times the width: the bias of the balance
    becomes spread. The covariance counts single stretches (`SPREAD`), as another record differs by
    as much; where there are several records it is theirs that counts.
+   A new reading is a draw of the laws and of what they leave of a record predicted from the others,
+   or of a quarter of a single one from its other three, at rows of like speed.
 7. **Free motions** (decays, coast-downs) are integrated once more, as the noise of accelerations
    hides a small friction, and what it takes in all the time of a record is large. Where the motion
    comes back, it is the energy that friction takes,
