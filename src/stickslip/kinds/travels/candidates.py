@@ -13,7 +13,7 @@ from stickslip.identification import TravelModel, Trial, required_of, spanning
 from stickslip.kinds.travels.fit import check_rest, fit_trials, payable
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.search import law_from
-from stickslip.kinds.travels.start_values import (
+from stickslip.identify.kinds.travel_starts import (
     Start,
     doubling_slope,
     nuisances_of,

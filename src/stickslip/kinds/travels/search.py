@@ -22,16 +22,16 @@ from stickslip.identification import (
     standard_errors,
     under_cycles,
 )
-from stickslip.kinds.travels.descent import descended, slopes_of
+from stickslip.identify.kinds.travel_descent import descended, slopes_of
 from stickslip.kinds.travels.profiles import profile_ends
-from stickslip.kinds.travels.propagation import (
+from stickslip.identify.kinds.travel_doubts import (
     Propagated,
     agreeing_scale,
     covariance_of,
     propagated,
 )
 from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
-from stickslip.kinds.travels.start_values import (
+from stickslip.identify.kinds.travel_starts import (
     Start,
     force_and_speed,
     plausible,

@@ -53,7 +53,7 @@ from stickslip.kinds.travels.drift import drifting
 from stickslip.kinds.travels.fit import compile_for, payable
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.separations import Proposal, Separation, propose, separations
-from stickslip.kinds.travels.start_values import room_for
+from stickslip.identify.kinds.travel_starts import room_for
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.kinds.travels.wording import undecided, wording
 from stickslip.mechanisms import Mechanism

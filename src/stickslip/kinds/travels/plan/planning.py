@@ -38,7 +38,7 @@ from stickslip.kinds.travels.admissibility import limit_of
 from stickslip.kinds.travels.fit import fit_trials, payable
 from stickslip.kinds.travels.plan.preparing import how_to, otherwise
 from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Telling
-from stickslip.kinds.travels.propagation import covariance_of
+from stickslip.identify.kinds.travel_doubts import covariance_of
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.search import expected_fit
 from stickslip.kinds.travels.separations import (
@@ -49,7 +49,7 @@ from stickslip.kinds.travels.separations import (
     unit_of,
     words_of,
 )
-from stickslip.kinds.travels.start_values import doubling_slope
+from stickslip.identify.kinds.travel_starts import doubling_slope
 from stickslip.kinds.travels.wording import ADVICE
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
