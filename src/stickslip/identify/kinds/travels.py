@@ -19,17 +19,18 @@ r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, wh
 """
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import final
 
 import numpy as np
 from scipy.special import logsumexp, softmax
 
 from stickslip.errors import InputError, StickslipError
+from stickslip.experiments import whole_cycles
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identification import TravelModel, Trial, standard_errors, starting_law
+from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
 from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
 from stickslip.identify.ensemble import allotted
 from stickslip.identify.kinds.travel_doubts import propagated
@@ -62,7 +63,7 @@ KNOTS, REACH = 31, 1.0
 """Places at which the curve may bend, and how far beyond the settings, in logarithms."""
 FEWEST = 4
 """Settings along one direction from which there is a measured curve."""
-LEAST_SHARE = 1e-4
+LEAST_SHARE = 1e-3
 """Share of the travels below which readings do not err where nothing was stated."""
 STATED = 0.7
 """Probability that readings err as stated, beforehand."""
@@ -78,8 +79,14 @@ SLOPE = 1e-4
 """Step over a coefficient, of derivatives."""
 HEAVY = 5.0
 """Degrees of freedom of the proposals."""
+NEWTON = 4
+"""Steps by which leading coefficients of draws meet the readings."""
 COUNTING = 20.0
 """Effective number of draws of a family, at least."""
+TWO_SIDED = 1.96
+"""Standard deviations of a 95 % interval."""
+INSENSITIVE = "the trials hardly depend on it"
+"""Why an estimate has no interval."""
 UNTOLD = 0.7
 """Spread of a coefficient over that of its prior from which travels do not tell it."""
 
@@ -157,8 +164,8 @@ class TravelJudgement:
     size: Size
     order: Sequence[str]
     """Names of the laws, the usual ones first."""
-    dropped: Mapping[str, str] = field(default_factory=dict)
-    """Why laws are left out, by name."""
+    dropped: Mapping[str, tuple[FrictionLaw, str]] = field(default_factory=dict)
+    """Laws that are left out, and why, by name."""
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -208,10 +215,12 @@ class TravelJudgement:
                 " that is usually set: there is no band over a setting."
             )
         first, path = self.trials[0], self.knob[0]
+        rigs = [vary(self.mechanism, "mechanism", {path: float(x)}) for x in settings]
         return [
-            replace(first, mechanism=vary(self.mechanism, "mechanism", {path: float(x)}))
-            for x in settings
-        ]
+            replace(first, mechanism=rig,
+                    cycles=None if first.cycles is None else whole_cycles(rig, self.t_end))
+            for rig in rigs
+        ]  # fmt: skip
 
     # ------------------------------------------------------------------ linear problems
     @cached_property
@@ -224,6 +233,7 @@ class TravelJudgement:
         self._reference = law.law.with_unknowns(law.unknowns)
         made = propagated(TravelModel(self._reference, (), self.t_end), self.trials, ())
         self._columns = np.array([*made.shared.values()]).reshape(-1, len(self.trials)).T
+        self._alone = made.own
         alone = sum((part**2 for part in made.own.values()), np.zeros(len(self.trials)))
         return [*made.shared], alone
 
@@ -323,7 +333,8 @@ class TravelJudgement:
     @cached_property
     def assumed(self) -> bool:
         """Whether the errors of the readings were found, and not stated."""
-        return not self.stated or bool(np.any(self.errors > 1.001 * self.readings))
+        known = np.sqrt(self.readings**2 + self._doubts[1])
+        return not self.stated or bool(np.any(self.errors > 1.001 * known))
 
     def _repeats(self) -> Array:
         """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
@@ -352,14 +363,22 @@ class TravelJudgement:
         return list(dict.fromkeys(one.linear.name for one in self.solved))
 
     def price(self, name: str) -> float:
-        """Return what a law costs for being unusual."""
-        return THRESHOLDS.unusual * (self.order.index(name) if name in self.order else 0)
+        """Return what a law costs for being unusual; the curve, nothing."""
+        known = self.order.index(name) if name in self.order else len(self.order)
+        return THRESHOLDS.unusual * known if name else 0.0
+
+    @cached_property
+    def _alike(self) -> bool:
+        """Whether all trials repeat one setting: then every law can have that travel."""
+        return len(np.unique(self.blocks)) < 2
 
     @cached_property
     def evidence(self) -> dict[str, float]:
         """Evidence of the laws, without the curve's, the most first."""
         found = {
-            name: float(logsumexp([s.evidence for s in self.solved if s.linear.name == name]))
+            name: -self.price(name)
+            if self._alike
+            else float(logsumexp([s.evidence for s in self.solved if s.linear.name == name]))
             - self.price(name)
             for name in self.families
             if name
@@ -386,8 +405,9 @@ class TravelJudgement:
     def raw_shares(self) -> Array:
         """Shares of structures (s,) before the curve gets its least."""
         log = np.array([one.evidence - self.price(one.linear.name) for one in self.solved])
-        if len(np.unique(self.blocks)) < 2:
-            return np.asarray(softmax(log))
+        if self._alike:
+            return np.asarray(softmax([s.linear.prior - self.price(s.linear.name)
+                                       for s in self.solved]))  # fmt: skip
         priors = np.exp([one.linear.prior for one in self.solved])
         shares = stacked_shares(self.scores, priors)
         return np.asarray(softmax(0.5 * (np.log(shares + LEAST) + log)))
@@ -433,6 +453,21 @@ class TravelJudgement:
             and ratio > THRESHOLDS.no_law_ratio
         )
 
+    def law_of(self, name: str) -> TravelLaw:
+        """Return a law by name."""
+        return next(law for law in self.laws if law.name == name)
+
+    def unknowns_of(self, name: str) -> Array:
+        """Return the best unknowns (p,) of a law."""
+        best = self.best_of(name)
+        count = best.linear.structure.count
+        return np.concatenate([best.values[:count], best.linear.structure.unknowns[count:]])
+
+    def named_travels(self, settings: Array) -> Array:
+        """Return the travels (m,) [m] of the named law at settings of the knob."""
+        unknowns = self.unknowns_of(self.named)
+        return self.law_of(self.named).table(self.at(settings), unknowns[None])[0]
+
     def held_out(self, name: str) -> float:
         """Return the root mean square [m] of the held-out errors of a family."""
         return math.sqrt(float(np.mean(self.best_of(name).held_out ** 2)))
@@ -476,11 +511,38 @@ class TravelJudgement:
         size = len(law.names)
         draws = TravelDraws(law=law, unknowns=points[:, :size], nuisances=points[:, size:])
         c = own[0].linear.structure.count
-        travels = self._simulated(draws, self.trials, own[0].linear.columns[:, c : c + k])
-        log = log + self._likelihood(travels, own[0].freedom)
+        moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
+        found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        if _counting(found, 1.0) < min(COUNTING, 0.5 * len(found)):
+            draws = replace(draws, unknowns=self._met(draws, moved, rng))
+            points = np.hstack([draws.unknowns, draws.nuisances])
+            found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        log = found
         pick = np.searchsorted(np.cumsum(_tempered(log)), (np.arange(count) + 0.5) / count)
         at = np.minimum(pick, len(points) - 1)
         return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
+
+    def _met(self, draws: TravelDraws, moved: Array, rng: np.random.Generator) -> Array:
+        """Return unknowns (d, p) whose leading one meets the readings, drawn again by their errors.
+
+        Where coefficients make up for each other far from a fit, few linear proposals do.
+        """
+        unknowns = draws.unknowns.copy()
+        low, high = (float(x[0]) for x in draws.law.bounds(self.size))
+        goal = self.measured + self.errors * rng.normal(size=(len(unknowns), len(self.measured)))
+        for _ in range(NEWTON):
+            step = -1e-3 * np.abs(unknowns[:, :1])  # down: room above may be none
+            other = unknowns.copy()
+            other[:, :1] += step
+            here = self._simulated(replace(draws, unknowns=unknowns), self.trials, moved)
+            there = self._simulated(replace(draws, unknowns=other), self.trials, moved)
+            slope = np.nan_to_num((there - here) / step / self.errors)
+            left = np.nan_to_num((goal - here) / self.errors)
+            change = np.sum(slope * left, axis=1) / np.maximum(np.sum(slope**2, axis=1), 1e-300)
+            size = np.abs(unknowns[:, 0])
+            unknowns[:, 0] += np.clip(change, -0.5 * size, 0.5 * size)
+            unknowns[:, 0] = np.clip(unknowns[:, 0], low, high)
+        return unknowns
 
     def _curve_drawn(self, count: int, rng: np.random.Generator) -> TravelDraws:
         """Return draws of the curve, whose factor is linear: so it stays beside the law."""
@@ -581,6 +643,34 @@ class TravelJudgement:
         values = draws.law.values(draws.unknowns)
         return {p: values[:, i] for i, p in enumerate(draws.law.model.free[: draws.law.count])}
 
+    def sources(self, name: str) -> list[dict[str, float]]:
+        """Return the standard errors of the coefficients of a law by where they come from.
+
+        Empty where no uncertainty of the mechanism was stated.
+        """
+        paths, _ = self._doubts
+        if not paths and not self._alone:
+            return []
+        one = self.best_of(name).linear
+        count = one.structure.count
+        own = one.columns[:, :count] / self.errors[:, None]
+        known = own.T @ own + np.diag(one.precisions[:count])
+        gain = np.linalg.solve(known, own.T) / self.errors
+        scatter = np.sqrt(np.maximum(self.errors**2 - self._doubts[1], self.readings**2))
+        parts = {READINGS: np.linalg.norm(gain * scatter, axis=1)}
+        parts |= {path: np.linalg.norm(gain * x, axis=1) for path, x in self._alone.items()}
+        for path, column in zip(paths, self._columns.T, strict=True):
+            parts[path] = np.hypot(parts.get(path, 0.0), np.abs(gain @ column))
+        return [{path: float(x[i]) for path, x in parts.items()} for i in range(count)]
+
+    def around_zero(self, name: str) -> Collection[str]:
+        """Return paths of coefficients of a law that may be 0: draws are cut off there."""
+        one = self.best_of(name)
+        law = one.linear.structure.law
+        spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
+        inside = one.values[: law.count] < TWO_SIDED * spread
+        return [path for path, near in zip(law.model.free, inside, strict=False) if near]
+
     def untold(self, name: str) -> Collection[str]:
         """Return paths of coefficients of a law that travels hardly depend on."""
         one = self.best_of(name)
@@ -594,18 +684,21 @@ class TravelJudgement:
         ]
 
 
+def _counting(log: Array, power: float) -> float:
+    """Return how many draws count with powers of likelihoods as weights."""
+    finite = log[np.isfinite(log)]
+    return 1.0 / float(np.sum(softmax(power * finite) ** 2)) if len(finite) else 0.0
+
+
 def _tempered(log: Array) -> Array:
     """Return weights (d,) in sum 1: powers of likelihoods of which enough draws count."""
     finite = np.isfinite(log)
     if not finite.any():
         return np.full(len(log), 1.0 / len(log))
-    log = np.where(finite, log, -np.inf)
     power = 1.0
-    while True:
-        weight = np.asarray(softmax(power * log))
-        if 1.0 / np.sum(weight**2) >= min(COUNTING, finite.sum() / 2.0) or power < 1e-3:
-            return weight
+    while _counting(log, power) < min(COUNTING, finite.sum() / 2.0) and power > 1e-3:
         power *= 0.7
+    return np.asarray(softmax(np.where(finite, power * log, -np.inf)))
 
 
 def _root(covariance: Array) -> Array:
@@ -702,7 +795,7 @@ def judged_travels(
     ordinary: Collection[str] = (),
     assumed: Mapping[str, Collection[str]] | None = None,
     t_end: float = 10.0,
-    watch: object = None,
+    watch: Callable[[str, float], object] | None = None,
 ) -> TravelJudgement:
     """Judge travels: fit all laws, the usual ones if none are given, and weigh them.
 
@@ -718,7 +811,7 @@ def judged_travels(
     errors, _ = standard_errors(trials)
     errors = np.maximum(errors, 1e-3 * float(np.mean(np.abs([t.travel for t in trials]))))
     settings = len({trial.setting for trial in trials})
-    fitted, dropped = list[TravelLaw](), dict[str, str]()
+    fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
     for name in sorted(laws, key=lambda one: bool(laws[one].states)):
         law, usual = laws[name], given is None or name in ordinary
         if given is None and isinstance(law, DirectionDependent):
@@ -728,7 +821,7 @@ def judged_travels(
         marked = set((assumed or {}).get(name, ()))
         known = set() if usual else {x for x in _given_names(law) if x not in marked}
         held = set() if usual else _unpaid(law, known, settings)
-        said = None if watch is None else (lambda runs, name=name: watch(name, runs))  # type: ignore[operator, misc]
+        said = None if watch is None else partial(watch, name)
         try:
             one = TravelLaw.of(name, law, trials, t_end, held=held, given=not usual, watch=said)
             own = size
@@ -741,10 +834,12 @@ def judged_travels(
             one.model.check_rest(trials, one.values(best.unknowns[None])[0].tolist(), errors)
             fitted.append(one)
         except (StickslipError, ValueError, IndexError) as error:
-            dropped[name] = str(error) if isinstance(error, StickslipError) else (
-                "no values reproduce the travels")  # fmt: skip
+            known = isinstance(error, StickslipError)
+            dropped[name] = law, str(error) if known else "no values reproduce the travels"
     if not fitted:
-        raise InputError("no law can be fitted to these travels: " + " ".join(dropped.values()))
+        raise InputError(
+            "no law can be fitted to these travels: " + " ".join(why for _, why in dropped.values())
+        )
     return TravelJudgement(
         mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=size, order=USUAL,
         dropped=dropped,

@@ -23,14 +23,12 @@ from stickslip.identification import (
     under_cycles,
 )
 from stickslip.identify.kinds.travel_descent import descended, slopes_of
-from stickslip.kinds.travels.profiles import profile_ends
 from stickslip.identify.kinds.travel_doubts import (
     Propagated,
     agreeing_scale,
     covariance_of,
     propagated,
 )
-from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
 from stickslip.identify.kinds.travel_starts import (
     Start,
     force_and_speed,
@@ -39,6 +37,8 @@ from stickslip.identify.kinds.travel_starts import (
     spread,
     starting_points,
 )
+from stickslip.kinds.travels.profiles import profile_ends
+from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
 from stickslip.quantities import Quantity, parameters
 
 Array: TypeAlias = NDArray[np.float64]
