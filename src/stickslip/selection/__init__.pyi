@@ -34,11 +34,6 @@ from stickslip.selection.cross_validation import cross_validate as cross_validat
 from stickslip.selection.cross_validation import halves as halves
 from stickslip.selection.cross_validation import held_out as held_out
 from stickslip.selection.cross_validation import plan_of as plan_of
-from stickslip.selection.drift import LIKELY as LIKELY
-from stickslip.selection.drift import ROUNDS as ROUNDS
-from stickslip.selection.drift import SETTLED as SETTLED
-from stickslip.selection.drift import along as along
-from stickslip.selection.drift import if_drifting as if_drifting
 from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step as largest_step

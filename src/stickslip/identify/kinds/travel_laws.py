@@ -259,7 +259,7 @@ class TravelLaw:
         return rows
 
     def spreads(self, size: Size, points: Array) -> Array:
-        """Return the prior spreads (k, c) of coefficients of points (k, p); infinite of the first."""
+        """Return prior spreads (k, c) of coefficients of points (k, p); infinite of the first."""
         known = fields_of(type(self.law))
         found = np.full((len(points), self.count), np.inf)
         exponent = np.ones(len(points))

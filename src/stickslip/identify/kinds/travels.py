@@ -27,7 +27,7 @@ from typing import final
 import numpy as np
 from scipy.special import logsumexp, softmax
 
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import whole_cycles
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
 from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
@@ -65,6 +65,8 @@ FEWEST = 4
 """Settings along one direction from which there is a measured curve."""
 LEAST_SHARE = 1e-3
 """Share of the travels below which readings do not err where nothing was stated."""
+STILL = 0.01
+"""Travel over the measured one up to which a law holds the body."""
 STATED = 0.7
 """Probability that readings err as stated, beforehand."""
 PARTS = (0.5, 60.0, 12)
@@ -73,14 +75,15 @@ REPEATED = 3
 """Repeats beyond the first of their setting from which on their scatter counts."""
 PROPOSED = 3
 """Draws that are simulated for each that is kept ..."""
-SLOW = 16
+SLOW = 8
 """... but no more of a law with bristles, whose runs take long."""
 SLOPE = 1e-4
 """Step over a coefficient, of derivatives."""
 HEAVY = 5.0
 """Degrees of freedom of the proposals."""
-NEWTON = 4
-"""Steps by which leading coefficients of draws meet the readings."""
+MEETING, NEWTON = 0.3, 4
+"""Part of the draws that count below which their leading coefficients are made to meet the
+readings, and by how many steps."""
 COUNTING = 20.0
 """Effective number of draws of a family, at least."""
 TWO_SIDED = 1.96
@@ -190,7 +193,7 @@ class TravelJudgement:
     def _set(self, path: str) -> list[float]:
         """Return the values of a parameter in the trials."""
         return [
-            float(dict((p, v) for p, _, v in parameters(trial.mechanism, "mechanism"))[path])
+            float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
             for trial in self.trials
         ]
 
@@ -496,7 +499,7 @@ class TravelJudgement:
             wanted = min(wanted, max(SLOW, len(own)))
         rows, weights = [], []
         k = self.nuisances_count
-        for one, n, share in zip(own, allotted(shares, wanted), shares, strict=True):
+        for one, n in zip(own, allotted(shares, wanted), strict=True):
             if not n:
                 continue
             c = one.linear.structure.count
@@ -513,7 +516,7 @@ class TravelJudgement:
         c = own[0].linear.structure.count
         moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
         found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        if _counting(found, 1.0) < min(COUNTING, 0.5 * len(found)):
+        if _counting(found, 1.0) < MEETING * len(found):
             draws = replace(draws, unknowns=self._met(draws, moved, rng))
             points = np.hstack([draws.unknowns, draws.nuisances])
             found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
@@ -809,7 +812,8 @@ def judged_travels(
     leading = TravelLaw.of("coulomb", coulomb, trials, t_end, held=(), given=False)
     size = leading.size(*leading.scanned())
     errors, _ = standard_errors(trials)
-    errors = np.maximum(errors, 1e-3 * float(np.mean(np.abs([t.travel for t in trials]))))
+    measured = np.array([trial.travel for trial in trials])
+    errors = np.maximum(errors, LEAST_SHARE * float(np.mean(np.abs(measured))))
     settings = len({trial.setting for trial in trials})
     fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
     for name in sorted(laws, key=lambda one: bool(laws[one].states)):
@@ -829,8 +833,15 @@ def judged_travels(
                 levels, top = one.scanned()
                 own = replace(size, levels=levels, level=max(levels[0], top / HOLDING))
             one.fit(own, errors, [x for x in fitted if not x.slow])
-            best = min(one.structures, key=lambda s: float(np.sum(
-                ((np.array([t.travel for t in trials]) - s.predicted) / errors) ** 2)))  # fmt: skip
+            best = min(
+                one.structures,
+                key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
+            )
+            moved = np.abs(measured) > THRESHOLDS.outlier * errors
+            if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
+                raise ConvergenceError(
+                    f"{law.title} friction holds the body at rest in a trial in which it moved."
+                )
             one.model.check_rest(trials, one.values(best.unknowns[None])[0].tolist(), errors)
             fitted.append(one)
         except (StickslipError, ValueError, IndexError) as error:

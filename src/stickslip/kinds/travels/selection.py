@@ -41,7 +41,7 @@ BEYOND = (0.75, 1.5)
 """Least and largest settings of the band over those measured."""
 ALONE = (0.4, 1.5)
 """The same where there is but one."""
-PLACES = 9
+PLACES = 7
 """Settings of the band within those measured."""
 
 
@@ -192,7 +192,7 @@ def _candidates(judgement: TravelJudgement, t_end: float) -> list[TravelCandidat
                 given=_seen(first, law, t_end),
                 criteria=None,
                 dropped=why,
-            )  # fmt: skip
+            )
         )
     return found
 
