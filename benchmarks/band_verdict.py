@@ -21,7 +21,7 @@ class Fault:
 
 def judged(rig: Rig) -> "Judged":
     """Return the verdict on a rig."""
-    return Judged(rig)
+    return Travelled(rig) if rig.kind == "travels" else Judged(rig)
 
 
 class Judged:
@@ -83,3 +83,49 @@ class Judged:
         rows = problem.at(places)
         loaded = getattr(problem, "loaded", False)
         return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)
+
+
+class Travelled(Judged):
+    """The verdict of `select` on travels, whose points are settings."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.verdict = select(rig.mechanism, None, rig.measurement, t_end=rig.t_end)
+        judgement = self.verdict.judgement
+        self.family = (judgement.named,)
+        self.set = list(self.verdict.set)
+        self.gain = 0.0 if judgement.explained else 1.0
+        self.parameters = [
+            Limits(path=own.path, low=own.low, high=own.high, low_any=any_.low, high_any=any_.high)
+            for own, any_ in zip(
+                self.verdict.closest.fit.estimates, self.verdict.intervals, strict=True
+            )
+        ]
+        self.faults = []
+
+    def band(self, points: Points, *, all_along: bool = False) -> Any:
+        """Return low, median, high [m] of the travel at settings (n,)."""
+        return self.verdict.band(points.velocity, all_along=all_along)
+
+    def readings(self, points: Points, level: float) -> Any:
+        """Return low, median, high [m] of new readings at settings (n,)."""
+        return self.verdict.readings(points.velocity, level=level)
+
+    def predicted(self, points: Points) -> Array | None:
+        """Return travels [m] by the named law at settings (n,)."""
+        return self.verdict.judgement.named_travels(points.velocity)
+
+    def advised(self) -> Points | None:
+        """Return no places: the study of travels has no further readings."""
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Intervals of a parameter, as `Interval` of other kinds has them."""
+
+    path: str
+    low: float
+    high: float
+    low_any: float
+    high_any: float

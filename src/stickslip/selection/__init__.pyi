@@ -37,10 +37,6 @@ from stickslip.selection.cross_validation import plan_of as plan_of
 from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step as largest_step
-from stickslip.selection.fixed_step_comparison import rounded_step as rounded_step
-from stickslip.selection.given_levels import given_level as given_level
-from stickslip.selection.given_levels import given_text as given_text
-from stickslip.selection.given_levels import level_text as level_text
 from stickslip.selection.given_levels import refuted_by_record as refuted_by_record
 from stickslip.selection.identifiable import disturbing as disturbing
 from stickslip.selection.identifiable import limit_of as limit_of

@@ -25,8 +25,7 @@ from scipy.stats import qmc
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelModel, Trial, required_of, under_cycles
 from stickslip.identify.kinds.travel_descent import descended, slopes_of
-from stickslip.identify.kinds.travel_starts import force_and_speed, room_for
-from stickslip.identify.kinds.travel_starts import spread as spread_out
+from stickslip.identify.kinds.travel_starts import force_and_speed, room_for, spread_out
 from stickslip.identify.problem import Array
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of

@@ -47,7 +47,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
 
-USUAL = (
+USUAL_LAWS = (
     "coulomb", "viscous", "coulomb-viscous", "stribeck", "power-viscous", "dahl", "lugre",
     "quadratic-drag", "direction-dependent",
 )  # fmt: skip
@@ -807,7 +807,7 @@ def judged_travels(
     """
     given = laws
     if laws is None:
-        laws = {name: starting_law(law_type(name)) for name in USUAL if name in listed()}
+        laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed()}
     coulomb = starting_law(law_type("coulomb"))
     leading = TravelLaw.of("coulomb", coulomb, trials, t_end, held=(), given=False)
     size = leading.size(*leading.scanned())
@@ -852,7 +852,7 @@ def judged_travels(
             "no law can be fitted to these travels: " + " ".join(why for _, why in dropped.values())
         )
     return TravelJudgement(
-        mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=size, order=USUAL,
+        mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=size, order=USUAL_LAWS,
         dropped=dropped,
     )  # fmt: skip
 

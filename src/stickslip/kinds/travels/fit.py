@@ -19,7 +19,7 @@ from stickslip.identification import (
     under_cycles,
     with_known,
 )
-from stickslip.identify.kinds.travel_starts import Start, nuisances_of
+from stickslip.identify import Start, nuisances_of
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.search import fit_readings
 from stickslip.mechanisms import Mechanism

@@ -10,7 +10,7 @@ from stickslip.experiments import Checks, Measurement, check
 from stickslip.formatting import quantity
 from stickslip.friction import law_type
 from stickslip.identification import AnyLaw, Laws, quantities_read
-from stickslip.identify.kinds.travels import USUAL
+from stickslip.identify import USUAL_LAWS
 from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request
 from stickslip.kinds.travels.fit import fit_travels
@@ -46,7 +46,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
-        return [one if isinstance(one, str) else one.name for one in laws or USUAL]
+        return [one if isinstance(one, str) else one.name for one in laws or USUAL_LAWS]
 
     @override
     def owner(self, law: Law) -> AnyLaw:

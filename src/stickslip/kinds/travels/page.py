@@ -5,10 +5,14 @@ from functools import partial
 from typing import Any, cast
 
 from stickslip.formatting import NO_VALUE, capital, percent
-from stickslip.identify.figures import draw_band
-from stickslip.identify.laws import TITLES
-from stickslip.identify.page import opening_section, parameters_section, remarks_section
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify import (
+    THRESHOLDS,
+    TITLES,
+    draw_band,
+    opening_section,
+    parameters_section,
+    remarks_section,
+)
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.travels.settings import words_of
 from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
@@ -84,7 +88,7 @@ def laws_section(verdict: TravelVerdict) -> Section:
         "One law is left" if number == 1 else f"{number} laws are not told apart by these travels"
     )
     if not verdict.explained:
-        heading = "No law predicts as well as the measured curve"
+        heading = "The measured curve predicts better than every law"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 

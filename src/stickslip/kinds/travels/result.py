@@ -13,7 +13,7 @@ from stickslip.experiments import LawEstimates, levels_at
 from stickslip.formatting import joined, quantity, ratio
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, Law_co, Trial, estimates_for, is_rig
-from stickslip.identify.kinds.travel_doubts import agreeing_scale, covariance_of
+from stickslip.identify import agreeing_scale, covariance_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.simulation import simulate
 

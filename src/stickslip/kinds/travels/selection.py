@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, check, refuse_faults
@@ -17,10 +19,7 @@ from stickslip.identification import (
     starting_law,
     trials_of,
 )
-from stickslip.identify.ensemble import band_of
-from stickslip.identify.kinds.travels import INSENSITIVE, TravelJudgement, judged_travels
-from stickslip.identify.problem import Array
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify import INSENSITIVE, THRESHOLDS, TravelJudgement, band_of, judged_travels
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.settings import rounded_setting
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
@@ -36,6 +35,8 @@ from stickslip.selection import (
     criteria_of,
 )
 from stickslip.simulation import simulate
+
+Array: TypeAlias = NDArray[np.float64]
 
 BEYOND = (0.75, 1.5)
 """Least and largest settings of the band over those measured."""

@@ -3,9 +3,10 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments import Checks
@@ -21,19 +22,18 @@ from stickslip.formatting import (
 )
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, Trial, quantities_read
-from stickslip.identify import PredictionBand
-from stickslip.identify.ensemble import band_of
-from stickslip.identify.kinds.travels import TravelJudgement
-from stickslip.identify.problem import Array
+from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.settings import words_of
 from stickslip.quantities import parameters
 from stickslip.selection import Candidate, Criteria, Verdict, score_scale, score_text
 
+Array: TypeAlias = NDArray[np.float64]
+
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
-    from stickslip.identify.figures import BandDrawing
+    from stickslip.identify import BandDrawing
 
 MM: Final = Scale(1e3, "mm")
 """What a terminal shows held-out errors in."""
@@ -248,13 +248,13 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.identify.figures import plot_band  # loads matplotlib
+        from stickslip.identify import plot_band  # loads matplotlib
 
         return plot_band(self.drawing(), ax)
 
     def drawing(self) -> "BandDrawing":
         """Return what the figure of the verdict shows: travels over the setting."""
-        from stickslip.identify.figures import BandDrawing  # loads matplotlib
+        from stickslip.identify import BandDrawing  # loads matplotlib
 
         judgement = self.judgement
         assert judgement.knob is not None

@@ -4,20 +4,21 @@ Symbols stand between dollar signs, which reports typeset.
 """
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.experiments import Finding, with_order
 from stickslip.formatting import capital, count, joined, percent, quantity
 from stickslip.identification import Estimate
-from stickslip.identify import PredictionBand
-from stickslip.identify.kinds.travels import TravelJudgement
-from stickslip.identify.problem import Array
-from stickslip.identify.wording import parameter_sentence
+from stickslip.identify import PredictionBand, TravelJudgement, parameter_sentence
 from stickslip.kinds.travels.settings import words_of
 from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection import Wording, friction_of, in_sentence, limits_of, not_distinguished
+
+Array: TypeAlias = NDArray[np.float64]
 
 WORTH = 2.0
 """Half-width of the band over the error of a reading from which another reading is worth it."""

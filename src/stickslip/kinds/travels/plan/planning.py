@@ -34,8 +34,7 @@ from stickslip.identification import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.identify.kinds.travel_doubts import covariance_of
-from stickslip.identify.kinds.travel_starts import doubling_slope
+from stickslip.identify import covariance_of, doubling_slope
 from stickslip.kinds.travels.fit import fit_trials, payable
 from stickslip.kinds.travels.plan.preparing import how_to, otherwise
 from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Telling
