@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
@@ -48,7 +49,7 @@ class Judged:
             None,
             rig.measurement,
             vary=["friction.*", *rig.unknown] if rig.unknown else None,
-            route=ROUTES.get(rig.kind, "balance"),  # type: ignore[arg-type]
+            route=ROUTES.get(rig.kind, "balance"),
             validate=validate,
         )
 
@@ -103,18 +104,22 @@ class Travelled(Judged):
         ]
         self.faults = []
 
+    @override
     def band(self, points: Points, *, all_along: bool = False) -> Any:
         """Return low, median, high [m] of the travel at settings (n,)."""
         return self.verdict.band(points.velocity, all_along=all_along)
 
+    @override
     def readings(self, points: Points, level: float) -> Any:
         """Return low, median, high [m] of new readings at settings (n,)."""
         return self.verdict.readings(points.velocity, level=level)
 
+    @override
     def predicted(self, points: Points) -> Array | None:
         """Return travels [m] by the named law at settings (n,)."""
-        return self.verdict.judgement.named_travels(points.velocity)
+        return np.asarray(self.verdict.judgement.named_travels(points.velocity))
 
+    @override
     def advised(self) -> Points | None:
         """Return no places: the study of travels has no further readings."""
         return None

@@ -21,6 +21,8 @@ SETS = ("free", "attached", "axis", "free", "attached", "axis", "capsule")
 SCATTERED = "scattered"
 OUTSIDE = ("saturating", "falling power", "wrong rig")
 WRONG, SCATTER = 1.05, 0.03
+SATURATING: Any = law_type("saturating-viscous")
+FALLING: Any = law_type("stribeck-power")
 
 
 def drawn(number: int, seed: int) -> Rig:
@@ -71,7 +73,7 @@ def _changed(rig: TravelRig, truth: str) -> Any:
     known = {path.rpartition(".")[2]: x for path, _, x in parameters(rig.law, "friction")}
     if truth == "saturating":
         speed = known["kinetic_coefficient"] / max(known["viscous_coefficient"], 1e-9)
-        return law_type("saturating-viscous")(
+        return SATURATING(
             kinetic_coefficient=known["kinetic_coefficient"],
             viscous_coefficient=3.0 * known["viscous_coefficient"],
             saturation_velocity=0.3 * speed,
@@ -79,7 +81,7 @@ def _changed(rig: TravelRig, truth: str) -> Any:
     if truth == "falling power":
         known.pop("break_away_coefficient", None)
         known.pop("fading_exponent", None)
-        return law_type("stribeck-power")(**known, viscous_exponent=0.5)
+        return FALLING(**known, viscous_exponent=0.5)
     return rig.law
 
 

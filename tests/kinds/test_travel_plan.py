@@ -201,9 +201,8 @@ def test_a_planned_set_rules_the_rival_out_in_nine_of_ten_cases():
         level, slope = law.kinetic_coefficient, law.viscous_coefficient
         plain = fit_trials(Coulomb(kinetic_coefficient=level), trials, starts=[[level], [0.25]])
         richer = fit_trials(law, trials, starts=[[level, slope], [0.25, 0.1 * slope]])
-        scale = richer.variance[0]
         # 97.5 % quantile of chi-square, one degree of freedom
-        ruled_out += plain.deviance(scale) - richer.deviance(scale) > 5.02
+        ruled_out += plain.chi_square - richer.chi_square > 5.02
     assert ruled_out >= 18
 
 

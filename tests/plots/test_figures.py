@@ -131,8 +131,6 @@ NAMES = (
     "run",
     "map",
     "runs",
-    "travels",
-    "separation",
     "laws",
     "presliding",
     "excitations",

@@ -39,9 +39,8 @@ HOLDING = 10.0
 """Level that holds the body over the least one by which priors are scaled."""
 MOVES = 1e-3
 """Travel over those measured from which a body moves."""
-POOR, SPREAD = 0.01, 30.0
-"""Share of the squared travels that the best level leaves from which others are tried too, and the
-largest of these over the smallest."""
+POOR = 0.01
+"""Share of the squared travels that the best level leaves from which others are tried too."""
 BRANCHES = 4
 """Levels from which searches begin, at most."""
 SPEEDS = (0.03, 0.1, 0.25, 0.6)
@@ -59,14 +58,13 @@ TRIED = np.geomspace(0.25, 1.3, 10)
 """Levels over that of a branch from which laws with more than a level are tried."""
 SHARES = (0.05, 0.5, 1.5)
 """The same of further coefficients, over their prior spread."""
-POINTS, FEW_POINTS = 64, 32
-"""Combinations that are tried of each shape at most; the fewer where runs are of many cycles."""
-FEW = 3
-"""Settings at which they are tried."""
+POINTS = 64
+"""Combinations that are tried of each shape, at most; half where runs are of many cycles."""
 STEPS = 8
 """Steps of a descent."""
 REFINED, WIDE = 3, 2.0
-"""Shapes that are fitted too, from the best of the grid, and their prior spread over themselves."""
+"""Shapes that are fitted too, from the best of the grid, and as many settings at which starts are
+tried; and the prior spread of shapes over themselves."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
 APART, WORSE = 1e-2, 20.0
@@ -208,11 +206,11 @@ class TravelLaw:
             found = self.table(self.trials, np.clip(rows, low, None))
             return np.where(np.isfinite(found), found, np.inf)
 
-        levels = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
-        coarse, still = travels(levels), float(np.mean(measured**2))
+        tried = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
+        coarse, still = travels(tried), float(np.mean(measured**2))
         moves = np.any(np.isfinite(coarse) & (coarse**2 > MOVES**2 * still), axis=1)
-        top = levels[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(levels) - 1)]
-        best = levels[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
+        top = tried[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(tried) - 1)]
+        best = tried[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
         fine = np.geomspace(min(top / SPAN, best / 3.0), min(top, high), FINE)
         found = np.mean((travels(fine) - measured) ** 2, axis=1)
         padded = np.pad(found, 1, constant_values=np.inf)
@@ -220,7 +218,7 @@ class TravelLaw:
         order = valleys[np.argsort(found[valleys], kind="stable")]
         levels = [float(fine[i]) for i in order[:BRANCHES]]
         if not levels or float(found.min()) > POOR * still:  # other coefficients move these
-            levels += np.geomspace(top / SPREAD, top, BRANCHES).tolist()
+            levels += np.geomspace(10.0 * top / SPAN, top, BRANCHES).tolist()
         return levels, float(top)
 
     def size(self, levels: Sequence[float], top: float) -> Size:
@@ -312,7 +310,7 @@ class TravelLaw:
             prior = (points - self.means)[:, : self.count] / self.spreads(size, points)
             return np.hstack([left, prior])
 
-        few = [self.trials.index(trial) for trial in spread_out(self.trials, FEW)]
+        few = [self.trials.index(trial) for trial in spread_out(self.trials, REFINED)]
 
         def cost(points: Array) -> Array:
             tried = self.table([self.trials[i] for i in few], np.clip(points, low, high))
@@ -353,9 +351,9 @@ class TravelLaw:
             scale[self.count :] = 0.1 * self.typical
             low[self.count :] = np.maximum(low[self.count :], 0.1 * shapes.min(axis=0))
             high[self.count :] = np.minimum(high[self.count :], 10.0 * shapes.max(axis=0))
-            near = points[: 1 if self.slow else REFINED]
+            best_few = points[: 1 if self.slow else REFINED]
             ends, left = descended(
-                residuals, near, low=low, high=high, sizes=scale, moving=every, steps=steps
+                residuals, best_few, low=low, high=high, sizes=scale, moving=every, steps=steps
             )
             best = ends[np.argmin(left)][None]
             self.structures += self._structures(
@@ -418,13 +416,12 @@ class TravelLaw:
         if self.slow and simpler:
             return self._from(simpler, shapes)
         if self.count == 1:
-            rows = [[level, *shape] for shape in shapes for level in size.levels]
-            return np.array(rows, dtype=float)
+            return np.array([[x, *shape] for shape in shapes for x in size.levels], dtype=float)
         sides = [name.startswith("backward") for name in self.names[1 : self.count]]
         further = [(*(-x for x in SHARES), *SHARES) if side else SHARES for side in sides]
         mixed = np.array(list(itertools.product(TRIED, *further)))
         cycles = under_cycles(self.trials)
-        most = FEW_POINTS if cycles else POINTS
+        most = POINTS // 2 if cycles else POINTS
         if len(mixed) > most:
             shares = qmc.Sobol(self.count, rng=np.random.default_rng(0)).random(most)
             ends = [(TRIED[0], TRIED[-1]), *[(0.0, SHARES[-1])] * (self.count - 1)]

@@ -33,6 +33,7 @@ from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
 from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
 from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
 from stickslip.identify.ensemble import allotted
+from stickslip.identify.kinds.travel_descent import STEP
 from stickslip.identify.kinds.travel_doubts import propagated
 from stickslip.identify.kinds.travel_laws import (
     HOLDING,
@@ -62,7 +63,8 @@ factor of e in the setting."""
 KNOTS, REACH = 31, 1.0
 """Places at which the curve may bend, and how far beyond the settings, in logarithms."""
 FEWEST = 4
-"""Settings along one direction from which there is a measured curve."""
+"""Settings along one direction from which there is a measured curve, and readings of one setting
+from which their scatter counts."""
 LEAST_SHARE = 1e-3
 """Share of the travels below which readings do not err where nothing was stated."""
 STILL = 0.01
@@ -71,23 +73,15 @@ STATED = 0.7
 """Probability that readings err as stated, beforehand."""
 PARTS = (0.5, 60.0, 12)
 """Unstated errors over the stated ones: least, largest, and how many are tried."""
-REPEATED = 3
-"""Repeats beyond the first of their setting from which on their scatter counts."""
 PROPOSED = 3
 """Draws that are simulated for each that is kept ..."""
 SLOW = 8
 """... but no more of a law with bristles, whose runs take long."""
-SLOPE = 1e-4
-"""Step over a coefficient, of derivatives."""
-HEAVY = 5.0
-"""Degrees of freedom of the proposals."""
 MEETING, NEWTON = 0.3, 4
 """Part of the draws that count below which their leading coefficients are made to meet the
 readings, and by how many steps."""
 COUNTING = 20.0
 """Effective number of draws of a family, at least."""
-TWO_SIDED = 1.96
-"""Standard deviations of a 95 % interval."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 UNTOLD = 0.7
@@ -344,11 +338,11 @@ class TravelJudgement:
         counts = np.bincount(self.blocks)
         means = np.bincount(self.blocks, self.measured) / counts
         freedom = len(self.measured) - len(counts)
-        if freedom < REPEATED:
+        if freedom < FEWEST - 1:
             return np.zeros(len(self.measured))
         mean = np.where(means == 0.0, 1.0, means)[self.blocks]
         share = math.sqrt(float(np.sum((self.measured / mean - 1.0) ** 2)) / freedom)
-        return share * np.abs(mean)
+        return np.asarray(share * np.abs(mean))
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
         found = [_solved(one, self.measured, errors, self.blocks) for one in linears]
@@ -469,7 +463,7 @@ class TravelJudgement:
     def named_travels(self, settings: Array) -> Array:
         """Return the travels (m,) [m] of the named law at settings of the knob."""
         unknowns = self.unknowns_of(self.named)
-        return self.law_of(self.named).table(self.at(settings), unknowns[None])[0]
+        return np.asarray(self.law_of(self.named).table(self.at(settings), unknowns[None])[0])
 
     def held_out(self, name: str) -> float:
         """Return the root mean square [m] of the held-out errors of a family."""
@@ -555,7 +549,11 @@ class TravelJudgement:
         size, k = best.count, self.nuisances_count
         rows, smooth = [], []
         for one, n in zip(own, allotted(shares, count), strict=True):
-            scale = np.sqrt(rng.chisquare(HEAVY, (n, 1)) / HEAVY) if self.assumed else 1.0
+            scale = (
+                np.sqrt(rng.chisquare(THRESHOLDS.freedom, (n, 1)) / THRESHOLDS.freedom)
+                if self.assumed
+                else 1.0
+            )
             values = one.values + rng.normal(size=(n, len(one.values))) / scale @ one.root
             rows.append(values[:, : size + k])
             smooth.append(values[:, size + k :] * one.linear.bending)
@@ -579,7 +577,7 @@ class TravelJudgement:
         assert draws.off is not None
         assert draws.smooth is not None
         base, count = draws.unknowns[0], draws.off.shape[1]
-        steps = SLOPE * np.maximum(np.abs(base[:count]), SLOPE * np.abs(base[0]))
+        steps = STEP * np.maximum(np.abs(base[:count]), STEP * np.abs(base[0]))
         points = np.vstack(
             [base, base + np.diag(np.r_[steps, np.zeros(len(base) - count)])[:count]]
         )
@@ -591,7 +589,7 @@ class TravelJudgement:
     def _proposed(self, one: Solved, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Return draws (d, q) about a solution, within its bounds, and their log densities (d,)."""
         q = len(one.values)
-        scale = np.sqrt(rng.chisquare(HEAVY, (count, 1)) / HEAVY)
+        scale = _scales(count, rng)
         normal = rng.normal(size=(count, q)) / scale
         values = one.values + normal @ one.root
         law = one.linear.structure.law
@@ -601,7 +599,11 @@ class TravelJudgement:
         # reflected at what is least: it stays a draw, of about the same density
         inside = np.where(inside < low[:c], 2.0 * low[:c] - inside, inside)
         values[:, :c] = np.clip(inside, low[:c], high[:c])
-        density = -0.5 * (HEAVY + q) * np.log1p(np.sum(normal**2, axis=1) / HEAVY)
+        density = (
+            -0.5
+            * (THRESHOLDS.freedom + q)
+            * np.log1p(np.sum(normal**2, axis=1) / THRESHOLDS.freedom)
+        )
         return values, density - float(np.sum(np.log(np.abs(np.diag(one.root)) + 1e-300)))
 
     def _likelihood(self, travels: Array, freedom: float) -> Array:
@@ -671,7 +673,7 @@ class TravelJudgement:
         one = self.best_of(name)
         law = one.linear.structure.law
         spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
-        inside = one.values[: law.count] < TWO_SIDED * spread
+        inside = one.values[: law.count] < 2.0 * spread
         return [path for path, near in zip(law.model.free, inside, strict=False) if near]
 
     def untold(self, name: str) -> Collection[str]:
@@ -685,6 +687,12 @@ class TravelJudgement:
             for path, own, wide in zip(law.model.free, spread, prior, strict=False)
             if own * wide > UNTOLD
         ]
+
+
+def _scales(count: int, rng: np.random.Generator) -> Array:
+    """Return what normal draws are over to be of Student's t (count, 1)."""
+    nu = THRESHOLDS.freedom
+    return np.sqrt(rng.chisquare(nu, (count, 1)) / nu)
 
 
 def _counting(log: Array, power: float) -> float:
@@ -819,7 +827,7 @@ def judged_travels(
     for name in sorted(laws, key=lambda one: bool(laws[one].states)):
         law, usual = laws[name], given is None or name in ordinary
         if given is None and isinstance(law, DirectionDependent):
-            start = replace(coulomb, kinetic_coefficient=size.levels[0])
+            start = leading.with_unknowns(np.array(size.levels[:1]))
             if not moving_back(start, trials, t_end):
                 continue
         marked = set((assumed or {}).get(name, ()))
@@ -845,8 +853,8 @@ def judged_travels(
             one.model.check_rest(trials, one.values(best.unknowns[None])[0].tolist(), errors)
             fitted.append(one)
         except (StickslipError, ValueError, IndexError) as error:
-            known = isinstance(error, StickslipError)
-            dropped[name] = law, str(error) if known else "no values reproduce the travels"
+            why = str(error) if isinstance(error, StickslipError) else ""
+            dropped[name] = law, why or "no values reproduce the travels"
     if not fitted:
         raise InputError(
             "no law can be fitted to these travels: " + " ".join(why for _, why in dropped.values())

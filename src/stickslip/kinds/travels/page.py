@@ -4,6 +4,9 @@ import math
 from functools import partial
 from typing import Any, cast
 
+import numpy as np
+
+from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, capital, percent
 from stickslip.identify import (
     THRESHOLDS,
@@ -122,12 +125,10 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     return Section(id="trials", nav="Trials", heading=capital("each trial"), blocks=(table,))
 
 
-def _records(verdict: TravelVerdict) -> list[Any]:
+def _records(verdict: TravelVerdict) -> list[Measurement]:
     """Return the record of each trial: some hold several readings."""
-    return [record for record in verdict.measurement.records() for _ in range(len(_values(record)))]
-
-
-def _values(record: Any) -> list[float]:
-    import numpy as np
-
-    return np.atleast_1d(record.values(record.travelled)).tolist()
+    return [
+        record
+        for record in verdict.measurement.records()
+        for _ in np.atleast_1d(record.values(record.travelled))
+    ]

@@ -183,14 +183,14 @@ def _candidates(judgement: TravelJudgement, t_end: float) -> list[TravelCandidat
                 ),
             )
         )
-    for name, (law, why) in judgement.dropped.items():
+    for name, (left, why) in judgement.dropped.items():
         found.append(
             TravelCandidate(
                 name=name,
-                title=law.title,
-                law=law,
+                title=left.title,
+                law=left,
                 fit=None,
-                given=_seen(first, law, t_end),
+                given=_seen(first, left, t_end),
                 criteria=None,
                 dropped=why,
             )
