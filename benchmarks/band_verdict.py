@@ -101,6 +101,8 @@ class Travelled(Judged):
             for own, any_ in zip(
                 self.verdict.closest.fit.estimates, self.verdict.intervals, strict=True
             )
+            # coefficients of other powers of the speed are other quantities
+            if own.path.endswith("kinetic_coefficient") or judgement.named in (rig.family or ())
         ]
         self.faults = []
 

@@ -11,15 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.band_truths.rig import Array, Points, Rig
+from benchmarks.band_truths.rig import VISCOUS, Array, Points, Rig
 from benchmarks.travel_truth import STEPS, TRUTHS, TravelRig, draw, readings, unseen
-from stickslip import Measurement
+from stickslip import Measurement, fit
 from stickslip.friction import law_type
 from stickslip.quantities import parameters, vary
 
 SETS = ("free", "attached", "axis", "free", "attached", "axis", "capsule")
 SCATTERED = "scattered"
 OUTSIDE = ("saturating", "falling power", "wrong rig")
+POWERS = ("power-viscous", "falling power", "saturating")
 WRONG, SCATTER = 1.05, 0.03
 SATURATING: Any = law_type("saturating-viscous")
 FALLING: Any = law_type("stribeck-power")
@@ -50,6 +51,10 @@ def drawn(number: int, seed: int) -> Rig:
     def travels(points: Points) -> Array:
         return np.array([rig.travel(x) for x in points.velocity])
 
+    def fitted(points: Points) -> Array:
+        law = fit(mechanism, type(rig.law), measurement, t_end=rig.t_end).law
+        return np.array([rig.travel(x, law) for x in points.velocity])
+
     return Rig(
         kind="travels",
         truth=f"{truth} ({rig.kind})" if set_ == "capsule" else truth,
@@ -62,8 +67,11 @@ def drawn(number: int, seed: int) -> Rig:
         asked=Points(velocity=asked[within]),
         beyond=Points(velocity=asked[~within]),
         parameters={
-            path.rpartition(".")[2]: value for path, _, value in parameters(rig.law, "friction")
+            path.rpartition(".")[2]: value
+            for path, _, value in parameters(rig.law, "friction")
+            if not (path.endswith(VISCOUS) and truth in POWERS)  # of another power of the speed
         },
+        fitted=None if truth in OUTSIDE else fitted,
         t_end=rig.t_end,
     )
 

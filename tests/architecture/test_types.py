@@ -184,6 +184,7 @@ REVEALED = (
     "DataFrame",
     "DataFrame",
     "Dataset",
+    "ndarray[tuple[Any, ...], dtype[float64]]",
     "float",
     "float | None",
     "Stribeck",

@@ -353,7 +353,7 @@ class TravelLaw:
             high[self.count :] = np.minimum(high[self.count :], 10.0 * shapes.max(axis=0))
             best_few = points[: 1 if self.slow else REFINED]
             ends, left = descended(
-                residuals, best_few, low=low, high=high, sizes=scale, moving=every, steps=steps
+                residuals, best_few, low=low, high=high, sizes=scale, moving=every, steps=2 * steps
             )
             best = ends[np.argmin(left)][None]
             self.structures += self._structures(

@@ -73,15 +73,15 @@ STATED = 0.7
 """Probability that readings err as stated, beforehand."""
 PARTS = (0.5, 60.0, 12)
 """Unstated errors over the stated ones: least, largest, and how many are tried."""
-PROPOSED = 3
+PROPOSED = 2
 """Draws that are simulated for each that is kept ..."""
 SLOW = 8
 """... but no more of a law with bristles, whose runs take long."""
 MEETING, NEWTON = 0.3, 4
 """Part of the draws that count below which their leading coefficients are made to meet the
 readings, and by how many steps."""
-COUNTING = 20.0
-"""Effective number of draws of a family, at least."""
+COUNTING, TRIED = 5.0, 50
+"""Effective number of draws of a family at least, where there are this many."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 UNTOLD = 0.7
@@ -488,7 +488,7 @@ class TravelJudgement:
         own = [one for one in self.solved if one.linear.name == name]
         shares = np.asarray(softmax([one.evidence for one in own]))
         law = own[0].linear.structure.law
-        wanted = PROPOSED * count
+        wanted = PROPOSED * max(count, TRIED)
         if law.slow:
             wanted = min(wanted, max(SLOW, len(own)))
         rows, weights = [], []
@@ -498,6 +498,8 @@ class TravelJudgement:
                 continue
             c = one.linear.structure.count
             values, density = self._proposed(one, n, rng)
+            # the fit itself meets the readings, whatever linear proposals do
+            values[0, :c], values[0, c:] = one.linear.centre[:c], 0.0
             shape = np.tile(one.linear.structure.unknowns[c:], (n, 1))
             rows.append(np.column_stack([values[:, :c], shape, values[:, c : c + k]]))
             off = values - one.linear.means
@@ -515,7 +517,8 @@ class TravelJudgement:
             points = np.hstack([draws.unknowns, draws.nuisances])
             found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
         log = found
-        pick = np.searchsorted(np.cumsum(_tempered(log)), (np.arange(count) + 0.5) / count)
+        least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
+        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
         at = np.minimum(pick, len(points) - 1)
         return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
 
@@ -701,13 +704,13 @@ def _counting(log: Array, power: float) -> float:
     return 1.0 / float(np.sum(softmax(power * finite) ** 2)) if len(finite) else 0.0
 
 
-def _tempered(log: Array) -> Array:
-    """Return weights (d,) in sum 1: powers of likelihoods of which enough draws count."""
+def _tempered(log: Array, least: float) -> Array:
+    """Return weights (d,) in sum 1: powers of likelihoods of which at least so many draws count."""
     finite = np.isfinite(log)
     if not finite.any():
         return np.full(len(log), 1.0 / len(log))
     power = 1.0
-    while _counting(log, power) < min(COUNTING, finite.sum() / 2.0) and power > 1e-3:
+    while _counting(log, power) < min(least, finite.sum() / 2.0) and power > 1e-3:
         power *= 0.7
     return np.asarray(softmax(np.where(finite, power * log, -np.inf)))
 
@@ -757,8 +760,10 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     signed = np.array([not name.startswith("backward") for name in law.names[:count]])
     outside = np.zeros(len(step), dtype=bool)
     outside[:count] = (linear.centre + step < 0.0)[:count] & signed
-    if outside.any():  # coefficients are not negative: others follow those that are held at 0
-        step = np.where(outside, -linear.centre, step)
+    if outside.any():  # nothing is negative: others follow what is held
+        # coefficients end at 0, shapes stay
+        ends = np.where(np.arange(len(step)) < law.count, -linear.centre, 0.0)
+        step = np.where(outside, ends, step)
         right = columns.T @ left - precision * off - matrix[:, outside] @ step[outside]
         step[~outside] = np.linalg.solve(matrix[np.ix_(~outside, ~outside)], right[~outside])
     left = left - columns @ step
