@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
@@ -27,7 +28,7 @@ class Fault:
 
 def judged(rig: Rig) -> "Judged":
     """Return the verdict on a rig."""
-    return Judged(rig)
+    return Travelled(rig) if rig.kind == "travels" else Judged(rig)
 
 
 class Judged:
@@ -62,7 +63,7 @@ class Judged:
             None,
             rig.measurement,
             vary=["friction.*", *rig.unknown] if rig.unknown else None,
-            route=ROUTES.get(rig.kind, "balance"),  # type: ignore[arg-type]
+            route=ROUTES.get(rig.kind, "balance"),
             validate=validate,
         )
 
@@ -97,3 +98,55 @@ class Judged:
         rows = problem.at(places)
         loaded = getattr(problem, "loaded", False)
         return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)
+
+
+class Travelled(Judged):
+    """The verdict of `select` on travels, whose points are settings."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.verdict = select(rig.mechanism, None, rig.measurement, t_end=rig.t_end)
+        judgement = self.verdict.judgement
+        self.family = (judgement.named,)
+        self.set = list(self.verdict.set)
+        self.gain = 0.0 if judgement.explained else 1.0
+        self.parameters = [
+            Limits(path=own.path, low=own.low, high=own.high, low_any=any_.low, high_any=any_.high)
+            for own, any_ in zip(
+                self.verdict.closest.fit.estimates, self.verdict.intervals, strict=True
+            )
+            # coefficients of other powers of the speed are other quantities
+            if own.path.endswith("kinetic_coefficient") or judgement.named in (rig.family or ())
+        ]
+        self.faults = []
+
+    @override
+    def band(self, points: Points, *, all_along: bool = False) -> Any:
+        """Return low, median, high [m] of the travel at settings (n,)."""
+        return self.verdict.band(points.velocity, all_along=all_along)
+
+    @override
+    def readings(self, points: Points, level: float) -> Any:
+        """Return low, median, high [m] of new readings at settings (n,)."""
+        return self.verdict.readings(points.velocity, level=level)
+
+    @override
+    def predicted(self, points: Points) -> Array | None:
+        """Return travels [m] by the named law at settings (n,)."""
+        return np.asarray(self.verdict.judgement.named_travels(points.velocity))
+
+    @override
+    def advised(self) -> Points | None:
+        """Return no places: the study of travels has no further readings."""
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Intervals of a parameter, as `Interval` of other kinds has them."""
+
+    path: str
+    low: float
+    high: float
+    low_any: float
+    high_any: float

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 from tools.structure import lines_of_code
 
-from benchmarks.band_truths import decays, maps, records, tables
+from benchmarks.band_truths import decays, maps, records, tables, travels
 from benchmarks.band_truths.rig import VISCOUS, Array, Points, Rig
 from benchmarks.band_verdict import Judged, judged
 from stickslip.errors import StickslipError
@@ -43,11 +43,12 @@ KINDS: Mapping[str, Callable[[int, int], Rig]] = {
     "maps": maps.drawn,
     "records": records.drawn,
     "decays": decays.drawn,
+    "travels": travels.drawn,
 }
 LEVELS = (0.95, 0.80, 0.50)
 NEW = 20
 """New readings of each rig."""
-SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0}
+SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0, "travels": 3.0}
 """Processor time that a verdict of each kind may take [s]."""
 JUDGE = ("identify", "kinds", "identification", "evidence", "selection")
 """Packages of the judge."""

@@ -268,21 +268,18 @@ def judge(
     seconds = time.process_time() - began
     assert isinstance(verdict, TravelVerdict)
     best = verdict.best
-    ties = [
-        c for c in verdict.candidates if c is not best and not c.dropped and not c.distinguished
-    ]
+    ties = [c for c in verdict.candidates[1:] if (c.name,) in verdict.set]
     errors = {c.name: _error(rig, c) for c in (best, *ties) if c is not None}
     true = _true_names(rig, truth)
-    intervals = _intervals(rig, best.fit.estimates if best and best.fit else ())
-    alone = best.alone if best and best.name in true else ()
-    said = () if best is None else (best.name, *(c.name for c in ties), *best.otherwise)
+    intervals = _intervals(rig, verdict.intervals if best else ())
+    alone = best.fit.estimates if best and best.fit and best.name in true else ()
+    said = () if best is None else (best.name, *(c.name for c in ties))
     told = best is None or not true.isdisjoint(said)
     right = told or min(errors.values()) <= rig.error
     false = (not right) or any(one["far"] for one in intervals)
     return row | {
         "named": best.name if best else None,
         "ties": [c.name for c in ties],
-        "drifting": [] if best is None else [*best.otherwise],
         "verdict": verdict.sentence,
         "kind": rig.kind,
         "noise": rig.noise,

@@ -30,13 +30,13 @@ from stickslip import (
 )
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled, Sine, ThreePhase
-from stickslip.kinds.travels.figures import SEPARATION_SIZES
-from stickslip.kinds.travels.verdict import draw_proposal
+from stickslip.identify import draw_band
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.plots import (
     C1,
     DATA,
     INK,
+    MAP_SIZES,
     MUTED,
     SURFACE,
     Draw,
@@ -71,15 +71,15 @@ def card(name: str, draw: Draw, size: Size, title: str) -> None:
 
 
 def separation() -> None:
-    """Six laws that agree on the one travel that was measured."""
+    """The band of six laws that agree on the one travel that was measured."""
     rig = load_rig()
     verdict = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
     card(
         "separation.svg",
-        draw_proposal(verdict),
-        SEPARATION_SIZES["wide"],
-        "Travel that six fitted friction laws predict against the compression of the spring:"
-        " all meet at the one measured point and part at 40 and 150 mm",
+        draw_band(verdict.drawing()),
+        MAP_SIZES["wide"],
+        "Band of the travel over the compression of the spring, whichever of six friction laws"
+        " holds: narrow at the one measured point and wide at 40 and 150 mm",
     )
 
 

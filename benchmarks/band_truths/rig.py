@@ -93,6 +93,8 @@ class Rig:
     """The true structure, fitted to the readings by least squares."""
     second: Measurement | None = None
     """Another record of the same rig."""
+    t_end: float | None = None
+    """Time after which a body counts as stopped [s], of travels."""
     more: "Callable[[Points, int], Rig] | None" = None
     """The rig with further readings at points, drawn by a seed."""
 

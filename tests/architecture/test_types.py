@@ -71,7 +71,6 @@ from stickslip.mechanisms import Link, Torque
 from stickslip.outputs import EventTimes, Max
 from stickslip.results import RecordFit, TravelVerdict
 from stickslip.sweep import average_velocity
-from stickslip.kinds import plot_separation
 from stickslip.plots import draw_run, plot_run, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
@@ -139,7 +138,7 @@ reveal_type(result.to_dataframe())
 reveal_type(verdict.to_dataframe())
 reveal_type(runs.to_xarray())
 if isinstance(verdict, TravelVerdict):
-    plot_separation(verdict, verdict.plot()).set_title("next")
+    reveal_type(verdict.band([0.1]).low)
 
 sprung = SpringBlock(mass="1 kg", stiffness="100 N/m", lower_stop="-10 mm", upper_stop=None)
 cold = Stribeck(kinetic_coefficient="0.2", static_coefficient=0.3, stribeck_velocity="20 mm/s")
@@ -185,6 +184,7 @@ REVEALED = (
     "DataFrame",
     "DataFrame",
     "Dataset",
+    "ndarray[tuple[Any, ...], dtype[float64]]",
     "float",
     "float | None",
     "Stribeck",

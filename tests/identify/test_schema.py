@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from stickslip import Axis, Measurement, select
+from stickslip import Axis, Measurement, SpringBlock, select
 from stickslip.documents import document, json_text
 from stickslip.identify import BandVerdict
 
@@ -54,7 +54,16 @@ def force_map():
     return select(Axis(inertia=0.05), None, measured, route="balance")
 
 
-@pytest.fixture(scope="module", params=[table, record, force_map])
+def travels():
+    trials = tuple(
+        Measurement(travel=s, uncertainty=0.001, overrides={"mechanism.compression": x})
+        for x, s in ((0.06, 0.105), (0.08, 0.188), (0.10, 0.292), (0.12, 0.42))
+    )
+    rig = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
+    return select(rig, ["coulomb", "coulomb-viscous", "viscous"], Measurement(trials=trials))
+
+
+@pytest.fixture(scope="module", params=[table, record, force_map, travels])
 def content(request):
     verdict = request.param()
     return json.loads(json_text(document("select", {"rig": "Axis", **verdict.to_dict()})))
@@ -71,7 +80,8 @@ def test_the_schema_is_one_and_describes_every_part():
 def test_the_document_of_a_verdict_is_what_the_schema_says(content):
     Draft202012Validator(SCHEMA).validate(content)
     band = content["band"]
-    assert len({len(band[name]) for name in ("velocity", "low", "median", "high")}) == 1
+    over = "setting" if content["route"] == "travel" else "velocity"
+    assert len({len(band[name]) for name in (over, "low", "median", "high")}) == 1
     # the shares of the laws that are listed and that of the measured curve are of one ensemble
     assert sum(one["share"] for one in content["candidates"]) + content["curve_share"] <= 1.0 + 1e-9
     assert content["candidates"][0]["law"] == content["closest"]

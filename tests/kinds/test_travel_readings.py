@@ -33,7 +33,7 @@ from stickslip.identification.travel_model import (
     trials_of,
     under_cycles,
 )
-from stickslip.kinds.travels.start_values import starting_points
+from stickslip.identify.kinds.travel_starts import starting_points
 from stickslip.mechanisms import Torque
 
 WAVE = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)

@@ -6,7 +6,6 @@ import pytest
 from tests.support import sketched
 
 from stickslip import load_rig, select
-from stickslip.formatting import quantity, unbroken
 from stickslip.kinds.report import verdict_page
 from stickslip.paper import beside
 from stickslip.report import render
@@ -81,21 +80,8 @@ def test_a_rig_that_is_thrown_or_shot_backwards_has_a_report(tmp_path, v, compre
     path.write_text(TEXT.format(mass=1.0, v=v, compression=compression, travel=travel))
     page, verdict = report(load_rig(path))
     assert page.startswith("<!doctype html>")
-    assert verdict.best is None or "steps" in ids(page)
-
-
-def test_fixed_steps_follow_the_time_that_the_body_takes_to_stop(tmp_path):
-    # without a spring a thrown body stops at v / (mu g), here scaled by its speed
-    seen = {}
-    for v in (0.03, 3.0):
-        path = tmp_path / "rig.toml"
-        text = TEXT.format(mass=1.0, v=v, compression=0.0, travel=v**2 / 5.0)
-        path.write_text(text.replace("uncertainty = 0.01", ""))
-        page, verdict = report(load_rig(path))
-        seen[v] = verdict.best.criteria.stop_time
-        for parts in (50.0, 500.0):
-            assert unbroken(quantity(rounded_step(seen[v] / parts), "s")) in page
-    assert seen[3.0] > 50.0 * seen[0.03]
+    assert verdict.best is not None
+    assert {"verdict", "band", "models"} <= {*ids(page)}
 
 
 @pytest.mark.parametrize(

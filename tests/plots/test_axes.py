@@ -223,7 +223,6 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",
         plots.plot_presliding: "loop must be a PreslidingLoop or FrictionLaw",
-        kinds.plot_separation: "verdict must be a TravelVerdict, got",
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
         plots.plot_measurement: "measurement must be a Measurement",

@@ -25,12 +25,6 @@ from stickslip import (
 )
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Pulse, Sine
-from stickslip.kinds.travels.figures import (
-    SEPARATION_SIZES,
-    TRAVEL_SIZES,
-    draw_separation,
-    draw_travels,
-)
 from stickslip.plots import inline_svg
 from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
@@ -75,13 +69,6 @@ BRISTLE = {
 }
 
 
-def predictions(settings=(0.15, 0.06, 0.1), **options):
-    """Return a drawing of travels of three laws, two of which agree."""
-    level = [20 * value**2 for value in settings]
-    travels = {"coulomb": level, "viscous": [2 * value for value in settings], "dahl": level}
-    return draw_separation(settings, travels, "coulomb", what="compression", unit="m", **options)
-
-
 @pytest.fixture(scope="module")
 def runs():
     return {title: simulate(RIG, law, t_end=1.5) for title, law in LAWS.items()}
@@ -103,21 +90,10 @@ def figures(runs):
             RIG, COULOMB, t_end=1.0, solver=FixedStep(dt=0.01, stick_rule=False)
         ),
     }
-    titles = {"coulomb": "Coulomb", "viscous": "Viscous", "dahl": "Dahl"}
     return {
         "run": (draw_run(runs["Coulomb"]), RUN_SIZES, ["stick", "slip", "stop", "friction, N"]),
         "map": (draw_friction_velocity(runs["Dahl"]), FRICTION_SIZES, ["start", "velocity, m/s"]),
         "runs": (draw_runs(runs, chosen="Coulomb"), RUN_SIZES, ["Viscous", "displacement, m"]),
-        "travels": (
-            draw_travels(runs, "Coulomb", band=(0.195, 0.205)),
-            TRAVEL_SIZES,
-            ["measured", "Viscous", "Stribeck", "difference from Coulomb, mm"],
-        ),
-        "separation": (
-            predictions(measured=[(0.1, 0.2)], proposed=[0.06], titles=titles),
-            SEPARATION_SIZES,
-            ["0.450 m Coulomb, Dahl", "0.300 m Viscous", "measured", "measure here"],
-        ),
         "laws": (
             draw_characteristics(LAWS, 9.81, 0.7),
             characteristic_sizes(len(LAWS)),
@@ -155,8 +131,6 @@ NAMES = (
     "run",
     "map",
     "runs",
-    "travels",
-    "separation",
     "laws",
     "presliding",
     "excitations",
@@ -223,26 +197,6 @@ def test_every_drawing_is_named_by_its_room():
     assert drawn <= {*plots.__all__, *kinds.__all__}
 
 
-def test_only_the_proposed_settings_are_marked():
-    draw = predictions(measured=[(0.1, 0.2)], proposed=[0.06])
-    words = texts_of(inline_svg(draw, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
-    assert "measure here" in words
-    assert "and here" not in words
-    none = predictions(measured=[(0.1, 0.2)])
-    words = texts_of(inline_svg(none, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
-    assert "measure here" not in words
-
-
-def test_numbers_of_settings_have_room_and_those_to_measure_next_go_first():
-    values = (0.024, 0.036, 0.06, 0.075, 0.08, 0.1, 0.15)
-    figure = Figure(figsize=(8.8, 3.2))
-    predictions(values, proposed=[0.08])(figure, False)
-    (axes,) = figure.axes
-    shown = axes.get_xticks()
-    np.testing.assert_allclose(shown, [0.024, 0.036, 0.06, 0.08, 0.1, 0.15], rtol=1e-12)
-    np.testing.assert_allclose(sorted({*shown, *axes.get_xticks(minor=True)}), values, rtol=1e-12)
-
-
 def test_no_line_joins_the_velocities_before_and_after_a_body_hits_a_stop():
     drive = Sine(amplitude=60.0, frequency=2.0)
     axis = Axis(inertia=3.0, lower_stop=-0.02, upper_stop=0.02, restitution=0.4, drive=drive)
@@ -286,17 +240,6 @@ def test_friction_jumps_upright_at_an_event(runs):
     assert seen["friction"][at - 1] == pytest.approx(0.25 * 9.81)
     assert seen["friction"][at] == 0.0
     assert seen.t[at] - seen.t[at - 1] < 1e-15
-
-
-def test_one_law_alone_needs_no_differences(runs):
-    draw = draw_travels({"Coulomb": runs["Coulomb"]}, "Coulomb")
-    assert "difference" not in inline_svg(draw, alt="Travel", prefix="t", **TRAVEL_SIZES)
-
-
-def test_a_law_far_from_the_others_is_named_and_not_drawn_to_scale(figures):
-    draw, sizes, _ = figures["travels"]
-    words = texts_of(inline_svg(draw, alt="Travel", prefix="t", **sizes), "fw")
-    assert any(re.fullmatch(r"Viscous: up to \d+ mm, off the scale", word) for word in words)
 
 
 @pytest.mark.parametrize("kind", SKETCHES)

@@ -1,12 +1,40 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.identify.ensemble import PredictionBand as PredictionBand
+from stickslip.identify.ensemble import band_of as band_of
+from stickslip.identify.figures import BandDrawing as BandDrawing
+from stickslip.identify.figures import draw_band as draw_band
+from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.judge import Interval as Interval
+from stickslip.identify.kinds.travel_descent import descended as descended
+from stickslip.identify.kinds.travel_descent import slopes_of as slopes_of
+from stickslip.identify.kinds.travel_doubts import Propagated as Propagated
+from stickslip.identify.kinds.travel_doubts import agreeing_scale as agreeing_scale
+from stickslip.identify.kinds.travel_doubts import covariance_of as covariance_of
+from stickslip.identify.kinds.travel_doubts import propagated as propagated
+from stickslip.identify.kinds.travel_starts import Start as Start
+from stickslip.identify.kinds.travel_starts import doubling_slope as doubling_slope
+from stickslip.identify.kinds.travel_starts import force_and_speed as force_and_speed
+from stickslip.identify.kinds.travel_starts import nuisances_of as nuisances_of
+from stickslip.identify.kinds.travel_starts import plausible as plausible
+from stickslip.identify.kinds.travel_starts import room_for as room_for
+from stickslip.identify.kinds.travel_starts import spread_out as spread_out
+from stickslip.identify.kinds.travel_starts import starting_points as starting_points
+from stickslip.identify.kinds.travels import INSENSITIVE as INSENSITIVE
+from stickslip.identify.kinds.travels import TravelJudgement as TravelJudgement
+from stickslip.identify.kinds.travels import USUAL_LAWS as USUAL_LAWS
+from stickslip.identify.kinds.travels import judged_travels as judged_travels
+from stickslip.identify.laws import TITLES as TITLES
+from stickslip.identify.page import opening_section as opening_section
+from stickslip.identify.page import parameters_section as parameters_section
+from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.selection import select_record as select_record
 from stickslip.identify.selection import select_table as select_table
+from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS
 from stickslip.identify.verdict import BandVerdict as BandVerdict
 from stickslip.identify.verdict import LawCandidate as LawCandidate
 from stickslip.identify.verdict import LawFit as LawFit
+from stickslip.identify.wording import parameter_sentence as parameter_sentence
 
 __all__ = [
     "BandVerdict",

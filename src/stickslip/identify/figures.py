@@ -55,6 +55,8 @@ class BandDrawing:
     """Velocities that are proposed."""
     units: tuple[str, str]
     """Units of velocity and friction."""
+    names: tuple[str, str] = ("velocity", "friction")
+    """What is drawn over what: travels over a setting are drawn alike."""
 
 
 def draw_band(what: BandDrawing) -> "Draw":
@@ -98,8 +100,8 @@ def draw_band(what: BandDrawing) -> "Draw":
             axes.set_xscale("log" if v.max() > 0.0 else "symlog")
             _label_speeds(axes)
         axes.grid(axis="y")
-        axes.set_xlabel(f"velocity, {unit}")
-        axes.set_ylabel(f"friction, {force_unit}")
+        axes.set_xlabel(f"{what.names[0]}, {unit}")
+        axes.set_ylabel(f"{what.names[1]}, {force_unit}")
         # above the axes, where no reading lies beneath it
         look = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
         axes.legend(ncols=1 if narrow else 3, fontsize="small" if narrow else None, **look)

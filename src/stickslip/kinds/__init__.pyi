@@ -34,8 +34,6 @@ from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
 from stickslip.kinds.report import verdict_page as verdict_page
 from stickslip.kinds.report import write_report as write_report
 from stickslip.kinds.report import write_verdict as write_verdict
-from stickslip.kinds.travels.figures import draw_separation as draw_separation
-from stickslip.kinds.travels.figures import draw_travels as draw_travels
 from stickslip.kinds.travels.fit import fit_travels as fit_travels
 from stickslip.kinds.travels.plan.page import plan_page as plan_page
 from stickslip.kinds.travels.plan.planning import plan as plan
@@ -48,7 +46,6 @@ from stickslip.kinds.travels.result import TravelFit as TravelFit
 from stickslip.kinds.travels.selection import select_travels as select_travels
 from stickslip.kinds.travels.verdict import TravelCandidate as TravelCandidate
 from stickslip.kinds.travels.verdict import TravelVerdict as TravelVerdict
-from stickslip.kinds.travels.verdict import plot_separation as plot_separation
 from stickslip.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
 from stickslip.kinds.velocity_steps.result import RateStateFit as RateStateFit
 from stickslip.kinds.velocity_steps.selection import select_rate_state as select_rate_state
@@ -87,8 +84,6 @@ __all__ = [
     "TravelVerdict",
     "compare_features",
     "data_row",
-    "draw_separation",
-    "draw_travels",
     "features_of",
     "fit",
     "fit_features",
@@ -99,7 +94,6 @@ __all__ = [
     "kinds",
     "page_table",
     "plan",
-    "plot_separation",
     "refuse_unused",
     "select",
     "select_features",

@@ -47,7 +47,6 @@ HOMES = {
 INSIDE = {
     "Colour": "core.sparklines",
     "ContactsReport": "runs",
-    "ERRORS": "core.sparklines",
     "MOST": "core.blocks",
     "Origin": "core.documents",
     "PageSections": "core.documents",
@@ -61,7 +60,6 @@ INSIDE = {
     "documents": "core",
     "error_axis": "core.sparklines",
     "error_plot": "core.sparklines",
-    "evidence": "core.shared_sections",
     "formula_text": "core.formulas",
     "identified_heading": "core.shared_sections",
     "label_of": "core.markup",

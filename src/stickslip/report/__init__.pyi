@@ -42,7 +42,6 @@ from stickslip.report.core.page import render as render
 from stickslip.report.core.page import write as write
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
 from stickslip.report.core.shared_sections import certificate as certificate
-from stickslip.report.core.shared_sections import evidence as evidence
 from stickslip.report.core.shared_sections import identified_heading as identified_heading
 from stickslip.report.core.shared_sections import law_references as law_references
 from stickslip.report.core.shared_sections import opening as opening
@@ -51,7 +50,6 @@ from stickslip.report.core.shared_sections import record_and_checks as record_an
 from stickslip.report.core.shared_sections import reproduce as reproduce
 from stickslip.report.core.sparklines import Axis as Axis
 from stickslip.report.core.sparklines import Colour as Colour
-from stickslip.report.core.sparklines import ERRORS as ERRORS
 from stickslip.report.core.sparklines import Mark as Mark
 from stickslip.report.core.sparklines import RowPlot as RowPlot
 from stickslip.report.core.sparklines import error_axis as error_axis

@@ -19,9 +19,9 @@ from stickslip.identification import (
     under_cycles,
     with_known,
 )
+from stickslip.identify import Start, nuisances_of
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.search import fit_readings
-from stickslip.kinds.travels.start_values import Start, nuisances_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
 from stickslip.solver import prepare

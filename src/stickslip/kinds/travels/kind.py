@@ -10,11 +10,12 @@ from stickslip.experiments import Checks, Measurement, check
 from stickslip.formatting import quantity
 from stickslip.friction import law_type
 from stickslip.identification import AnyLaw, Laws, quantities_read
+from stickslip.identify import USUAL_LAWS
 from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request
 from stickslip.kinds.travels.fit import fit_travels
 from stickslip.kinds.travels.result import TravelFit
-from stickslip.kinds.travels.selection import PLAIN, select_travels
+from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of
@@ -45,7 +46,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
-        return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+        return [one if isinstance(one, str) else one.name for one in laws or USUAL_LAWS]
 
     @override
     def owner(self, law: Law) -> AnyLaw:
@@ -70,7 +71,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
         everyone = verdict.candidates
-        notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
+        notes = [f"{c.title}: {c.dropped}" for c in everyone if c.dropped]
         heads, rows = terminal_table(columns_of(verdict), everyone)
         return Comparison(heads=heads, rows=rows, notes=notes, checks=_of_units(verdict))
 

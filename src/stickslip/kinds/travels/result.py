@@ -13,7 +13,7 @@ from stickslip.experiments import LawEstimates, levels_at
 from stickslip.formatting import joined, quantity, ratio
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, Law_co, Trial, estimates_for, is_rig
-from stickslip.kinds.travels.propagation import agreeing_scale, covariance_of
+from stickslip.identify import agreeing_scale, covariance_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.simulation import simulate
 
@@ -45,9 +45,6 @@ def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float
     return max(1.0, chi_square / freedom) if freedom > 0 else 1.0, float(max(freedom, 0))
 
 
-COLLINEAR = 1e-6
-"""Singular value over the largest below which slopes, columns scaled, have no direction of their
-own: travels have differences of rounding along it."""
 LONG = 10.0
 """Time in which a body that comes to rest has had its largest speed [s]."""
 SAMPLES = 2001
@@ -229,26 +226,6 @@ class TravelFit(Fit[Law_co]):
             return 0.0
         residuals = np.array(self.residuals)
         return float(residuals @ np.linalg.solve(self.travel_covariance(), residuals))
-
-    def deviance(self, scale: float) -> float:
-        """Return minus twice the largest log-likelihood of several travels, less a constant.
-
-        It is chi-square plus the logarithm of the determinant of the covariance, over that of
-        uncorrelated micrometres, which is the same for all laws where the mechanism is known.
-
-        Parameters
-        ----------
-        scale : float
-            Variance of the readings over that of their standard errors. With another one than that
-            of the fit readings weigh otherwise: what was fitted follows to first order.
-        """
-        root = np.linalg.cholesky(self.travel_covariance(scale))
-        left = np.linalg.solve(root, np.array(self.residuals))
-        slopes = np.linalg.solve(root, np.array(self.slopes))
-        sizes = np.linalg.norm(slopes, axis=0)
-        slopes = slopes[:, sizes > 0.0] / sizes[sizes > 0.0]
-        left = left - slopes @ np.linalg.lstsq(slopes, left, rcond=COLLINEAR)[0]
-        return float(left @ left + 2.0 * np.sum(np.log(1e6 * np.diag(root))))
 
     @property
     def variance(self) -> tuple[float, float]:

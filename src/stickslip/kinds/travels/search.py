@@ -22,23 +22,23 @@ from stickslip.identification import (
     standard_errors,
     under_cycles,
 )
-from stickslip.kinds.travels.descent import descended, slopes_of
-from stickslip.kinds.travels.profiles import profile_ends
-from stickslip.kinds.travels.propagation import (
+from stickslip.identify import (
+    INSENSITIVE,
     Propagated,
+    Start,
     agreeing_scale,
     covariance_of,
-    propagated,
-)
-from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
-from stickslip.kinds.travels.start_values import (
-    Start,
+    descended,
     force_and_speed,
     plausible,
+    propagated,
     room_for,
-    spread,
+    slopes_of,
+    spread_out,
     starting_points,
 )
+from stickslip.kinds.travels.profiles import profile_ends
+from stickslip.kinds.travels.result import SIGNIFICANT, TravelFit, variance_of
 from stickslip.quantities import Quantity, parameters
 
 Array: TypeAlias = NDArray[np.float64]
@@ -94,8 +94,6 @@ UNSTATED = 0.02
 FREED = 4
 """Drawn points from which descents free what was drawn, at most; one where runs are of many
 cycles."""
-INSENSITIVE = "the trials hardly depend on it"
-"""Why an estimate has no interval."""
 TOGETHER = 0.95
 """Correlation beyond which two parameters are told in combination only."""
 AS_WELL = 3.841458820694124
@@ -208,7 +206,7 @@ def _freed(
         found = wide.with_free(found, most)
         # sticking makes branches that no simpler law leads to
         if wide.poor(found[0]) and wide.moves(found[0]):
-            coarse = _Problem(wide.model, spread(trials, FEW_TRIALS))
+            coarse = _Problem(wide.model, spread_out(trials, FEW_TRIALS))
             levels = [end[0] for end in ends if end[0] > 0.0] or [float(wide.scale[0])]
             scanned = coarse.scanned(points[-len(drawn) :], levels, FEW if cycles else MANY)
             ends_of = wide.descend(scanned, REFINED if cycles else BRIEF, own)

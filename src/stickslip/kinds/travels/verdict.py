@@ -1,114 +1,71 @@
 """What a selection on travels gives back."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Final, cast, final
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.display import plots
-from stickslip.errors import InputError
-from stickslip.formatting import Scale, count, joined, number, scale_of, with_unit, within
+from stickslip.experiments import Checks
+from stickslip.formatting import (
+    Scale,
+    count,
+    interval,
+    number,
+    percent,
+    scale_of,
+    with_unit,
+    within,
+)
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, Trial, quantities_read, trials_of
+from stickslip.identification import Estimate, Trial, quantities_read
+from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.travels.result import TravelFit
-from stickslip.kinds.travels.separations import Proposal, Separation
-from stickslip.quantities import fields_of, parameters
-from stickslip.selection import Candidate, Criteria, Verdict, plain, score_scale, score_text
-from stickslip.trajectory import Trajectory
+from stickslip.kinds.travels.settings import words_of
+from stickslip.quantities import parameters
+from stickslip.selection import Candidate, Criteria, Verdict, score_scale, score_text
+
+Array: TypeAlias = NDArray[np.float64]
 
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
-    from stickslip.plots import Draw
+    from stickslip.identify import BandDrawing
+
+MM: Final = Scale(1e3, "mm")
+"""What a terminal shows held-out errors in."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelCandidate(Candidate[TravelFit]):
-    """One law on travels: as given, as fitted, and what it does with each."""
+    """One law on travels: as given, as fitted, and its share of the band."""
 
     law: FrictionLaw
     """The law as given."""
     given: Criteria
     """What the mechanism does with it; in the first trial where there are several."""
-    run: Trajectory | None
-    """The fitted run; of the first trial where there are several."""
     criteria: Criteria | None
     """What the fitted run does; of the first trial too."""
-    score: float | None = None
-    """Held-out error [m], root mean square over trials; None where no trial is left to judge."""
-    score_error: float | None = None
-    """Its standard error [m]."""
-    held_out: tuple[float, ...] = ()
-    """Held-out error of each trial [m]."""
-    ordinary: bool = False
-    """Whether the values of the law are ordinary start values that nobody gave."""
-    influence: Mapping[str, float] = field(default_factory=dict)
-    """How far each parameter taken as given moves the travel [m] when changed by half."""
-    assumed: tuple[str, ...] = ()
-    """Names of the parameters that were neither measured nor fitted."""
-    refuted: str = ""
-    """Which value that was given the readings contradict, as a sentence; empty if they do not."""
-    marked: tuple[str, ...] = ()
-    """Names of the parameters whose values were given as assumed."""
-    invented: tuple[str, ...] = ()
-    """Names of the parameters that the law cannot do without and that were neither measured, given
-    nor fitted."""
-    beside: bool = False
-    """Whether nobody asked for the law: it is tried because it may change what is stated."""
-    alone: tuple[Estimate, ...] = ()
-    """Estimates with the intervals that they have if this law holds, of the law that is named;
-    those of its fit hold whichever law holds that the readings do not rule out."""
-    drifts: str = ""
-    """The law with the drift beside which it was fitted, in words; empty where none was."""
-    otherwise: Mapping[str, str] = field(default_factory=dict)
-    """Laws that explain the readings as well as this one if friction drifts from trial to trial, in
-    words, by name."""
-    passed_over: str = ""
-    """Why the law is not taken whatever its score; empty if it may be."""
-    distinguished: bool = True
-    """Whether the readings tell the law from the best one beyond their uncertainty."""
-
-    @property
-    def ran(self) -> bool:
-        """Whether there is a run of the law with fitted values."""
-        return self.fit is not None and self.criteria is not None
-
-    @property
-    def unscored(self) -> str:
-        """Why there is no held-out error, in words; empty if there is one."""
-        if self.score is not None:
-            return ""
-        if self.dropped:
-            return self.dropped
-        if self.invented:
-            names = joined([f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented])
-            verb = "was" if len(self.invented) == 1 else "were"
-            return f"not scored: {names} {verb} assumed, not fitted"
-        if self.fit and self.fit.settings > 1:
-            return "not scored: the readings rule it out"
-        return "no held-out trials: all trials repeat one setting"
-
-    @property
-    def guessed(self) -> tuple[str, ...]:
-        """Names of what was not fitted and nobody measured: invented, or given as assumed."""
-        return self.invented or tuple(name for name in self.marked if name in self.assumed)
+    held_out: float | None = None
+    """Root mean square of the held-out errors [m]; None where all trials repeat one setting."""
+    share: float = 0.0
+    """Share of the band."""
+    evidence: float = -math.inf
+    """Evidence less that of the named law."""
 
     @property
     @override
-    def parameters(self) -> int:
-        """Number of parameters that were fitted or invented."""
-        return (len(self.fit.estimates) if self.fit else 0) + len(self.invented)
+    def score(self) -> float | None:
+        return self.held_out
 
-    @override
-    def __str__(self) -> str:
-        """Return the law, what was fitted and how well it predicts, in one line."""
-        if self.dropped or self.fit is None:
-            return f"{self.title}: dropped, {self.dropped}"
-        score = "" if self.score is None else f"; held-out error {number(1e3 * self.score, 2)} mm"
-        return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
+    @property
+    def count(self) -> int:
+        """Number of coefficients that were fitted."""
+        return self.parameters
 
     @override
     def to_row(self) -> Mapping[str, Any]:
@@ -119,19 +76,14 @@ class TravelCandidate(Candidate[TravelFit]):
         law = self.fit.law if self.fit else self.law
         return {
             "law": self.name,
+            "title": self.title,
+            "parameters": self.count,
+            "held_out_error": self.held_out,
+            "share": self.share,
+            "evidence": self.evidence if math.isfinite(self.evidence) else None,
+            "outcome": self.outcome,
             "dropped": self.dropped,
-            "passed_over": plain(self.passed_over),
-            "score": self.score,
-            "score_error": self.score_error,
-            "held_out": list(self.held_out),
-            "parameters": {path: value for path, _, value in parameters(law, "friction")},
-            "taken_as_given": list(self.assumed),
-            "invented": list(self.invented),
-            "beside": self.beside,
-            "alone": [estimate.to_dict() for estimate in self.alone],
-            "distinguished": self.distinguished,
-            "otherwise": dict(self.otherwise),
-            "influence_on_travel": dict(self.influence),
+            "values": {path: value for path, _, value in parameters(law, "friction")},
             "fit": self.fit.to_dict() if self.fit else None,
             "criteria_as_given": asdict(self.given),
             "criteria_fitted": asdict(self.criteria) if self.criteria else None,
@@ -141,42 +93,53 @@ class TravelCandidate(Candidate[TravelFit]):
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelVerdict(Verdict[TravelCandidate]):
-    """A verdict on travels."""
+    """Which law to use, and what the travel is at a setting whichever law holds."""
 
-    separations: tuple[Separation, ...]
-    """Predictions for measurements not yet made, in the order of the setting."""
-    proposal: Proposal | None
-    """The settings to measure next; None where there is no law to name or no other to tell from."""
+    judgement: TravelJudgement
+    """What the verdict is read from."""
+    settings: Array
+    """Settings (m,) over which the verdict states the band [SI]; empty without any."""
+    travel: PredictionBand | None
+    """Band of the travel there [m]."""
+    checks: Checks
+    """What is doubtful about the readings."""
+    intervals: tuple[Estimate, ...]
+    """Parameters of the named law with their intervals whichever law has them."""
+    places: tuple[float, ...] = ()
+    """Settings that are proposed [SI]."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
 
     @property
-    def explained(self) -> tuple[TravelCandidate, ...]:
-        """The candidates that reproduce the measurement."""
-        return tuple(candidate for candidate in self.candidates if not candidate.dropped)
+    def trials(self) -> Sequence[Trial]:
+        """What was measured, trial by trial, whatever quantity was read."""
+        return self.judgement.trials
 
     @property
     @override
-    def closest(self) -> TravelCandidate | None:
-        """The best law, or the one that would be taken if the readings did not contradict it."""
-        return self.best or next((c for c in self.explained if c.fit is not None), None)
+    def closest(self) -> TravelCandidate:
+        return self.candidates[0]
 
     @property
-    def trials(self) -> tuple[Trial, ...]:
-        """What was measured, trial by trial, whatever quantity was read."""
-        return trials_of(self.mechanism, self.measurement, self.t_end)
+    def law(self) -> FrictionLaw:
+        """The named law."""
+        assert self.closest.fit is not None
+        return self.closest.fit.law
 
     @property
-    def measured_band(self) -> tuple[float, float] | None:
-        """The range of the first measured travel [m]; None if it has no stated uncertainty."""
-        first = self.trials[0]
-        half = first.half_width
-        return (first.travel - half, first.travel + half) if half else None
+    def set(self) -> tuple[tuple[str, ...], ...]:
+        """Laws that are not told apart, the named one first."""
+        return tuple((name,) for name in self.judgement.set)
 
     @property
-    def score_scale(self) -> Scale:
-        """What held-out errors [m] are shown in."""
-        return score_scale([c.score for c in self.candidates], "m")
+    def curve_share(self) -> float:
+        """Share of the curve as measured, which is no law, in the band."""
+        return self.judgement.shares.get("", 0.0)
+
+    @property
+    def explained(self) -> bool:
+        """Whether a law predicts as well as the measured curve."""
+        return self.judgement.explained
 
     @property
     @override
@@ -188,25 +151,169 @@ class TravelVerdict(Verdict[TravelCandidate]):
     def score_unit(self) -> str:
         return "m"
 
+    @property
+    def scale(self) -> Scale:
+        """Multiple of the unit in which held-out errors are shown."""
+        return score_scale([one.held_out for one in self.candidates], "m")
+
+    def band(
+        self, settings: Array | Sequence[float] | float, *, level: float = 0.95,
+        all_along: bool = False,
+    ) -> PredictionBand:  # fmt: skip
+        """Return what the travel is at settings, whichever law holds.
+
+        Parameters
+        ----------
+        settings : array_like (n,)
+            Values of what the trials set, such as a compression [m].
+        level : float
+            Probability with which the travel at each setting lies in the band.
+        all_along : bool
+            Whether that is the probability that it lies in the band at all of them together.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [m].
+
+        Raises
+        ------
+        InputError
+            If trials differ in more than one parameter, and none is usually set.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous, select
+        >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+        >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+        >>> band = select(rig, [Coulomb, Viscous], reading).band([0.15])
+        >>> bool(band.low[0] < 0.30 < 0.45 < band.high[0])
+        True
+        """
+        at = np.atleast_1d(np.asarray(settings, dtype=float))
+        return band_of(self.judgement.travels(at), level, all_along=all_along)
+
+    def readings(
+        self, settings: Array | Sequence[float] | float, *, level: float = 0.95
+    ) -> PredictionBand:
+        """Return the band of new readings: the travel and the error of a reading.
+
+        Parameters
+        ----------
+        settings : array_like (n,)
+            Values of what the trials set [SI].
+        level : float
+            Probability with which a reading at each setting lies in the band.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [m].
+        """
+        at = np.atleast_1d(np.asarray(settings, dtype=float))
+        travels = self.judgement.travels(at)
+        random = np.random.default_rng(self.judgement.seed + 3)
+        travels = travels + self.judgement.noise(at) * random.normal(size=travels.shape)
+        ends = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
+        low, median, high = np.quantile(travels, ends, axis=0)
+        return PredictionBand(low=low, median=median, high=high)
+
+    def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
+        """Return laws drawn over the set with their covariances, for ensembles of runs.
+
+        Parameters
+        ----------
+        count : int
+            Number of laws.
+        seed : int
+            Seed of the draws.
+
+        Returns
+        -------
+        list of FrictionLaw
+            Laws of `stickslip.friction`, by their shares.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous, select
+        >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+        >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+        >>> len(select(rig, [Coulomb, Viscous], reading).sample(5))
+        5
+        """
+        again = self.judgement if not seed else replace(self.judgement, seed=seed)
+        laws = [law for draws in again.draws for law in again.laws_of(draws)]
+        order = np.random.default_rng(seed).permutation(len(laws))
+        return [laws[k] for k in np.resize(order, count)]
+
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        """Draw what laws predict at other settings where nothing is ranked."""
-        if self.scored:
-            return cast("Drawing", plots().plot_scores(self, ax))
-        return plot_separation(self, ax)
+        from stickslip.identify import plot_band  # loads matplotlib
+
+        return plot_band(self.drawing(), ax)
+
+    def drawing(self) -> "BandDrawing":
+        """Return what the figure of the verdict shows: travels over the setting."""
+        from stickslip.identify import BandDrawing  # loads matplotlib
+
+        judgement = self.judgement
+        assert judgement.knob is not None
+        assert self.travel is not None
+        path = judgement.knob[0]
+        unit = {p: q.unit for p, q, _ in parameters(self.mechanism, "mechanism")}[path]
+        return BandDrawing(
+            velocity=judgement.settings,
+            friction=judgement.measured,
+            load=np.ones(len(judgement.measured)),
+            weights=np.ones(len(judgement.measured)),
+            speeds=self.settings,
+            band=self.travel,
+            law=judgement.named_travels(self.settings),
+            title=self.closest.title,
+            places=self.places,
+            units=(unit, "m"),
+            names=(words_of(path), "travel"),
+        )
 
     @override
     def _basis(self) -> str:
         trials = count(len(self.measurement.records()), "trial")
-        judged = "ranked by held-out error" if self.ranked else "not ranked"
-        return f", {len(self.explained)} explain {trials}; {judged}"
+        return f"; {trials}, {'ranked' if self.ranked else 'not ranked'} by held-out error"
 
     @override
     def _details(self) -> Mapping[str, Any]:
+        judgement, fit = self.judgement, self.closest.fit
+        assert fit is not None
+        path = judgement.knob[0] if judgement.knob else ""
+        units = {p: q.unit for p, q, _ in parameters(self.mechanism, "mechanism")}
+        band = self.travel
+        pairs = zip(fit.estimates, self.intervals, strict=True)
         return {
-            "proposal": self.proposal.to_dict() if self.proposal else None,
-            "next_measurements": [separation.to_dict() for separation in self.separations],
-        }
+            "explained": self.explained,
+            "set": [list(one) for one in self.set],
+            "curve_share": self.curve_share,
+            "units": {"setting": units.get(path, ""), "travel": "m"},
+            "band": None if band is None else {
+                "parameter": path,
+                "setting": self.settings.tolist(),
+                "low": band.low.tolist(),
+                "median": band.median.tolist(),
+                "high": band.high.tolist(),
+                "level": 0.95,
+            },
+            "parameters": [
+                {
+                    "parameter": one.path, "value": one.value, "low": one.low, "high": one.high,
+                    "low_any": every.low, "high_any": every.high,
+                }
+                for one, every in pairs
+            ],
+            "causes": [],
+            "patterns": [],
+            "outliers": {},
+            "measure_at": {"setting": list(self.places)},
+            "inside_second": None,
+        }  # fmt: skip
 
 
 def estimate_text(estimate: Estimate) -> str:
@@ -215,154 +322,64 @@ def estimate_text(estimate: Estimate) -> str:
     return f"${estimate.quantity.symbol}$ = {with_unit(value, estimate.quantity.unit)}"
 
 
-def estimate_range(estimate: Estimate) -> str:
-    """Return the interval of an estimate, or why it has no end."""
-    text = estimate.range
-    return f"{text}: {estimate.reason}" if estimate.reason and not estimate.bounded else text
-
-
-def _estimates(one: TravelCandidate) -> Sequence[Estimate]:
-    return one.fit.estimates if one.fit else ()
+def _fitted(one: TravelCandidate) -> str | None:
+    return ", ".join(map(estimate_text, one.fit.estimates)) if one.fit else None
 
 
 def _ranges(one: TravelCandidate) -> str:
-    return ", ".join(estimate.range for estimate in _estimates(one))
-
-
-def _of_run(text: Callable[[Criteria], str]) -> Callable[[TravelCandidate], str | None]:
-    return lambda one: None if one.criteria is None else text(one.criteria)
-
-
-MM: Final = Scale(1e3, "mm")
-"""What a terminal shows held-out errors in."""
+    return ", ".join(interval(e.low, e.high) for e in one.fit.estimates) if one.fit else ""
 
 
 def columns_of(verdict: TravelVerdict | None) -> Columns[TravelCandidate]:
-    """Return what tables say of each law; of no verdict, only values, which need none.
-
-    A terminal has travels in one unit, and as they were read; a page has the scores first.
-    """
-    ranked, best, errors, scale = False, None, MM, MM
-    trials: tuple[Trial, ...] = ()
+    """Return what tables say of each law; of no verdict, only values, which need none."""
+    ranked, errors, scale, read = False, MM, MM, ""
+    trials: Sequence[Trial] = ()
     if verdict is not None:
-        ranked, best, trials = verdict.ranked, verdict.best, verdict.trials
-        runs = [c.criteria.travel for c in verdict.candidates if c.criteria]
-        errors, scale = verdict.score_scale, scale_of(runs, "m")
+        ranked, errors, trials = verdict.ranked, verdict.scale, verdict.trials
+        scale = scale_of([c.criteria.travel for c in verdict.candidates if c.criteria], "m")
+        read = quantities_read(trials)
+
+    def travel(one: TravelCandidate) -> float:
+        return one.criteria.travel if one.criteria else math.nan
+
     return (
         Column(
             key="law", title="law", page="model", numeric=False,
             value=lambda one: one.name, text=lambda one: one.title,
         ),
         Column(
-            page=f"held-out error\n{errors.unit}" if ranked else "", plotted=True,
-            text=lambda one: score_text(errors, one.score, one.score_error),
-        ),
-        Column(
-            key="parameters", title="fitted", page="fitted", numeric=True,
+            key="parameters", title="fitted", page="fitted",
             value=lambda one: ", ".join(
-                f"{e.quantity.symbol} = {number(e.value)}" for e in _estimates(one)
+                f"{e.quantity.symbol} = {number(e.value)}"
+                for e in (one.fit.estimates if one.fit else ())
             ),
-            text=lambda one: ", ".join(map(estimate_text, _estimates(one)))
-            if one.ran else "no value fits",
+            text=lambda one: _fitted(one) or None, why_empty="no value fits",
+        ),
+        Column(key="range", title="95 %", page="95 %", phone="label", value=_ranges,
+               text=lambda one: _ranges(one) or None),
+        Column(
+            key="travel", title="travel", page="travel\nm" if not ranked else "", phone="hide",
+            value=travel, text=lambda one: scale.error(travel(one)) if one.criteria else None,
         ),
         Column(
-            key="range", title="range", page="" if ranked else "range", phone="label",
-            label="range", value=_ranges, text=lambda one: _ranges(one) if one.ran else None,
-        ),
-        Column(page="not fitted", numeric=False, phone="label", label="not fitted:"),
-        Column(
-            key="travel", title="travel", page="" if ranked else "travel\nm", phone="hide",
-            value=lambda one: one.criteria.travel if one.criteria else math.nan,
-            text=_of_run(lambda seen: scale.error(seen.travel)),
+            title=read,
+            text=lambda one: trials[0].as_read(travel(one)) if one.criteria else None,
         ),
         Column(
-            title=quantities_read(trials),
-            text=_of_run(lambda seen: trials[0].as_read(seen.travel)),
-        ),
-        Column(
-            title="velocity never < 0",
-            text=_of_run(lambda seen: "yes" if seen.velocity_never_negative else "no"),
+            title="velocity never < 0", page="velocity\nnever < 0", phone="label",
+            text=lambda one: None if one.criteria is None
+            else "yes" if one.criteria.velocity_never_negative else "no",
         ),
         Column(
             key="score", title="held-out error, mm" if ranked else "",
+            page=f"held-out error\n{errors.unit}" if ranked else "", plotted=True,
             value=lambda one: math.nan if one.score is None else one.score,
-            text=lambda one: None if one.score is None
-            else score_text(MM, one.score, one.score_error),
+            text=lambda one: None if one.score is None else score_text(errors, one.score),
         ),
         Column(
-            page=f"largest difference\nfrom {best.title}, mm" if best and not ranked else "",
-            phone="label", label="differs by up to, mm",
+            key="share", title="share", page="share of the band", phone="label",
+            value=lambda one: one.share,
+            text=lambda one: percent(one.share) if one.share >= 0.005 else None,
         ),
+        Column(key="outcome", title="", page="", value=lambda one: one.outcome or one.dropped),
     )  # fmt: skip
-
-
-def misfit(candidate: TravelCandidate) -> float:
-    """Return the root mean square of the residuals of a fit [m]."""
-    residuals = candidate.fit.residuals if candidate.fit else ()
-    return math.sqrt(sum(r * r for r in residuals) / max(len(residuals), 1))
-
-
-def draw_proposal(verdict: TravelVerdict) -> "Draw":
-    """Return a drawing of what the laws of a verdict predict, and where to measure next."""
-    from stickslip.kinds.travels.figures import draw_separation
-
-    proposal = verdict.proposal
-    if proposal is None or not verdict.separations:
-        raise InputError(
-            "the verdict proposes no measurement, so there are no predictions to draw: no law was"
-            " chosen, or no other law to distinguish it from."
-        )
-    rows = verdict.separations
-    measured = []
-    for trial in verdict.trials:
-        settings = {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
-        if settings.get(rows[0].path) is not None:
-            measured.append((float(settings[rows[0].path]), trial.travel))
-    names = (proposal.best, *proposal.rivals)
-    return draw_separation(
-        [row.value for row in rows],
-        {name: [row.predicted[name] for row in rows] for name in names},
-        proposal.best,
-        measured,
-        what=rows[0].path.rpartition(".")[2].replace("_", " "),
-        unit=rows[0].unit,
-        proposed=[row.value for row in proposal.settings],
-        titles={candidate.name: candidate.title for candidate in verdict.candidates},
-    )
-
-
-def plot_separation(verdict: TravelVerdict, ax: "Target" = None) -> "Drawing":
-    """Plot the travel that each law of a verdict predicts against the setting of the rig.
-
-    Parameters
-    ----------
-    verdict : TravelVerdict
-        A selection by travels, with a proposal.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel, with what was measured and a band at each setting to measure next.
-
-    Raises
-    ------
-    InputError
-        If the verdict proposes no measurement.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from stickslip import Coulomb, Measurement, SpringBlock, select
-    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    >>> laws = [Coulomb(kinetic_coefficient=0.25), "viscous"]
-    >>> verdict = select(rig, laws, Measurement(travel=0.20, uncertainty=0.005))
-    >>> plot_separation(verdict, Figure()).get_ylabel()
-    'travel, m'
-    """
-    from stickslip.kinds.travels.figures import SEPARATION_SIZES
-    from stickslip.plots import check_type, on_axes
-
-    check_type("verdict", verdict, TravelVerdict)
-    return on_axes(draw_proposal(verdict), ax, SEPARATION_SIZES["wide"])

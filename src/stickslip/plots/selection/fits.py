@@ -330,9 +330,8 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-        Held-out errors with their standard errors, the law to use in blue. Where travels rank
-        nothing, what laws predict at other settings, as `plot_separation`; of tables, the band of
-        friction over the velocity.
+        Held-out errors with their standard errors, the law to use in blue; of tables, records and
+        travels, the band of friction over the velocity or of the travel over the setting.
 
     Raises
     ------

@@ -6,7 +6,7 @@ from typing import Final
 from stickslip.formatting import number
 from stickslip.kinds.travels.plan.sheet import Plan
 from stickslip.kinds.travels.plan.tables import SheetTable, tables_of
-from stickslip.kinds.travels.separations import unit_of
+from stickslip.kinds.travels.settings import unit_of
 from stickslip.report import (
     Blank,
     Block,

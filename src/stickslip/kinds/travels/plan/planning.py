@@ -34,14 +34,13 @@ from stickslip.identification import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.kinds.travels.admissibility import limit_of
+from stickslip.identify import covariance_of, doubling_slope
 from stickslip.kinds.travels.fit import fit_trials, payable
 from stickslip.kinds.travels.plan.preparing import how_to, otherwise
 from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Telling
-from stickslip.kinds.travels.propagation import covariance_of
 from stickslip.kinds.travels.result import TravelFit
 from stickslip.kinds.travels.search import expected_fit
-from stickslip.kinds.travels.separations import (
+from stickslip.kinds.travels.settings import (
     Separation,
     knob_of,
     predictions,
@@ -49,8 +48,6 @@ from stickslip.kinds.travels.separations import (
     unit_of,
     words_of,
 )
-from stickslip.kinds.travels.start_values import doubling_slope
-from stickslip.kinds.travels.wording import ADVICE
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.selection import check_any
@@ -93,6 +90,26 @@ NEAR_STOP = 1e-9
 """Distance from a hard stop at which the body is at it [m]."""
 MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
+
+ADVICE = {
+    "static_coefficient": (
+        "Pull slowly until the block moves: the force at break-away is $mu_s$ times the load."
+    ),
+    "bristle_stiffness": (
+        "Record a presliding loop: apply an alternating force below break-away; the slope of force"
+        " against displacement gives $sigma_0$."
+    ),
+    "bristle_damping": "Record presliding loops at two rates, which give $sigma_1$.",
+    "stribeck_velocity": (
+        "Record the velocity over the last centimetre (240 frames per second or more): the rise of"
+        " friction before the stop gives $v_s$."
+    ),
+    "viscous_coefficient": "Record the velocity of one run: its curvature gives $sigma_2$.",
+    "viscous_exponent": (
+        "Record the velocity of one run: how its decay changes with the speed gives $p$."
+    ),
+}
+"""Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
 
 def plan(
@@ -610,7 +627,7 @@ def _rows(
     t_end: float,
 ) -> tuple[tuple[Separation, ...], list[str]]:
     """Return settings at which the body moves, and which were left out, as sentences."""
-    rows = predictions(mechanism, laws, path, [(one, False) for one in settings], t_end=t_end)
+    rows = predictions(mechanism, laws, path, settings, t_end=t_end)
     least = MOVES * max((abs(row.predicted[named]) for row in rows), default=0.0)
     kept = tuple(row for row in rows if abs(row.predicted[named]) > least)
     if len(kept) < 2:
@@ -766,3 +783,20 @@ def _expected(bench: _Bench, laws: Mapping[str, FrictionLaw], repeats: int) -> l
                 )
             )
     return found
+
+
+def limit_of(law: FrictionLaw, name: str) -> float:
+    """Return the lowest value that a parameter of a law may have beside the others.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    >>> limit_of(law, "kinetic_coefficient"), limit_of(law, "static_coefficient")
+    (0.0, 0.2)
+    """
+    quantity = fields_of(type(law))[name]
+    limits = [quantity.low, quantity.above or 0.0]
+    if quantity.at_least is not None:
+        limits.append(getattr(law, quantity.at_least))
+    return float(max(limits))

@@ -13,7 +13,7 @@ from stickslip.described import Described
 from stickslip.formatting import count, joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
-from stickslip.kinds.travels.separations import Separation, unit_of, words_of
+from stickslip.kinds.travels.settings import Separation, unit_of, words_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.tables import Tabular

@@ -10,7 +10,7 @@ from typing import final
 
 from stickslip.formatting import count, fixed, joined, number, quantity, significant
 from stickslip.kinds.travels.plan.sheet import Plan, Telling
-from stickslip.kinds.travels.separations import unit_of
+from stickslip.kinds.travels.settings import unit_of
 from stickslip.quantities import parameters
 
 BLOCK = 6

@@ -73,7 +73,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     """
     if any(map(is_rig, model.free)):
         return _with_rig(model, trials)
-    trials = spread(trials, 3)
+    trials = spread_out(trials, 3)
     first, *others = model.free
     names = {path: path.rpartition(".")[2] for path in model.free}
     centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
@@ -162,11 +162,11 @@ def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
         )
         drawn[:, 0] = np.exp(ends[0] + (ends[1] - ends[0]) * shares[:, 0])
     rows += drawn.tolist()
-    few = spread(trials, 4 * len(centre))
+    few = spread_out(trials, 4 * len(centre))
     return _best(rows, _costs(_table(model, few, rows), few))
 
 
-def spread(trials: Sequence[Trial], most: int) -> list[Trial]:
+def spread_out(trials: Sequence[Trial], most: int) -> list[Trial]:
     """Return one trial of each setting; of many some, from the shortest to the longest travel."""
     different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
     chosen = np.linspace(0, len(different), most).astype(int)

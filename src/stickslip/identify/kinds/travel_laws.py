@@ -1,0 +1,477 @@
+r"""Laws fitted to travels: coefficients by least squares, shapes on a grid.
+
+A law is told from travels by its *coefficients*: a level, slopes with speed, a static surplus.
+What they hardly tell, its *shape* (speeds, exponents, bristles), is tried on a grid of plausible
+values. For each shape the coefficients :math:`c` minimise
+
+.. math:: \sum_i \frac{(T_i - T(s_i; c))^2}{\sigma_i^2} + \sum_j \frac{(c_j - m_j)^2}{\tau_j^2},
+
+by damped Gauss-Newton descents (`travel_descent`), all shapes in one ensemble of runs. The second
+sum is a prior, as wide as what is plausible: slopes that double friction at the largest speed, a
+surplus of half the level. The level has none. Searches begin at the levels where a scan of the
+leading coefficient explains the travels best; a body that swings before it rests has several.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from stickslip.friction import FrictionLaw
+from stickslip.identification import TravelModel, Trial, required_of, under_cycles
+from stickslip.identify.kinds.travel_descent import descended, slopes_of
+from stickslip.identify.kinds.travel_starts import force_and_speed, room_for, spread_out
+from stickslip.identify.problem import Array
+from stickslip.mechanisms import slip_of
+from stickslip.quantities import fields_of
+from stickslip.simulation import simulate
+
+LEVELS = np.geomspace(1e-5, 1e5, 61)
+"""Leading coefficients at which it is first looked whether anything moves."""
+FINE, SPAN = 240, 300.0
+"""Levels of the scan, and its largest over its smallest."""
+HOLDING = 10.0
+"""Level that holds the body over the least one by which priors are scaled."""
+MOVES = 1e-3
+"""Travel over those measured from which a body moves."""
+POOR = 0.01
+"""Share of the squared travels that the best level leaves from which others are tried too."""
+BRANCHES = 4
+"""Levels from which searches begin, at most."""
+SPEEDS = (0.03, 0.1, 0.25, 0.6)
+"""Speeds of shapes over the largest one of a run."""
+STIFFNESSES = (1e4, 1e5)
+"""Stiffness of bristles over the level [1/m]."""
+EXPONENTS = (0.33, 0.5, 1.5, 2.0)
+"""Powers of the speed."""
+DAMPING = 0.18
+"""Damping of bristles over the root of their stiffness and of the level [s/m^.5]."""
+LEADING, SURPLUS, SIDES = 3.0, 0.5, 0.3
+"""Prior spread of the leading coefficient, over itself; of a static surplus, and of differences
+between directions, over the level."""
+TRIED = np.geomspace(0.25, 1.3, 10)
+"""Levels over that of a branch from which laws with more than a level are tried."""
+SHARES = (0.05, 0.5, 1.5)
+"""The same of further coefficients, over their prior spread."""
+POINTS = 64
+"""Combinations that are tried of each shape, at most; half where runs are of many cycles."""
+STEPS = 8
+"""Steps of a descent."""
+REFINED, WIDE = 3, 2.0
+"""Shapes that are fitted too, from the best of the grid, and as many settings at which starts are
+tried; and the prior spread of shapes over themselves."""
+FAILED = 1e6
+"""Standardised residual of a run that cannot be made."""
+APART, WORSE = 1e-2, 20.0
+"""Relative distance from which minima are apart, and how much worse the best may leave them."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Size:
+    """Sizes that follow from the leading coefficient that fits alone."""
+
+    levels: Sequence[float]
+    """Levels at which it explains the travels best, the best first."""
+    level: float
+    """A level as large as friction may be: of the best, or a part of that which holds the body."""
+    force: float
+    """Friction with it [N]."""
+    speed: float
+    """Largest speed of a run with it [m/s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TravelStructure:
+    """A law in one shape, fitted to the travels."""
+
+    law: "TravelLaw"
+    count: int
+    """Number of coefficients: those of the law, or all parameters where the shape is fitted too."""
+    unknowns: Array
+    """Coefficients and shape (p,): what must lie above another, by how much it does."""
+    predicted: Array
+    """Travels (n,) [m]."""
+    slopes: Array
+    """Their derivatives by the coefficients (n, c)."""
+    means: Array
+    """Prior means of the coefficients (c,); of the leading one its value."""
+    precisions: Array
+    """Inverse prior variances (c,)."""
+
+
+@final
+@dataclass(eq=False)
+class TravelLaw:
+    """A law as travels tell it."""
+
+    name: str
+    law: FrictionLaw
+    trials: Sequence[Trial]
+    t_end: float
+    model: TravelModel
+    count: int
+    """Number of coefficients, which come before the shape."""
+    matrix: Array
+    """Values from unknowns (p, p)."""
+    means: Array
+    """Prior means of the unknowns (p,)."""
+    structures: list[TravelStructure] = field(default_factory=list)
+    measured: Array = field(default_factory=lambda: np.zeros(0))
+    """Travels (n,) [m] that it was fitted to."""
+    errors: Array = field(default_factory=lambda: np.zeros(0))
+    """Their standard errors as they weighed [m]."""
+    typical: Array = field(default_factory=lambda: np.zeros(0))
+    """Typical shape (p - c,), if shapes are fitted too."""
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        law: FrictionLaw,
+        trials: Sequence[Trial],
+        t_end: float,
+        *,
+        held: Collection[str],
+        given: bool,
+        watch: Callable[[int], object] | None = None,
+    ) -> "TravelLaw":
+        """Return a law with the parameters that are not held; values that were given are means."""
+        known = fields_of(type(law))
+        names = dict.fromkeys([*law.fit_order, *required_of(type(law))])
+        coefficients, shape = list[str](), list[str]()
+        for one in names:
+            scale = known[one].scale
+            if one in held or getattr(law, one) is None or scale in ("slope+", "slope-"):
+                continue
+            if scale.rstrip("+-") in ("level", "slope", "drag"):
+                coefficients.append(one)
+            elif not (scale == "none" and law.states):
+                shape.append(one)
+        both = [*coefficients, *shape]
+        matrix, values = np.eye(len(both)), np.array([float(getattr(law, one)) for one in both])
+        for i, one in enumerate(coefficients):
+            base = known[one].at_least or one.replace("backward", "forward")
+            if base in coefficients and base != one:
+                matrix[i, coefficients.index(base)] = 1.0
+        return cls(
+            name=name, law=law, trials=trials, t_end=t_end,
+            model=TravelModel(law, [f"friction.{one}" for one in both], t_end, watch),
+            count=len(coefficients), matrix=matrix,
+            means=np.linalg.solve(matrix, values) if given else np.zeros(len(both)),
+        )  # fmt: skip
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters (p,), those of the shape last."""
+        return [path.rpartition(".")[2] for path in self.model.free]
+
+    @property
+    def slow(self) -> bool:
+        """Whether runs take long: the law has bristles."""
+        return bool(self.law.states)
+
+    def values(self, unknowns: Array) -> Array:
+        """Return the values (k, p) of unknowns (k, p)."""
+        least = [max(q.low, 0.0) for q in (fields_of(type(self.law))[n] for n in self.names)]
+        return np.maximum(unknowns @ self.matrix.T, least)
+
+    def table(self, trials: Sequence[Trial], unknowns: Array) -> Array:
+        """Return the travels (k, n) [m] with unknowns (k, p); NaN where no run is made."""
+        return self.model.table(trials, self.values(unknowns))
+
+    def with_unknowns(self, unknowns: Array) -> FrictionLaw:
+        """Return the law with other unknowns (p,)."""
+        return self.model.with_values(self.values(unknowns).tolist())
+
+    def scanned(self) -> tuple[list[float], float]:
+        """Return values of the leading coefficient that explain the travels best, the best first.
+
+        The second is the least value with which hardly anything moves.
+
+        Values at which anything moves are found on a coarse grid, from which a fine one goes down.
+        """
+        measured = np.array([trial.travel for trial in self.trials])
+        low, high = room_for(self.law, self.names[0], self.names[:1])
+        rest = np.zeros(len(self.names) - 1)
+
+        def travels(levels: Array) -> Array:
+            rows = np.column_stack([levels, np.tile(rest, (len(levels), 1))])
+            found = self.table(self.trials, np.clip(rows, low, None))
+            return np.where(np.isfinite(found), found, np.inf)
+
+        tried = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
+        coarse, still = travels(tried), float(np.mean(measured**2))
+        moves = np.any(np.isfinite(coarse) & (coarse**2 > MOVES**2 * still), axis=1)
+        top = tried[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(tried) - 1)]
+        best = tried[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
+        fine = np.geomspace(min(top / SPAN, best / 3.0), min(top, high), FINE)
+        found = np.mean((travels(fine) - measured) ** 2, axis=1)
+        padded = np.pad(found, 1, constant_values=np.inf)
+        valleys = np.flatnonzero((found <= padded[:-2]) & (found <= padded[2:]) & (found < still))
+        order = valleys[np.argsort(found[valleys], kind="stable")]
+        levels = [float(fine[i]) for i in order[:BRANCHES]]
+        if not levels or float(found.min()) > POOR * still:  # other coefficients move these
+            levels += np.geomspace(10.0 * top / SPAN, top, BRANCHES).tolist()
+        return levels, float(top)
+
+    def size(self, levels: Sequence[float], top: float) -> Size:
+        """Return sizes with the leading coefficient at the first of some levels."""
+        level = max(levels[0], top / HOLDING)
+        force, speed = force_and_speed(self.model, self.trials, [level, *self.means[1:].tolist()])
+        return Size(levels=levels, level=level, force=force, speed=speed)
+
+    def shapes(self, size: Size) -> Array:
+        """Return the shapes that are plausible (k, p - c); one that is empty without any."""
+        known = fields_of(type(self.law))
+        level = size.level
+        axes: list[Sequence[float]] = []
+        for name in self.names[self.count :]:
+            scale = known[name].scale
+            given = float(self.means[self.names.index(name)])
+            if given:
+                axes.append([given])
+            elif scale == "speed":
+                axes.append([share * size.speed for share in SPEEDS[:: 2 if self.slow else 1]])
+            elif scale == "stiffness":
+                axes.append([factor * level for factor in STIFFNESSES])
+            elif scale == "damping":
+                axes.append([math.nan])
+            else:
+                axes.append(EXPONENTS[1::2] if under_cycles(self.trials) else EXPONENTS)
+        rows = np.array(list(itertools.product(*axes)), dtype=float)
+        for k, name in enumerate(self.names[self.count :]):
+            if known[name].scale == "damping":  # goes with the root of the stiffness beside it
+                stiff = [known[x].scale == "stiffness" for x in self.names[self.count :]]
+                of = rows[:, stiff.index(True)] if any(stiff) else np.full(len(rows), 1e4 * level)
+                rows[:, k] = np.where(
+                    np.isnan(rows[:, k]), DAMPING * np.sqrt(of * level), rows[:, k]
+                )
+        return rows
+
+    def spreads(self, size: Size, points: Array) -> Array:
+        """Return prior spreads (k, c) of coefficients of points (k, p); infinite of the first."""
+        known = fields_of(type(self.law))
+        found = np.full((len(points), self.count), np.inf)
+        exponent = np.ones(len(points))
+        for i, name in enumerate(self.names):
+            if i >= self.count and known[name].scale == "none":
+                exponent = points[:, i]
+        for i, name in enumerate(self.names[: self.count]):
+            scale = known[name].scale
+            if i == 0:
+                continue
+            if scale.endswith("-"):
+                found[:, i] = SIDES * size.level
+            elif scale.startswith("slope"):
+                found[:, i] = size.force / size.speed**exponent
+            elif scale == "drag":
+                found[:, i] = size.force / size.speed**2
+            else:
+                found[:, i] = SURPLUS * size.level
+        return found
+
+    def bounds(self, size: Size) -> tuple[Array, Array]:
+        """Return the least and largest unknowns (p,)."""
+        known, low, high = fields_of(type(self.law)), [], []
+        for i, name in enumerate(self.names):
+            if name.startswith("backward") and np.count_nonzero(self.matrix[i]) > 1:
+                ends = (-0.8 * size.level, math.inf)
+            elif np.count_nonzero(self.matrix[i]) > 1:
+                ends = (0.0, math.inf)
+            else:
+                ends = room_for(self.law, name, self.names)
+            if known[name].above is not None or i == 0:
+                ends = (max(ends[0], 1e-6 * size.levels[0]), ends[1])
+            low.append(ends[0])
+            high.append(min(ends[1], 1e4 * size.levels[0]) if i == 0 else ends[1])
+        return np.array(low), np.array(high)
+
+    def fit(self, size: Size, errors: Array, simpler: Sequence["TravelLaw"] = ()) -> None:
+        """Fit every shape to travels with standard errors (n,) [m]; fills `structures`."""
+        low, high = self.bounds(size)
+        measured = np.array([trial.travel for trial in self.trials])
+        self.measured, self.errors = measured, errors
+        moving = np.arange(len(low)) < self.count
+        scale = np.where(moving, 0.1 * size.level, 1.0)
+        shapes = self.shapes(size)
+        spread = self.spreads(size, np.column_stack([np.zeros((len(shapes), self.count)), shapes]))
+        scale[1 : self.count] = 0.1 * spread[0, 1:]
+
+        def residuals(points: Array) -> Array:
+            left = (measured - self.table(self.trials, np.clip(points, low, high))) / errors
+            left = np.where(np.isfinite(left).all(axis=1, keepdims=True), left, FAILED)
+            prior = (points - self.means)[:, : self.count] / self.spreads(size, points)
+            return np.hstack([left, prior])
+
+        few = [self.trials.index(trial) for trial in spread_out(self.trials, REFINED)]
+
+        def cost(points: Array) -> Array:
+            tried = self.table([self.trials[i] for i in few], np.clip(points, low, high))
+            left = (measured[few] - tried) / errors[few]
+            return np.where(np.isfinite(left).all(axis=1), np.sum(left**2, axis=1), FAILED**2)
+
+        starts = np.clip(self._starts(size, shapes, spread, cost, simpler), low, high)
+        steps = STEPS // 2 if self.slow else STEPS
+        points, costs = descended(
+            residuals, starts, low=low, high=high, sizes=scale, moving=moving, steps=steps
+        )
+        kept = list[int]()
+        for i in np.argsort(costs, kind="stable").tolist():
+            same = [
+                k for k in kept if np.allclose(points[k, self.count :], points[i, self.count :])
+            ]
+            near = any(
+                np.all(
+                    np.abs(points[k] - points[i]) <= APART * np.maximum(np.abs(points[k]), scale)
+                )
+                for k in same
+            )
+            if (
+                not near
+                and (not same or costs[i] <= costs[same[0]] + WORSE)
+                and len(same) < BRANCHES
+            ):
+                kept.append(i)
+        points = points[kept]
+        every = np.ones(len(low), dtype=bool)
+        self.structures = self._structures(
+            points, self.count, moving, (residuals, low, high, scale, size)
+        )
+        settings = len({trial.setting for trial in self.trials})
+        if self.count < len(low) < settings and not self._fixed(shapes):
+            # a grid of shapes is coarser than readings that are good: the best are fitted too
+            self.typical = np.median(shapes, axis=0)
+            scale[self.count :] = 0.1 * self.typical
+            low[self.count :] = np.maximum(low[self.count :], 0.1 * shapes.min(axis=0))
+            high[self.count :] = np.minimum(high[self.count :], 10.0 * shapes.max(axis=0))
+            best_few = points[: 1 if self.slow else REFINED]
+            ends, left = descended(
+                residuals, best_few, low=low, high=high, sizes=scale, moving=every, steps=2 * steps
+            )
+            best = ends[np.argmin(left)][None]
+            self.structures += self._structures(
+                best, len(low), every, (residuals, low, high, scale, size)
+            )
+
+    def _fixed(self, shapes: Array) -> bool:
+        """Return whether the shape was given."""
+        return len(shapes) == 1 and bool(np.any(self.means[self.count :]))
+
+    def _structures(
+        self,
+        points: Array,
+        count: int,
+        moving: NDArray[np.bool_],
+        problem: tuple[Callable[[Array], Array], Array, Array, Array, Size],
+    ) -> list[TravelStructure]:
+        """Return points as structures of so many coefficients, with their slopes."""
+        residuals, low, high, scale, size = problem
+        left = residuals(points)
+        table = slopes_of(
+            residuals, points, left, low=low, high=high, sizes=scale,
+            moving=np.broadcast_to(moving, points.shape),
+        )  # fmt: skip
+        measured, errors = self.measured, self.errors
+        n, spreads = len(measured), self.spreads(size, points)
+        spreads[:, 0] = LEADING * np.abs(points[:, 0])
+        typical = np.tile(self.typical, (len(points), 1))
+        wide = np.hstack([spreads, WIDE * typical])[:, :count]
+        means = np.hstack([points[:, :1], np.tile(self.means[1 : self.count], (len(points), 1)),
+                           typical])[:, :count]  # fmt: skip
+        return [
+            TravelStructure(
+                law=self,
+                count=count,
+                unknowns=point,
+                predicted=measured - errors * one[:n],
+                slopes=-errors[:, None] * slope[:n, :count],
+                means=mean,
+                precisions=spread**-2.0,
+            )
+            for point, one, slope, mean, spread in zip(
+                points, left, table, means, wide, strict=True
+            )
+            if np.all(np.abs(one[:n]) < FAILED) and np.isfinite(slope).all()
+        ]
+
+    def _starts(
+        self,
+        size: Size,
+        shapes: Array,
+        spread: Array,
+        cost: Callable[[Array], Array],
+        simpler: Sequence["TravelLaw"],
+    ) -> Array:
+        """Return where descents begin: of each shape the best combinations of coefficients.
+
+        A law with bristles begins where that without them ended.
+        """
+        if self.slow and simpler:
+            return self._from(simpler, shapes)
+        if self.count == 1:
+            return np.array([[x, *shape] for shape in shapes for x in size.levels], dtype=float)
+        sides = [name.startswith("backward") for name in self.names[1 : self.count]]
+        further = [(*(-x for x in SHARES), *SHARES) if side else SHARES for side in sides]
+        mixed = np.array(list(itertools.product(TRIED, *further)))
+        cycles = under_cycles(self.trials)
+        most = POINTS // 2 if cycles else POINTS
+        if len(mixed) > most:
+            shares = qmc.Sobol(self.count, rng=np.random.default_rng(0)).random(most)
+            ends = [(TRIED[0], TRIED[-1]), *[(0.0, SHARES[-1])] * (self.count - 1)]
+            mixed = np.array([a for a, _ in ends]) + shares * np.array([b - a for a, b in ends])
+        starts = list[Array]()
+        for shape, widths in zip(shapes, spread, strict=True):
+            rows = np.vstack([
+                np.column_stack([
+                    level * mixed[:, 0], mixed[:, 1:] * widths[1:],
+                    np.tile(shape, (len(mixed), 1)),
+                ])
+                for level in size.levels
+            ])  # fmt: skip
+            rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in size.levels]])
+            order = np.argsort(cost(rows), kind="stable")
+            count = 2 if cycles or len(size.levels) == 1 else BRANCHES
+            starts += [rows[i] for i in order[:count]]
+        return np.array(starts)
+
+    def _from(self, simpler: Sequence["TravelLaw"], shapes: Array) -> Array:
+        """Return the points of the law without bristles that has most of the parameters."""
+        own = self.names
+        nearest = max(simpler, key=lambda one: len({*one.names} & {*own}))
+        starts = list[Array]()
+        for shape in shapes:
+            row = np.zeros(len(own))
+            row[self.count :] = shape
+            best = None
+            for one in nearest.structures:
+                both = dict(zip(one.law.names, one.unknowns.tolist(), strict=True))
+                off = sum(
+                    abs(math.log(both[name] / row[own.index(name)]))
+                    for name in own[self.count :]
+                    if name in both
+                )
+                if best is None or off < best[0]:
+                    best = off, both
+            for name, value in (best[1] if best else {}).items():
+                if name in own[: self.count]:
+                    row[own.index(name)] = value
+            starts.append(row)
+        return np.array(starts)
+
+
+def moving_back(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> bool:
+    """Return whether the body turns back in a trial: only then do directions differ."""
+    for trial in {one.run: one for one in trials}.values():
+        end = trial.until(t_end)
+        run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
+        path = run.at(np.linspace(*run.span, 801))[slip_of(trial.mechanism)]
+        if np.abs(np.diff(path)).sum() > 1.001 * abs(float(path[-1] - path[0])):
+            return True
+    return False

@@ -1,0 +1,882 @@
+r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, whichever law holds.
+
+1. *Fits*: every law in every shape (`travel_laws`), and the measured curve over the setting,
+   :math:`T = T(c) (1 + a + b u + w(u))` with :math:`T(c)` of the best law, :math:`u` the logarithm
+   of the setting and :math:`w` an integrated Wiener process: a smooth factor that opens where
+   nothing was measured.
+2. *Nuisances*: uncertain parameters of the mechanism, and an offset of the reading, move travels
+   linearly, :math:`T = T(c) + D \delta` with :math:`\delta \sim N(0, 1)`.
+3. *Noise*: stated errors of the readings, at least the scatter of repeats, and beside them an
+   unstated part, alike for all or in proportion to the travel, of which the evidence of all
+   structures together is largest.
+4. *Evidence* of a structure is its likelihood, with Student's t for each setting, integrated over
+   coefficients and nuisances by Laplace's method; held-out errors of a setting follow from the
+   same linear problem without its rows. Shares of families, the least share of the curve, the
+   name and the set follow from both as in `comparison`.
+5. *Ensemble*: coefficients and nuisances are drawn from Student's t about each fit, *simulated* at
+   the measured settings, and drawn again by their likelihood there; so the linear problem is a
+   proposal, not a result. A band is the quantiles of their travels at a setting.
+"""
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import final
+
+import numpy as np
+from scipy.special import logsumexp, softmax
+
+from stickslip.errors import ConvergenceError, InputError, StickslipError
+from stickslip.experiments import whole_cycles
+from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
+from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
+from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
+from stickslip.identify.ensemble import allotted
+from stickslip.identify.kinds.travel_descent import STEP
+from stickslip.identify.kinds.travel_doubts import propagated
+from stickslip.identify.kinds.travel_laws import (
+    HOLDING,
+    Size,
+    TravelLaw,
+    TravelStructure,
+    moving_back,
+)
+from stickslip.identify.problem import Array
+from stickslip.identify.search import block_scores
+from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of, parameters, vary
+
+USUAL_LAWS = (
+    "coulomb", "viscous", "coulomb-viscous", "stribeck", "power-viscous", "dahl", "lugre",
+    "quadratic-drag", "direction-dependent",
+)  # fmt: skip
+"""Laws that are compared where none are named, from usual to unusual."""
+KNOBS = ("mechanism.compression", "mechanism.drive.level", "mechanism.drive.amplitude")
+"""Parameters that an experimenter can turn, in the order of ease."""
+OFFSET = 0.5
+"""Prior spread of an offset of all readings, over the error of one."""
+BENDING = (0.01, 0.03, 0.1, 0.3)
+"""Spreads of the curve's factor, of its power of the setting, and of the change of that over a
+factor of e in the setting."""
+KNOTS, REACH = 31, 1.0
+"""Places at which the curve may bend, and how far beyond the settings, in logarithms."""
+FEWEST = 4
+"""Settings along one direction from which there is a measured curve, and readings of one setting
+from which their scatter counts."""
+LEAST_SHARE = 1e-3
+"""Share of the travels below which readings do not err where nothing was stated."""
+STILL = 0.01
+"""Travel over the measured one up to which a law holds the body."""
+STATED = 0.7
+"""Probability that readings err as stated, beforehand."""
+PARTS = (0.5, 60.0, 12)
+"""Unstated errors over the stated ones: least, largest, and how many are tried."""
+PROPOSED = 2
+"""Draws that are simulated for each that is kept ..."""
+SLOW = 8
+"""... but no more of a law with bristles, whose runs take long."""
+MEETING, NEWTON = 0.3, 4
+"""Part of the draws that count below which their leading coefficients are made to meet the
+readings, and by how many steps."""
+COUNTING, TRIED = 5.0, 50
+"""Effective number of draws of a family at least, where there are this many."""
+INSENSITIVE = "the trials hardly depend on it"
+"""Why an estimate has no interval."""
+UNTOLD = 0.7
+"""Spread of a coefficient over that of its prior from which travels do not tell it."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Linear:
+    """A structure as a linear problem: travels over coefficients and nuisances."""
+
+    name: str
+    """Family: the name of the law, empty for the measured curve."""
+    structure: TravelStructure
+    predicted: Array
+    """Travels (n,) at `centre`."""
+    columns: Array
+    """Derivatives (n, q), those of nuisances last."""
+    centre: Array
+    """Where the problem was made (q,)."""
+    means: Array
+    precisions: Array
+    """Of the prior (q,)."""
+    prior: float
+    """Logarithm of the prior probability within the family."""
+    bending: float = 0.0
+    """Of the curve."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solved:
+    """A linear problem solved for some errors of the readings."""
+
+    linear: Linear
+    values: Array
+    """Coefficients and nuisances (q,)."""
+    root: Array
+    """Root (q, q) of their covariance."""
+    left: Array
+    """Standardised residuals (n,)."""
+    evidence: float
+    """Logarithm of the integrated likelihood and of the prior within the family."""
+    freedom: float
+    """Readings less what they determine."""
+    held_out: Array
+    """Residuals (n,) without the readings of the same setting [m]."""
+    losses: Array
+    """Mean squares of these, standardised, by setting (b,)."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TravelDraws:
+    """Draws of a law, or of the curve about it."""
+
+    law: TravelLaw
+    unknowns: Array
+    """Unknowns (d, p)."""
+    nuisances: Array
+    """Nuisances (d, k)."""
+    off: Array | None = None
+    """Of the curve, how far coefficients of its law are from these (d, c)."""
+    smooth: Array | None = None
+    """Of the curve, the coefficients of its factor (d, q)."""
+
+
+@final
+@dataclass(eq=False)
+class TravelJudgement:
+    """Travels, judged."""
+
+    mechanism: Mechanism
+    trials: Sequence[Trial]
+    t_end: float
+    laws: Sequence[TravelLaw]
+    size: Size
+    order: Sequence[str]
+    """Names of the laws, the usual ones first."""
+    dropped: Mapping[str, tuple[FrictionLaw, str]] = field(default_factory=dict)
+    """Laws that are left out, and why, by name."""
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        self.measured = np.array([trial.travel for trial in self.trials])
+        self.readings, self.stated = standard_errors(self.trials)
+        least = 0.0 if self.stated else LEAST_SHARE * float(np.mean(np.abs(self.measured)))
+        self.readings = np.maximum(self.readings, least)
+        settings = list(dict.fromkeys(trial.setting for trial in self.trials))
+        self.blocks = np.array([settings.index(trial.setting) for trial in self.trials])
+
+    # ------------------------------------------------------------------ settings
+    @cached_property
+    def knob(self) -> tuple[str, float] | None:
+        """What is set to get other travels: its path, and its value as the rig stands."""
+        known = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
+        varied = [path for path in known if len({*self._set(path)}) > 1]
+        for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
+            if known.get(path):
+                return path, float(known[path])
+        return None
+
+    def _set(self, path: str) -> list[float]:
+        """Return the values of a parameter in the trials."""
+        return [
+            float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
+            for trial in self.trials
+        ]
+
+    @cached_property
+    def settings(self) -> Array:
+        """Values of the knob (n,) in the trials; empty without one."""
+        return np.array(self._set(self.knob[0])) if self.knob else np.zeros(0)
+
+    @cached_property
+    def one_way(self) -> bool:
+        """Whether settings differ by the knob alone, and are enough for a curve."""
+        if self.knob is None or len({trial.cycles for trial in self.trials}) > 1:
+            return False
+        same = {vary(t.mechanism, "mechanism", {self.knob[0]: self.knob[1]}) for t in self.trials}
+        return len(same) == 1 and len(np.unique(self.settings)) >= FEWEST
+
+    def at(self, settings: Array) -> list[Trial]:
+        """Return trials at settings of the knob (m,) that are not measured."""
+        if self.knob is None:
+            raise InputError(
+                "the trials differ in more than one parameter of the mechanism, and it has none"
+                " that is usually set: there is no band over a setting."
+            )
+        first, path = self.trials[0], self.knob[0]
+        rigs = [vary(self.mechanism, "mechanism", {path: float(x)}) for x in settings]
+        return [
+            replace(first, mechanism=rig,
+                    cycles=None if first.cycles is None else whole_cycles(rig, self.t_end))
+            for rig in rigs
+        ]  # fmt: skip
+
+    # ------------------------------------------------------------------ linear problems
+    @cached_property
+    def _doubts(self) -> tuple[list[str], Array]:
+        """Paths of uncertain parameters that trials share, and what is set anew, as variances."""
+        law = min(
+            (one for law in self.laws for one in law.structures),
+            key=lambda one: float(np.sum(((self.measured - one.predicted) / self.readings) ** 2)),
+        )
+        self._reference = law.law.with_unknowns(law.unknowns)
+        made = propagated(TravelModel(self._reference, (), self.t_end), self.trials, ())
+        self._columns = np.array([*made.shared.values()]).reshape(-1, len(self.trials)).T
+        self._alone = made.own
+        alone = sum((part**2 for part in made.own.values()), np.zeros(len(self.trials)))
+        return [*made.shared], alone
+
+    @cached_property
+    def nuisances_count(self) -> int:
+        """Number of nuisances: parameters that trials share, and an offset."""
+        return len(self._doubts[0]) + 1
+
+    def nuisances(self, trials: Sequence[Trial]) -> Array:
+        """Return what nuisances of spread 1 move the travels of trials (m, k) [m]."""
+        paths, _ = self._doubts
+        model = TravelModel(self._reference, (), self.t_end)
+        made = propagated(model, trials, ()) if paths else None
+        columns = [made.shared[path] for path in paths] if made else []
+        # an offset is of the readings, and not of the travels
+        return np.array([*columns, np.zeros(len(trials))]).T
+
+    @cached_property
+    def linears(self) -> list[Linear]:
+        """All laws in all shapes, and the curve, as linear problems."""
+        paths, _ = self._doubts
+        offset = OFFSET * np.full(len(self.trials), float(np.median(self.readings)))
+        extra = np.column_stack([self._columns, offset]) if paths else offset[:, None]
+        found = []
+        for law in self.laws:
+            refined = any(one.count > law.count for one in law.structures)
+            for one in law.structures:
+                alike = sum(other.count == one.count for other in law.structures)
+                found.append(_linear(
+                    law.name, one.predicted, one.slopes, one.unknowns[: one.count], one.means,
+                    one.precisions, extra, -math.log(alike * (1 + refined)), structure=one,
+                ))  # fmt: skip
+        return found
+
+    def _curves(self, best: Linear) -> list[Linear]:
+        """Return the measured curve about a law, with several spreads of its factor."""
+        base = best.predicted
+        if not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
+            return []
+        found = []
+        for bending in BENDING:
+            columns = bending * base[:, None] * self._smooth(self.settings)
+            columns = np.hstack([best.columns, columns])
+            more = np.zeros(columns.shape[1] - len(best.centre))
+            found.append(
+                replace(
+                    best,
+                    name="",
+                    columns=columns,
+                    centre=np.concatenate([best.centre, more]),
+                    means=np.concatenate([best.means, more]),
+                    precisions=np.concatenate([best.precisions, more + 1.0]),
+                    prior=-math.log(len(BENDING)),
+                    bending=bending,
+                )
+            )
+        return found
+
+    def _smooth(self, settings: Array) -> Array:
+        """Return the columns (m, q) of a curve's factor, with coefficients of spread 1."""
+        known = np.log(np.abs(self.settings))
+        low, high = float(known.min()), float(known.max())
+        middle, knots = 0.5 * (low + high), np.linspace(low - REACH, high + REACH, KNOTS)
+        u, side = np.log(np.abs(settings))[:, None] - middle, np.sign(knots - middle)
+        step = math.sqrt(float(knots[1] - knots[0]))
+        bends = step * np.maximum(side * (u - (knots - middle)), 0.0)
+        return np.hstack([np.ones_like(u), u, bends])
+
+    # ------------------------------------------------------------------ noise and evidence
+    @cached_property
+    def errors(self) -> Array:
+        """Standard errors of the readings (n,) [m]: as stated, or larger where nothing fits."""
+        _, alone = self._doubts
+        base = np.sqrt(np.maximum(self.readings**2, self._repeats() ** 2) + alone)
+        size = float(np.median(base))
+        low, high, count = PARTS
+        largest = max(high * size, 0.2 * float(np.abs(self.measured).max()))
+        parts = np.geomspace(low * size, largest, count)
+        rough = self._solve_all(base, self.linears)
+        best = max(rough, key=lambda one: one.evidence - self.price(one.linear.name))
+        self.linears.extend(self._curves(best.linear))
+        relative = np.abs(self.measured) / max(float(np.abs(self.measured).mean()), 1e-300)
+        tried = [(math.log(STATED if self.stated else 1.0 / (2 * count)), base)]
+        tried += [
+            (math.log((1.0 - STATED if self.stated else 1.0) / (2 * count)),
+             np.hypot(base, part * growth))
+            for part in parts for growth in (np.ones(len(base)), relative)
+        ]  # fmt: skip
+        if len(self.trials) == 1:
+            return base
+        sums = [
+            prior + float(logsumexp([one.evidence for one in self._solve_all(x, self.linears)]))
+            for prior, x in tried
+        ]
+        return tried[int(np.argmax(sums))][1]
+
+    @cached_property
+    def assumed(self) -> bool:
+        """Whether the errors of the readings were found, and not stated."""
+        known = np.sqrt(self.readings**2 + self._doubts[1])
+        return not self.stated or bool(np.any(self.errors > 1.001 * known))
+
+    def _repeats(self) -> Array:
+        """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
+        counts = np.bincount(self.blocks)
+        means = np.bincount(self.blocks, self.measured) / counts
+        freedom = len(self.measured) - len(counts)
+        if freedom < FEWEST - 1:
+            return np.zeros(len(self.measured))
+        mean = np.where(means == 0.0, 1.0, means)[self.blocks]
+        share = math.sqrt(float(np.sum((self.measured / mean - 1.0) ** 2)) / freedom)
+        return np.asarray(share * np.abs(mean))
+
+    def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
+        found = [_solved(one, self.measured, errors, self.blocks) for one in linears]
+        return [one for one in found if math.isfinite(one.evidence)]
+
+    @cached_property
+    def solved(self) -> list[Solved]:
+        """All structures with the errors that the readings have, those of laws first."""
+        errors = self.errors
+        return self._solve_all(errors, self.linears)
+
+    @cached_property
+    def families(self) -> list[str]:
+        """Names of the laws that are fitted, and the curve's, which is empty."""
+        return list(dict.fromkeys(one.linear.name for one in self.solved))
+
+    def price(self, name: str) -> float:
+        """Return what a law costs for being unusual; the curve, nothing."""
+        known = self.order.index(name) if name in self.order else len(self.order)
+        return THRESHOLDS.unusual * known if name else 0.0
+
+    @cached_property
+    def _alike(self) -> bool:
+        """Whether all trials repeat one setting: then every law can have that travel."""
+        return len(np.unique(self.blocks)) < 2
+
+    @cached_property
+    def evidence(self) -> dict[str, float]:
+        """Evidence of the laws, without the curve's, the most first."""
+        found = {
+            name: -self.price(name)
+            if self._alike
+            else float(logsumexp([s.evidence for s in self.solved if s.linear.name == name]))
+            - self.price(name)
+            for name in self.families
+            if name
+        }
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+    @cached_property
+    def named(self) -> str:
+        """Name of the law with the most evidence."""
+        return next(iter(self.evidence))
+
+    @cached_property
+    def set(self) -> list[str]:
+        """Laws that are not told apart, the named one first."""
+        least = self.evidence[self.named] - math.log(THRESHOLDS.odds)
+        return [name for name, value in self.evidence.items() if value >= least]
+
+    @cached_property
+    def scores(self) -> Array:
+        """Scores (s, b) of all structures by setting."""
+        return np.array([block_scores(one.losses) for one in self.solved])
+
+    @cached_property
+    def raw_shares(self) -> Array:
+        """Shares of structures (s,) before the curve gets its least."""
+        log = np.array([one.evidence - self.price(one.linear.name) for one in self.solved])
+        if self._alike:
+            return np.asarray(softmax([s.linear.prior - self.price(s.linear.name)
+                                       for s in self.solved]))  # fmt: skip
+        priors = np.exp([one.linear.prior for one in self.solved])
+        shares = stacked_shares(self.scores, priors)
+        return np.asarray(softmax(0.5 * (np.log(shares + LEAST) + log)))
+
+    @cached_property
+    def shares(self) -> dict[str, float]:
+        """Shares of the laws and of the curve in the ensemble, in sum 1."""
+        laws = np.array([bool(one.linear.name) for one in self.solved])
+        order = np.argsort(self.scores.mean(axis=1), kind="stable")
+        found = np.empty(len(order))
+        found[order] = (
+            self.raw_shares[order]
+            if laws.all()
+            else with_curve(self.raw_shares[order], laws[order])
+        )
+        return {
+            name: float(sum(p for p, one in zip(found, self.solved, strict=True)
+                            if one.linear.name == name))
+            for name in self.families
+        }  # fmt: skip
+
+    def best_of(self, name: str) -> Solved:
+        """Return the structure of a family with the most evidence."""
+        return max((s for s in self.solved if s.linear.name == name), key=lambda s: s.evidence)
+
+    @cached_property
+    def explained(self) -> bool:
+        """Whether a law predicts as well as the measured curve."""
+        if "" not in self.families:
+            return True
+        rows = [self.scores[i].mean() for i, s in enumerate(self.solved) if s.linear.name]
+        top = [s for s in self.solved if s.linear.name][int(np.argmin(rows))]
+        curve = min((s for s in self.solved if not s.linear.name), key=lambda s: s.losses.mean())
+        gap = block_scores(top.losses) - block_scores(curve.losses)
+        gain = float(gap.mean() / (gap.std(ddof=1) / math.sqrt(len(gap)) + 1e-9))
+        ratio = math.sqrt(float(top.losses.mean() / max(curve.losses.mean(), 1e-300)))
+        share = sum(
+            p for p, s in zip(self.raw_shares, self.solved, strict=True) if not s.linear.name
+        )
+        return not (
+            share > THRESHOLDS.no_law
+            and gain > THRESHOLDS.no_law_gain
+            and ratio > THRESHOLDS.no_law_ratio
+        )
+
+    def law_of(self, name: str) -> TravelLaw:
+        """Return a law by name."""
+        return next(law for law in self.laws if law.name == name)
+
+    def unknowns_of(self, name: str) -> Array:
+        """Return the best unknowns (p,) of a law."""
+        best = self.best_of(name)
+        count = best.linear.structure.count
+        return np.concatenate([best.values[:count], best.linear.structure.unknowns[count:]])
+
+    def named_travels(self, settings: Array) -> Array:
+        """Return the travels (m,) [m] of the named law at settings of the knob."""
+        unknowns = self.unknowns_of(self.named)
+        return np.asarray(self.law_of(self.named).table(self.at(settings), unknowns[None])[0])
+
+    def held_out(self, name: str) -> float:
+        """Return the root mean square [m] of the held-out errors of a family."""
+        return math.sqrt(float(np.mean(self.best_of(name).held_out ** 2)))
+
+    # ------------------------------------------------------------------ ensemble
+    @cached_property
+    def draws(self) -> list[TravelDraws]:
+        """Draws of all families, as many of each as its share asks for."""
+        counts = allotted(np.array([self.shares[x] for x in self.families]), THRESHOLDS.draws)
+        return [
+            self.drawn(name, count)
+            for name, count in zip(self.families, counts, strict=True)
+            if count
+        ]
+
+    def drawn(self, name: str, count: int) -> TravelDraws:
+        """Return draws of a family: proposals, drawn again by their likelihood when simulated."""
+        rng = np.random.default_rng([self.seed, self.families.index(name)])
+        if not name:
+            return self._curve_drawn(count, rng)
+        own = [one for one in self.solved if one.linear.name == name]
+        shares = np.asarray(softmax([one.evidence for one in own]))
+        law = own[0].linear.structure.law
+        wanted = PROPOSED * max(count, TRIED)
+        if law.slow:
+            wanted = min(wanted, max(SLOW, len(own)))
+        rows, weights = [], []
+        k = self.nuisances_count
+        for one, n in zip(own, allotted(shares, wanted), strict=True):
+            if not n:
+                continue
+            c = one.linear.structure.count
+            values, density = self._proposed(one, n, rng)
+            # the fit itself meets the readings, whatever linear proposals do
+            values[0, :c], values[0, c:] = one.linear.centre[:c], 0.0
+            shape = np.tile(one.linear.structure.unknowns[c:], (n, 1))
+            rows.append(np.column_stack([values[:, :c], shape, values[:, c : c + k]]))
+            off = values - one.linear.means
+            prior = -0.5 * off**2 @ one.linear.precisions
+            prior += 0.5 * float(np.sum(np.log(one.linear.precisions)))
+            weights.append(prior - density - math.log(n / wanted) + one.linear.prior)
+        points, log = np.vstack(rows), np.concatenate(weights)
+        size = len(law.names)
+        draws = TravelDraws(law=law, unknowns=points[:, :size], nuisances=points[:, size:])
+        c = own[0].linear.structure.count
+        moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
+        found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        if _counting(found, 1.0) < MEETING * len(found):
+            draws = replace(draws, unknowns=self._met(draws, moved, rng))
+            points = np.hstack([draws.unknowns, draws.nuisances])
+            found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        log = found
+        least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
+        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
+        at = np.minimum(pick, len(points) - 1)
+        return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
+
+    def _met(self, draws: TravelDraws, moved: Array, rng: np.random.Generator) -> Array:
+        """Return unknowns (d, p) whose leading one meets the readings, drawn again by their errors.
+
+        Where coefficients make up for each other far from a fit, few linear proposals do.
+        """
+        unknowns = draws.unknowns.copy()
+        low, high = (float(x[0]) for x in draws.law.bounds(self.size))
+        goal = self.measured + self.errors * rng.normal(size=(len(unknowns), len(self.measured)))
+        for _ in range(NEWTON):
+            step = -1e-3 * np.abs(unknowns[:, :1])  # down: room above may be none
+            other = unknowns.copy()
+            other[:, :1] += step
+            here = self._simulated(replace(draws, unknowns=unknowns), self.trials, moved)
+            there = self._simulated(replace(draws, unknowns=other), self.trials, moved)
+            slope = np.nan_to_num((there - here) / step / self.errors)
+            left = np.nan_to_num((goal - here) / self.errors)
+            change = np.sum(slope * left, axis=1) / np.maximum(np.sum(slope**2, axis=1), 1e-300)
+            size = np.abs(unknowns[:, 0])
+            unknowns[:, 0] += np.clip(change, -0.5 * size, 0.5 * size)
+            unknowns[:, 0] = np.clip(unknowns[:, 0], low, high)
+        return unknowns
+
+    def _curve_drawn(self, count: int, rng: np.random.Generator) -> TravelDraws:
+        """Return draws of the curve, whose factor is linear: so it stays beside the law."""
+        own = [one for one in self.solved if not one.linear.name]
+        shares = np.asarray(softmax([one.evidence for one in own]))
+        best = own[0].linear.structure
+        size, k = best.count, self.nuisances_count
+        rows, smooth = [], []
+        for one, n in zip(own, allotted(shares, count), strict=True):
+            scale = (
+                np.sqrt(rng.chisquare(THRESHOLDS.freedom, (n, 1)) / THRESHOLDS.freedom)
+                if self.assumed
+                else 1.0
+            )
+            values = one.values + rng.normal(size=(n, len(one.values))) / scale @ one.root
+            rows.append(values[:, : size + k])
+            smooth.append(values[:, size + k :] * one.linear.bending)
+        points = np.vstack(rows)
+        return TravelDraws(
+            law=best.law,
+            unknowns=np.tile(best.unknowns, (len(points), 1)),
+            nuisances=points[:, size:],
+            off=points[:, :size] - best.unknowns[:size],
+            smooth=np.vstack(smooth),
+        )
+
+    def _simulated(self, draws: TravelDraws, trials: Sequence[Trial], moved: Array) -> Array:
+        """Return the travels (d, m) [m] of draws in trials; nuisances move them by (m, k)."""
+        points, at = np.unique(draws.unknowns, axis=0, return_inverse=True)
+        found = draws.law.table(trials, points)[at.ravel()]
+        return np.asarray(found + draws.nuisances @ moved.T)
+
+    def _around(self, draws: TravelDraws, trials: Sequence[Trial], settings: Array) -> Array:
+        """Return what a curve adds (d, m) [m] to the law about which it is."""
+        assert draws.off is not None
+        assert draws.smooth is not None
+        base, count = draws.unknowns[0], draws.off.shape[1]
+        steps = STEP * np.maximum(np.abs(base[:count]), STEP * np.abs(base[0]))
+        points = np.vstack(
+            [base, base + np.diag(np.r_[steps, np.zeros(len(base) - count)])[:count]]
+        )
+        travels = draws.law.table(trials, points)
+        slopes = (travels[1:] - travels[0]) / steps[:, None]
+        factor = draws.smooth @ self._smooth(settings).T
+        return np.asarray(draws.off @ slopes + travels[0] * factor)
+
+    def _proposed(self, one: Solved, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Return draws (d, q) about a solution, within its bounds, and their log densities (d,)."""
+        q = len(one.values)
+        scale = _scales(count, rng)
+        normal = rng.normal(size=(count, q)) / scale
+        values = one.values + normal @ one.root
+        law = one.linear.structure.law
+        low, high = law.bounds(self.size)
+        c = one.linear.structure.count
+        inside = values[:, :c]
+        # reflected at what is least: it stays a draw, of about the same density
+        inside = np.where(inside < low[:c], 2.0 * low[:c] - inside, inside)
+        values[:, :c] = np.clip(inside, low[:c], high[:c])
+        density = (
+            -0.5
+            * (THRESHOLDS.freedom + q)
+            * np.log1p(np.sum(normal**2, axis=1) / THRESHOLDS.freedom)
+        )
+        return values, density - float(np.sum(np.log(np.abs(np.diag(one.root)) + 1e-300)))
+
+    def _likelihood(self, travels: Array, freedom: float) -> Array:
+        """Return log likelihoods (d,) of simulated travels (d, n)."""
+        left = (self.measured - travels) / self.errors
+        if self.assumed:  # the scale is not known either
+            nu = max(freedom, 1.0)
+            return np.asarray(-0.5 * (nu + left.shape[1]) * np.log1p(np.sum(left**2, 1) / nu))
+        return np.asarray(-0.5 * np.sum(block_scores(left**2), axis=1))
+
+    def travels(self, settings: Array, draws: Sequence[TravelDraws] | None = None) -> Array:
+        """Return the travels (d, m) [m] of draws at settings (m,) of the knob."""
+        trials = self.at(settings)
+        moved = self.nuisances(trials)
+        found = []
+        for one in self.draws if draws is None else draws:
+            found.append(self._simulated(one, trials, moved))
+            if one.smooth is not None:
+                found[-1] += self._around(one, trials, settings)
+        every = np.vstack(found)
+        return np.asarray(every[np.isfinite(every).all(axis=1)])
+
+    def noise(self, settings: Array) -> Array:
+        """Return the standard errors of new readings at settings (m,): as the nearest have."""
+        off = np.abs(np.asarray(settings)[:, None] - self.settings)
+        return np.asarray(self.errors[np.argmin(off, axis=1)])
+
+    def laws_of(self, draws: TravelDraws) -> list[FrictionLaw]:
+        """Return the laws that draws are."""
+        return [draws.law.with_unknowns(x) for x in draws.unknowns]
+
+    @cached_property
+    def named_draws(self) -> dict[str, TravelDraws]:
+        """Draws of each law that has a share or is named, by name."""
+        found = {one.law.name: one for one in self.draws if one.smooth is None}
+        found[self.named] = self.drawn(self.named, THRESHOLDS.draws)
+        return found
+
+    def values(self, name: str) -> dict[str, Array]:
+        """Return the parameters of the draws of a law (d,) by path; coefficients that are told."""
+        draws = self.named_draws.get(name) or self.drawn(name, THRESHOLDS.draws // 4)
+        values = draws.law.values(draws.unknowns)
+        return {p: values[:, i] for i, p in enumerate(draws.law.model.free[: draws.law.count])}
+
+    def sources(self, name: str) -> list[dict[str, float]]:
+        """Return the standard errors of the coefficients of a law by where they come from.
+
+        Empty where no uncertainty of the mechanism was stated.
+        """
+        paths, _ = self._doubts
+        if not paths and not self._alone:
+            return []
+        one = self.best_of(name).linear
+        count = one.structure.count
+        own = one.columns[:, :count] / self.errors[:, None]
+        known = own.T @ own + np.diag(one.precisions[:count])
+        gain = np.linalg.solve(known, own.T) / self.errors
+        scatter = np.sqrt(np.maximum(self.errors**2 - self._doubts[1], self.readings**2))
+        parts = {READINGS: np.linalg.norm(gain * scatter, axis=1)}
+        parts |= {path: np.linalg.norm(gain * x, axis=1) for path, x in self._alone.items()}
+        for path, column in zip(paths, self._columns.T, strict=True):
+            parts[path] = np.hypot(parts.get(path, 0.0), np.abs(gain @ column))
+        return [{path: float(x[i]) for path, x in parts.items()} for i in range(count)]
+
+    def around_zero(self, name: str) -> Collection[str]:
+        """Return paths of coefficients of a law that may be 0: draws are cut off there."""
+        one = self.best_of(name)
+        law = one.linear.structure.law
+        spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
+        inside = one.values[: law.count] < 2.0 * spread
+        return [path for path, near in zip(law.model.free, inside, strict=False) if near]
+
+    def untold(self, name: str) -> Collection[str]:
+        """Return paths of coefficients of a law that travels hardly depend on."""
+        one = self.best_of(name)
+        law = one.linear.structure.law
+        spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
+        prior = one.linear.precisions[: law.count] ** 0.5
+        return [
+            path
+            for path, own, wide in zip(law.model.free, spread, prior, strict=False)
+            if own * wide > UNTOLD
+        ]
+
+
+def _scales(count: int, rng: np.random.Generator) -> Array:
+    """Return what normal draws are over to be of Student's t (count, 1)."""
+    nu = THRESHOLDS.freedom
+    return np.sqrt(rng.chisquare(nu, (count, 1)) / nu)
+
+
+def _counting(log: Array, power: float) -> float:
+    """Return how many draws count with powers of likelihoods as weights."""
+    finite = log[np.isfinite(log)]
+    return 1.0 / float(np.sum(softmax(power * finite) ** 2)) if len(finite) else 0.0
+
+
+def _tempered(log: Array, least: float) -> Array:
+    """Return weights (d,) in sum 1: powers of likelihoods of which at least so many draws count."""
+    finite = np.isfinite(log)
+    if not finite.any():
+        return np.full(len(log), 1.0 / len(log))
+    power = 1.0
+    while _counting(log, power) < min(least, finite.sum() / 2.0) and power > 1e-3:
+        power *= 0.7
+    return np.asarray(softmax(np.where(finite, power * log, -np.inf)))
+
+
+def _root(covariance: Array) -> Array:
+    """Return a root (q, q) of a covariance, whose scales may differ by decades."""
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    scaled = covariance / np.outer(size, size) + 1e-9 * np.eye(len(size))
+    return np.asarray(np.linalg.cholesky(scaled).T * size)
+
+
+def _linear(
+    name: str,
+    predicted: Array,
+    slopes: Array,
+    centre: Array,
+    means: Array,
+    precisions: Array,
+    extra: Array,
+    prior: float,
+    *,
+    structure: TravelStructure,
+) -> Linear:
+    """Return a linear problem with columns of nuisances (n, k) beside its own."""
+    zeros = np.zeros(extra.shape[1])
+    return Linear(
+        name=name,
+        structure=structure,
+        predicted=predicted,
+        columns=np.hstack([slopes, extra]),
+        centre=np.concatenate([centre, zeros]),
+        means=np.concatenate([means, zeros]),
+        precisions=np.concatenate([precisions, zeros + 1.0]),
+        prior=prior,
+    )
+
+
+def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> Solved:
+    """Return a linear problem solved, with its evidence and its held-out errors."""
+    columns = linear.columns / errors[:, None]
+    off = linear.centre - linear.means
+    gram, precision = columns.T @ columns, linear.precisions
+    matrix = gram + np.diag(precision + 1e-12 * np.diag(gram) + 1e-300)
+    left = (measured - linear.predicted) / errors
+    step = np.linalg.solve(matrix, columns.T @ left - precision * off)
+    law, count = linear.structure.law, linear.structure.count
+    signed = np.array([not name.startswith("backward") for name in law.names[:count]])
+    outside = np.zeros(len(step), dtype=bool)
+    outside[:count] = (linear.centre + step < 0.0)[:count] & signed
+    if outside.any():  # nothing is negative: others follow what is held
+        # coefficients end at 0, shapes stay
+        ends = np.where(np.arange(len(step)) < law.count, -linear.centre, 0.0)
+        step = np.where(outside, ends, step)
+        right = columns.T @ left - precision * off - matrix[:, outside] @ step[outside]
+        step[~outside] = np.linalg.solve(matrix[np.ix_(~outside, ~outside)], right[~outside])
+    left = left - columns @ step
+    off = off + step
+    covariance = np.linalg.inv(matrix)
+    covariance = 0.5 * (covariance + covariance.T)
+    _, volume = np.linalg.slogdet(matrix)
+    evidence = (
+        -0.5 * float(np.sum(block_scores(left**2)))
+        - float(np.sum(np.log(errors)))
+        - 0.5 * float(off**2 @ precision)
+        - 0.5 * float(volume)
+        + 0.5 * float(np.sum(np.log(precision)))
+        + linear.prior
+    )
+    evidence += math.log(2.0) * int(
+        signed[1 : law.count].sum()
+    )  # others than the leading are not negative
+    held_out = np.array(left)
+    losses = []
+    for block in range(int(blocks.max()) + 1):
+        rows = blocks == block
+        own = columns[rows]
+        hat = own @ covariance @ own.T
+        alone = np.linalg.solve(np.eye(len(hat)) * (1.0 + 1e-9) - hat, left[rows])
+        held_out[rows] = alone
+        losses.append(float(np.mean(alone**2)))
+    return Solved(
+        linear=linear,
+        values=linear.centre + step,
+        root=_root(covariance),
+        left=left,
+        evidence=evidence,
+        freedom=len(measured) - float(np.trace(covariance @ gram)),
+        held_out=held_out * errors,
+        losses=np.array(losses),
+    )
+
+
+def judged_travels(
+    mechanism: Mechanism,
+    trials: Sequence[Trial],
+    laws: Mapping[str, FrictionLaw] | None = None,
+    *,
+    ordinary: Collection[str] = (),
+    assumed: Mapping[str, Collection[str]] | None = None,
+    t_end: float = 10.0,
+    watch: Callable[[str, float], object] | None = None,
+) -> TravelJudgement:
+    """Judge travels: fit all laws, the usual ones if none are given, and weigh them.
+
+    Values of laws that are not `ordinary` were given: of shapes they hold but for those `assumed`,
+    and coefficients are held where the settings do not pay for them.
+    """
+    given = laws
+    if laws is None:
+        laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed()}
+    coulomb = starting_law(law_type("coulomb"))
+    leading = TravelLaw.of("coulomb", coulomb, trials, t_end, held=(), given=False)
+    size = leading.size(*leading.scanned())
+    errors, _ = standard_errors(trials)
+    measured = np.array([trial.travel for trial in trials])
+    errors = np.maximum(errors, LEAST_SHARE * float(np.mean(np.abs(measured))))
+    settings = len({trial.setting for trial in trials})
+    fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
+    for name in sorted(laws, key=lambda one: bool(laws[one].states)):
+        law, usual = laws[name], given is None or name in ordinary
+        if given is None and isinstance(law, DirectionDependent):
+            start = leading.with_unknowns(np.array(size.levels[:1]))
+            if not moving_back(start, trials, t_end):
+                continue
+        marked = set((assumed or {}).get(name, ()))
+        known = set() if usual else {x for x in _given_names(law) if x not in marked}
+        held = set() if usual else _unpaid(law, known, settings)
+        said = None if watch is None else partial(watch, name)
+        try:
+            one = TravelLaw.of(name, law, trials, t_end, held=held, given=not usual, watch=said)
+            own = size
+            if fields_of(type(law))[one.names[0]].scale != "level":  # a level tells nothing of it
+                levels, top = one.scanned()
+                own = replace(size, levels=levels, level=max(levels[0], top / HOLDING))
+            one.fit(own, errors, [x for x in fitted if not x.slow])
+            best = min(
+                one.structures,
+                key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
+            )
+            moved = np.abs(measured) > THRESHOLDS.outlier * errors
+            if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
+                raise ConvergenceError(
+                    f"{law.title} friction holds the body at rest in a trial in which it moved."
+                )
+            one.model.check_rest(trials, one.values(best.unknowns[None])[0].tolist(), errors)
+            fitted.append(one)
+        except (StickslipError, ValueError, IndexError) as error:
+            why = str(error) if isinstance(error, StickslipError) else ""
+            dropped[name] = law, why or "no values reproduce the travels"
+    if not fitted:
+        raise InputError(
+            "no law can be fitted to these travels: " + " ".join(why for _, why in dropped.values())
+        )
+    return TravelJudgement(
+        mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=size, order=USUAL_LAWS,
+        dropped=dropped,
+    )  # fmt: skip
+
+
+def _given_names(law: FrictionLaw) -> list[str]:
+    """Return names of parameters that have values."""
+    return [path.rpartition(".")[2] for path, _, value in parameters(law, "friction") if value]
+
+
+def _unpaid(law: FrictionLaw, known: Collection[str], settings: int) -> set[str]:
+    """Return names of given coefficients for which the settings are too few."""
+    free = [name for name in law.fit_order if name not in known][: max(settings - 1, 0)]
+    rest = [name for name in law.fit_order if name in known]
+    return set(rest[max(settings - 1 - len(free), 1) :]) if rest else set()
