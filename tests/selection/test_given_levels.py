@@ -13,14 +13,13 @@ from stickslip import (
     Measurement,
     SpringBlock,
     Stribeck,
-    fit,
     select,
     simulate,
 )
 from stickslip.drives import Sampled, Sine
 from stickslip.identification import trials_of
 from stickslip.kinds.travels.contradictions import refuted_by_travels
-from stickslip.selection.given_levels import given_level, refuted_by_record
+from stickslip.selection.given_levels import given_level
 
 TRUTH = Stribeck(kinetic_coefficient=0.15, static_coefficient=0.22, stribeck_velocity=0.02)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.06)
@@ -112,41 +111,6 @@ def test_a_force_that_rises_later_is_what_moved_the_body():
     law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.9)
     said = refuted_by_travels(law, ["static_coefficient"], trials, t_end=3.0)
     assert said.endswith(f"friction at rest was at most {6.0 / 9.81:.3f} N/N")  # not 0, at release
-
-
-@pytest.mark.parametrize(
-    ("law", "name"),
-    [
-        (Coulomb(kinetic_coefficient=0.16), "static_coefficient"),
-        (replace(TRUTH, viscous_coefficient=0.5), "break_away_coefficient"),
-        (
-            replace(TRUTH, viscous_coefficient=0.5, static_coefficient=0.3),
-            "static_coefficient",
-        ),
-    ],
-    ids=["coulomb", "break-away", "stribeck"],
-)
-def test_forces_at_break_away_refute_a_level_that_was_given(law, name, record):
-    def fitted(value):
-        given = replace(law, **{name: value})
-        held = [one for one in law.fit_order if one != name]
-        return fit(AXIS, given, record, vary=held, route="inverse-dynamics")
-
-    said = refuted_by_record(fitted(4.0 * 0.22))
-    assert said.startswith("the given $mu_")
-    assert "= 0.88 contradicts the record: friction at rest was at most 0." in said
-    # motion is seen late, so that the force has grown beyond the 0.22 of the law by then
-    assert 0.22 <= float(said.split()[-2]) < 0.35
-    assert refuted_by_record(fitted(0.22)) == ""
-
-
-def test_a_level_that_is_fitted_or_measured_is_not_said_to_be_given(record):
-    found = fit(AXIS, CoulombViscous, record, route="inverse-dynamics")
-    assert refuted_by_record(found) == ""
-    v = np.linspace(-1.0, 1.0, 400)
-    table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v))
-    law = Coulomb(kinetic_coefficient=2.0, static_coefficient=9.0)
-    assert refuted_by_record(fit(Axis(inertia=1.0), law, table)) == ""
 
 
 @pytest.mark.slow

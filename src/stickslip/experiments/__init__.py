@@ -86,6 +86,7 @@ INSIDE = {
     "tells_load": "measurement",
     "unit_of_input": "measurement",
     "unit_on": "estimates",
+    "unit_differences": "differentiation",
     "usual_top_speed": "differentiation",
     "velocity_of": "differentiation",
     "whole_cycles": "travels",

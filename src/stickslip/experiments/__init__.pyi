@@ -27,6 +27,7 @@ from stickslip.experiments.differentiation import GAP as GAP
 from stickslip.experiments.differentiation import interval_of as interval_of
 from stickslip.experiments.differentiation import noise_of as noise_of
 from stickslip.experiments.differentiation import step_of as step_of
+from stickslip.experiments.differentiation import unit_differences as unit_differences
 from stickslip.experiments.differentiation import usual_top_speed as usual_top_speed
 from stickslip.experiments.differentiation import velocity_of as velocity_of
 from stickslip.experiments.estimates import HARD as HARD

@@ -5,12 +5,15 @@ from stickslip.lazy import attach
 HOMES = {
     "BandVerdict": "verdict",
     "Interval": "judge",
+    "JointVerdict": "joints",
     "LawCandidate": "verdict",
     "LawFit": "verdict",
     "PredictionBand": "ensemble",
 }
 
 INSIDE = {
+    "joint_sections": "joints",
+    "select_joints": "joints",
     "select_record": "selection",
     "select_table": "selection",
     "verdict_sections": "page",

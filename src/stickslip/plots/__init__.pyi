@@ -48,7 +48,6 @@ from stickslip.plots.data.data_overview import overview_size as overview_size
 from stickslip.plots.data.data_overview import plot_measurement as plot_measurement
 from stickslip.plots.data.record import Channel as Channel
 from stickslip.plots.data.record import draw_record as draw_record
-from stickslip.plots.data.record import record_sizes as record_sizes
 from stickslip.plots.data.rig_sketches import draw_sketch as draw_sketch
 from stickslip.plots.data.rig_sketches import schematic as schematic
 from stickslip.plots.data.rig_sketches import sketch as sketch
@@ -71,8 +70,6 @@ from stickslip.plots.laws.curves import presliding_sizes as presliding_sizes
 from stickslip.plots.laws.friction_map import MAP_SIZES as MAP_SIZES
 from stickslip.plots.laws.friction_map import MapSplit as MapSplit
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
-from stickslip.plots.laws.friction_map import draw_split_map as draw_split_map
-from stickslip.plots.laws.friction_map import split_sizes as split_sizes
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
 from stickslip.plots.runs.contacts import MOST_PANELS as MOST_PANELS
@@ -108,12 +105,10 @@ from stickslip.plots.runs.validation import draw_validation as draw_validation
 from stickslip.plots.runs.validation import plot_validation as plot_validation
 from stickslip.plots.selection.fit_data import DOTS as DOTS
 from stickslip.plots.selection.fit_data import MapPoints as MapPoints
-from stickslip.plots.selection.fit_data import block_edges as block_edges
 from stickslip.plots.selection.fit_data import errors_of as errors_of
 from stickslip.plots.selection.fit_data import is_timed as is_timed
 from stickslip.plots.selection.fit_data import map_points as map_points
 from stickslip.plots.selection.fit_data import panel_of as panel_of
-from stickslip.plots.selection.fit_data import postures_of as postures_of
 from stickslip.plots.selection.fit_data import residual_panels as residual_panels
 from stickslip.plots.selection.fit_data import rows_of as rows_of
 from stickslip.plots.selection.fit_data import sampled as sampled

@@ -88,14 +88,6 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
     return min(near, key=lambda c: (c.parameters, c.score))
 
 
-def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law predicts better than all simpler ones that it contains, and there are some."""
-    simpler = [c for c in scored if c.name in rich.simpler]
-    return bool(simpler) and all(
-        errs_more(c, rich, errors=NEAR, uncertainty=uncertainty) for c in simpler
-    )
-
-
 def outcome_beside(
     one: CrossValidated[Any], closest: CrossValidated[Any], *, tied: bool, recommended: bool
 ) -> str:

@@ -2,14 +2,11 @@
 
 from collections.abc import Collection
 
-import numpy as np
-
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import ParameterError
 from stickslip.experiments import levels_at
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw, anywhere, bound
-from stickslip.identification import RecordFit, balanced
-from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.friction import FrictionLaw, anywhere
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
 
 STEP = 1e-3
@@ -18,8 +15,6 @@ CLEAR = 0.2
 """Share by which friction at rest must stay below a level that is said to be refuted."""
 RESTED = 5
 """Samples of a rest at least."""
-DEPARTURES = 2
-"""Rests that ended in motion at least: one could be a blow or a slip of the sensor."""
 
 
 def given_level(law: FrictionLaw, held: Collection[str]) -> str:
@@ -58,48 +53,6 @@ def level_text(mechanism: Mechanism, friction: float, load: float) -> str:
     if levels == "per load":
         return f"{number(friction / load)} N/N"
     return quantity(friction, "N m" if levels == "torques" else "N")
-
-
-def refuted_by_record(fit: RecordFit) -> str:
-    """Return that a body broke away below a break-away level that was given.
-
-    At rest, friction balances all other forces, which inverse dynamics knows. How large it became
-    before the body moved on is the break-away level or, as a sensor sees motion late, more than it.
-    """
-    law, mechanism = fit.law, fit.mechanism
-    free = {estimate.path for estimate in fit.estimates}
-    paths = [path for path, _, _ in parameters(law, "friction") if path not in free]
-    name = given_level(law, [path.rpartition(".")[2] for path in paths])
-    if not name or law.states or stops_of(mechanism):
-        return ""
-    try:
-        segments = balanced(mechanism, fit.measurement, hold="first")
-    except InputError:  # too short, or never moves
-        return ""
-    levels, loads, laws = [], [], []
-    for one in segments:
-        if one.resting is None or one.held is None:
-            continue
-        edges = np.diff(one.resting.astype(int), prepend=0, append=0)
-        for first, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
-            if end == len(one.resting):  # the end of the record is no departure
-                continue
-            if end - first >= RESTED:
-                friction, load = np.abs(one.held[first:end]), one.path.load[first:end]
-                at = int(np.argmax(friction / load))
-                levels.append(float(friction[at]))
-                loads.append(float(load[at]))
-                here = {name: float(x[first + at]) for name, x in one.path.inputs.items()}
-                laws.append(bound(law, here))
-    if len(levels) < DEPARTURES:
-        return ""
-    at = int(np.argmax(np.divide(levels, loads)))
-    if levels[at] >= (1.0 - CLEAR) * float(laws[at].break_away(loads[at])):
-        return ""
-    known = level_text(mechanism, levels[at], loads[at])
-    return (
-        f"the {given_text(law, name)} contradicts the record: friction at rest was at most {known}"
-    )
 
 
 def given_text(law: FrictionLaw, name: str) -> str:
