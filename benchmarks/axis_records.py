@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.evidence import Series
+from stickslip import Measurement
 
 Array = NDArray[np.float64]
 
@@ -217,9 +217,13 @@ class AxisRecord:
     covariates: dict[str, Array] = field(default_factory=dict)
 
     @property
-    def series(self) -> Series:
-        """Return what was measured."""
-        return Series(self.t, self.q, self.force, covariates=self.covariates, hold=True)
+    def measured(self) -> Measurement:
+        """The record as a user has it."""
+        known = dict(self.covariates)
+        load = known.pop("load", 1.0)
+        return Measurement(
+            time=self.t, position=self.q, force=self.force, load=load, inputs=known, turning=True
+        )
 
 
 def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:

@@ -1,13 +1,12 @@
-"""Records of made-up arms with known laws, and with faults: do intervals hold, is something said?
+"""Records of made-up arms with known laws, and with faults: does the band of each joint hold?
 
-``python -m benchmarks.joints --seed N`` selects laws for 15 arms: twelve sound ones with a law for
-each joint, one with a joint that hardly moves, one with a joint whose force is shown late and one
-whose lower link is given with a wrong mass. A law is right, or equal if it predicts a second record
-as well as the true one does; a false certainty is a law that is neither and recommended without
-doubt, or a fault that is not there.
-
-``python -m benchmarks.joints --kinds clean late --numbers 0 40`` fits the true laws to arms with
-faults; ``--select`` compares laws instead. Results are appended to a file line by line.
+``python -m benchmarks.joints --seed N`` judges 15 arms: twelve sound ones with a law for each
+joint, one with a joint that hardly moves, one with a joint whose force is shown late and one whose
+lower link is given with a wrong mass. ``--gears`` judges arms with gears that the torque loads,
+``--kinds clean drift --numbers 0 40`` arms with faults. A row has, for each joint, what was named,
+whether that is the law, the part of the speeds at which the true friction lies in the band, its
+half width over the friction, and what was named beside the law. Results are appended to a file line
+by line.
 
 Each arm has two links with random lengths, masses and inertias, and each joint a random law; both
 are moved by sums of sines. Faults: positions or forces of two joints swapped, positions of one
@@ -18,7 +17,6 @@ one force.
 
 import argparse
 import json
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,14 +25,13 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.finding_kinds import parts_of
 from benchmarks.rigs import TRUTHS as USUAL
 from benchmarks.rigs import Array, Random, Sizes, between
-from stickslip import Dahl, FrictionLaw, Measurement, RecordSettings, TwoLinkArm, check, fit, select
+from stickslip import Dahl, FrictionLaw, Measurement, RecordSettings, TwoLinkArm, select
 from stickslip.errors import StickslipError
 from stickslip.formulation import JointTorques
 from stickslip.friction import bound, law, specification
-from stickslip.identification import RecordFit
+from stickslip.results import BandVerdict
 
 RESULTS = "joints.jsonl"
 JOINTS = ("shoulder", "elbow")
@@ -45,7 +42,7 @@ TRUE = ("coulomb-viscous", "stribeck", "direction-dependent", "power-viscous", A
 """Laws of the joints of a study."""
 ROUNDS = 100
 """Times that friction of a gear is computed from the motor's torque, of which it is a share."""
-SETTINGS = RecordSettings(hold="first", starts=1)
+SETTINGS = RecordSettings(hold="first")
 
 
 GEARED = (
@@ -268,159 +265,66 @@ def _guess(arm: TwoLinkArm) -> TwoLinkArm:
     )  # fmt: skip
 
 
-def _warned(record: Measurement, arm: TwoLinkArm) -> list[str]:
-    return [one.kind for one in check(record, mechanism=arm).findings if one.severity != "info"]
-
-
-def true_value(path: str, arm: TwoLinkArm, laws: Mapping[str, FrictionLaw]) -> float:
-    """Return the true value of an estimate."""
-    room, _, rest = path.partition(".")
-    if room == "mechanism":
-        return float(getattr(arm, rest))
-    if room == "friction":
-        joint, _, field = rest.partition(".")
-        return float(getattr(laws[joint], field))
-    return 0.0
-
-
-def fitted(kind: str, number: int, seed: int) -> dict[str, Any]:
-    """Return whether a fit of the true laws holds the true values, and what is said."""
-    arm, laws, (record, _), row = drawn(kind, number, seed)
-    began = time.process_time()
-    try:
-        found = fit(
-            _guess(arm), {name: type(law) for name, law in laws.items()}, record,
-            vary=["friction.*", *LINEAR], settings=SETTINGS,
-        )  # fmt: skip
-    except StickslipError as error:
-        return row | {"refused": str(error), "seconds": time.process_time() - began}
-    assert isinstance(found, RecordFit)
-    held, wrong = 0, []
-    for one in found.estimates:
-        true = true_value(one.path, arm, laws)
-        if not one.bounded:
-            continue
-        if one.low <= true <= one.high:
-            held += 1
-        else:
-            wrong.append(
-                f"{one.path} {one.value:.4g} [{one.low:.4g}, {one.high:.4g}] not {true:.4g}"
-            )
-    return row | {
-        "bounded": held + len(wrong),
-        "estimates": len(found.estimates),
-        "held": held,
-        "wrong": wrong,
-        "said": [*found.sentences, *map(str, found.model_errors)],
-        "checks": _warned(record, arm),
-        "seconds": time.process_time() - began,
-    }
-
-
-def selected(kind: str, number: int, seed: int) -> dict[str, Any]:
-    """Return what a selection names for each joint."""
-    arm, _, (record, _), row = drawn(kind, number, seed)
-    began = time.process_time()
-    try:
-        verdict = select(_guess(arm), None, record, vary=LINEAR, settings=SETTINGS)
-    except StickslipError as error:
-        return row | {"refused": str(error), "seconds": time.process_time() - began}
-    return row | {
-        "named": {name: one.closest.name for name, one in verdict.joints.items()},
-        "verdict": verdict.sentence,
-        "used": verdict.best is not None,
-        "checks": [one.kind for one in verdict.checks.findings if one.severity != "info"],
-        "seconds": time.process_time() - began,
-    }
+def steady(law: FrictionLaw, text: str, v: Array) -> Array | None:
+    """Return the friction of a law at speeds (n,); None if it depends on more than the speed."""
+    if text in (*GEARED, ALONG):
+        return None
+    if isinstance(law, Dahl):
+        return np.asarray(law.kinetic_coefficient * np.sign(v) + law.viscous_coefficient * v)
+    return np.asarray(law.force(v, 1.0))
 
 
 def judged(kind: str, given: Sequence[str], number: int, seed: int) -> dict[str, Any]:
     """Return how right a selection is about each joint of an arm."""
     arm, laws, (record, second), row = drawn(kind, number, seed, given)
-    began = time.process_time()
     wrong = kind == "wrong mass"
     rig = replace(arm, lower_mass=1.4 * arm.lower_mass) if wrong else _guess(arm)
-    vary = () if wrong else LINEAR
-    verdict = select(rig, None, record, vary=vary, settings=SETTINGS)
+    began = time.process_time()
+    try:
+        verdict = select(
+            rig, None, record, vary=() if wrong else LINEAR, settings=SETTINGS, validate=second
+        )
+    except StickslipError as error:
+        return row | {"refused": str(error), "joints": {}, "seconds": time.process_time() - began}
     row["seconds"] = time.process_time() - began
-    found = {}
-    for joint, true in laws.items():
-        own = verdict.joints.get(joint)
-        if own is None:
-            found[joint] = {"outcome": "not fitted", "certain": False, "said": []}
-            continue
-        fit_ = own.closest.fit
-        assert fit_ is not None
-        text = row["laws"][joint]
-        asked = true.name if text in GEARED else specification(text).name
-        right = own.closest.name == asked
-        equal = right or (not wrong and _as_good(verdict, joint, laws, rig, record, second))
-        held = []
-        for one in fit_.estimates:
-            field = one.path.rpartition(".")[2]
-            if right and one.bounded and one.path.startswith("friction."):
-                held.append(one.low <= getattr(true, field) <= one.high)
-        found[joint] = {
-            "named": own.closest.name,
-            "outcome": "right" if right else "equal" if equal else "wrong",
-            "certain": own.sentence.startswith("Use") and asked not in own.equals,
-            "said": [one.kind for one in own.model_errors if one.share > 0.0],
-            "held": sum(held),
-            "bounded": len(held),
-            "sentence": own.sentence,
-        }
-    return row | {"joints": found, "verdict": verdict.sentence}
+    joints = {
+        joint: _of_joint(verdict.joints[joint], laws[joint], row["laws"][joint])
+        for joint in laws
+        if joint in verdict.joints
+    }
+    return row | {"joints": joints, "verdict": verdict.sentence, "used": verdict.best is not None}
 
 
-def _as_good(
-    verdict: Any,
-    joint: str,
-    laws: Mapping[str, FrictionLaw],
-    rig: TwoLinkArm,
-    record: Measurement,
-    second: Measurement,
-) -> bool:
-    """Whether a combination predicts a joint of a second record as well as the true laws do."""
-    truth = {name: type(laws[name]) for name in verdict.joints}
-    best = fit(rig, truth, record, vary=["friction.*", *LINEAR], settings=SETTINGS)
-    own = verdict.closest.fit.score(second).joints[joint].rms
-    least = best.score(second).joints[joint].rms
-    return bool(own < 1.15 * least)
-
-
-WRONG = ("parameters", "unexplained")
-"""Kinds of findings that tell of a wrong mass."""
-
-
-def faults_of(row: Mapping[str, Any], joint: str) -> list[str]:
-    """Return what is said of a joint that is not so."""
-    said = row["joints"][joint]["said"]
-    true = {
-        ("late elbow", "elbow"): ("delay", "late or elastic"),
-        ("wrong mass", "elbow"): WRONG,
-        ("wrong mass", "shoulder"): WRONG,
-    }.get((row["kind"], joint), ())
-    return [one for one in said if one not in true and not parts_of(one) & {*true}]
+def _of_joint(verdict: BandVerdict, true: FrictionLaw, text: str) -> dict[str, Any]:
+    """Return how right a verdict is about a joint."""
+    asked = true.name if text in GEARED else specification(text).name
+    v, band = verdict.speeds, verdict.friction
+    curve = steady(true, text, v)
+    covered = None if curve is None else float(np.mean((band.low <= curve) & (curve <= band.high)))
+    return {
+        "named": verdict.closest.name,
+        "right": verdict.closest.name == asked,
+        "in set": asked in {one.name for one in verdict.candidates if one.outcome},
+        "covered": covered,
+        "half": float(np.mean(band.high - band.low) / np.mean(np.abs(band.median)) / 2.0),
+        "inside": verdict.inside,
+        "said": [one.term for one in verdict.causes],
+    }
 
 
 def totals(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the figures of a study."""
     sound = [row for row in rows if row["kind"] in ("clean", "still")]
-    every = [one for row in sound for one in row["joints"].values() if "named" in one]
-    right, equal = (sum(one["outcome"] == k for one in every) for k in ("right", "equal"))
-    false = [
-        (row["number"], joint)
-        for row in rows
-        for joint, one in row["joints"].items()
-        if (one["certain"] and one["outcome"] == "wrong") or faults_of(row, joint)
-    ]
-    held, bounded = (sum(one[k] for one in every) for k in ("held", "bounded"))
-    seconds = [row["seconds"] for row in rows]
+    every = [one for row in sound for one in row["joints"].values()]
+    covered = [one["covered"] for one in every if one["covered"] is not None]
+    said = sum(bool(one["said"]) for one in every)
     return (
-        f"joints of sound arms: {right} right, {equal} equal, of {len(every)};"
-        f" false certainties {len(false)} {false};"
-        f" intervals hold {held} of {bounded} ({100.0 * held / max(bounded, 1):.0f} %);"
-        f" processor time {np.median(seconds):.0f} s, at most {max(seconds):.0f} s"
+        f"joints of sound arms: {sum(one['right'] for one in every)} right, the law in the set of"
+        f" {sum(one['in set'] for one in every)}, of {len(every)}; true friction in the band at"
+        f" {np.mean(covered):.3f} of the speeds, half width"
+        f" {np.median([one['half'] for one in every]):.3f} of the friction; readings of a second"
+        f" record inside {np.mean([one['inside'] for one in every]):.3f}; something beside the law"
+        f" at {said}; processor time {np.median([row['seconds'] for row in rows]):.1f} s"
     )
 
 
@@ -462,28 +366,10 @@ def study(
             file.write(json.dumps(rows[-1]) + "\n")
             file.flush()
             for joint, one in rows[-1]["joints"].items():
-                text = f"{number:2} {kind:10} {joint:8} {rows[-1]['laws'][joint]:36}"
-                text += f" {one['outcome']:10} {one.get('named', ''):28} {one['said']}"
-                print(text, faults_of(rows[-1], joint), one.get("sentence", ""), flush=True)
+                told = " ".join(f"{key}={value}" for key, value in one.items())
+                print(f"{number:2} {kind:10} {joint:8} {rows[-1]['laws'][joint]:36} {told}")
+            print(rows[-1].get("refused", ""), flush=True)
     print(totals(rows))
-
-
-def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a line for each kind."""
-    lines = []
-    for kind in dict.fromkeys(row["kind"] for row in rows):
-        own = [row for row in rows if row["kind"] == kind]
-        fits = [row for row in own if "held" in row]
-        bounded, held = (sum(row[name] for row in fits) for name in ("bounded", "held"))
-        share = held / bounded if bounded else math.nan
-        silent = sum(not row["said"] and not row["checks"] for row in fits)
-        refused = sum("refused" in row for row in own)
-        free = sum(row["estimates"] for row in fits) - bounded
-        lines.append(
-            f"{kind:18} {len(own):3} records, {refused} refused, {silent} with nothing said;"
-            f" intervals hold {held} of {bounded} ({100.0 * share:.1f} %), {free} not bounded"
-        )
-    return lines
 
 
 def main() -> None:
@@ -492,28 +378,13 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="+", choices=FAULTS)
     parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--select", action="store_true")
     parser.add_argument("--gears", action="store_true")
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
-    if given.kinds is None:
-        cases = GEARS if given.gears else CASES
-        study(given.seed, given.results, given.numbers, cases)
-        return
-    rows = []
-    with given.results.open("a", encoding="utf-8") as file:
-        for kind in given.kinds:
-            for number in range(*given.numbers):
-                row = (selected if given.select else fitted)(kind, number, given.seed)
-                rows.append(row)
-                file.write(json.dumps(row) + "\n")
-                file.flush()
-                shown = (
-                    row.get("refused") or row.get("verdict") or f"{row['held']}/{row['bounded']}"
-                )
-                more = (row.get(name, "") for name in ("wrong", "said", "checks"))
-                print(f"{kind} {number} {row['laws']}: {shown}", *more, flush=True)
-    print("\n".join(summary(rows)) if not given.select else "")
+    cases: Sequence[tuple[str, Sequence[str]]] = GEARS if given.gears else CASES
+    if given.kinds is not None:
+        cases = [(kind, ()) for kind in given.kinds for _ in range(given.numbers[1])]
+    study(given.seed, given.results, given.numbers, cases)
 
 
 if __name__ == "__main__":

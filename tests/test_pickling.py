@@ -28,7 +28,6 @@ from stickslip import (
     load_rig,
     plan,
     results,
-    sample_posterior,
     select,
     simulate,
 )
@@ -148,9 +147,6 @@ SLOW = {
     "basins": lambda: basins(
         DRIVEN, Coulomb(kinetic_coefficient=0.5), {"x": [-1.0, 1.0], "v": [-1.0, 1.0]}, settle=20
     ),
-    "posterior": lambda: sample_posterior(
-        fit(AXIS, CoulombViscous, series(), **BY_INVERSE), steps=100
-    ),
     "velocity steps": lambda: fit_rate_state(SLIDER, "rate-and-state", steps(), **FREE),
     "verdict on velocity steps": lambda: select(
         SLIDER, ["rate-and-state", "rate-and-state-slip"], steps(), **FREE
@@ -165,7 +161,7 @@ NUMBERS_ONLY = {
 }  # fmt: skip
 """Kinds without rows."""
 
-ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict", "Optimum", "RecordVerdict"}
+ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict", "Optimum"}
 """Results whose parts are those of others here, and that take minutes."""
 
 

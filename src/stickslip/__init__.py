@@ -32,7 +32,6 @@ HOMES = {
     "load_rig": "experiments",
     "optimise_profile": "optimisation",
     "plan": "kinds",
-    "sample_posterior": "identification",
     "select": "kinds",
     "simulate": "simulation",
     "write_report": "kinds",

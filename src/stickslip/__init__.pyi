@@ -78,7 +78,6 @@ from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
-from stickslip.identification import sample_posterior as sample_posterior
 from stickslip.kinds import fit as fit
 from stickslip.kinds import plan as plan
 from stickslip.kinds import select as select
@@ -188,7 +187,6 @@ __all__ = [
     "load_rig",
     "optimise_profile",
     "plan",
-    "sample_posterior",
     "select",
     "simulate",
     "write_report",

@@ -60,7 +60,6 @@ from stickslip import (
     fit,
     load_measurement,
     load_rig,
-    sample_posterior,
     select,
     simulate,
 )
@@ -103,7 +102,6 @@ found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map",
 print(found.law.viscous_coefficient)
 if isinstance(found, RecordFit):
     reveal_type(found.score(record))
-reveal_type(sample_posterior(found, steps=100))
 
 verdict = select(block, [Coulomb, "lugre", Stribeck], record, validate=record)
 reveal_type(verdict)
@@ -164,7 +162,6 @@ REVEALED = (
     "Coulomb",
     "FrictionLaw",
     "Score",
-    "Posterior",
     "Verdict[Candidate[Fit[Any]]]",
     "str",
     "TravelCandidate | None",

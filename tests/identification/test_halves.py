@@ -24,7 +24,6 @@ from stickslip.identification.estimation.halves import Halves, blocks_of_half, w
 from stickslip.identification.estimation.jackknife import Inference, infer
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.records import refits
-from stickslip.selection.cross_validation import halves
 
 CLOCK = Pendulum(mass=0.2, length=0.5)
 
@@ -46,7 +45,9 @@ def test_a_law_that_does_not_hold_is_said_first_and_intervals_cover_both_halves(
     found = fit(CLOCK, CoulombViscous, decay_of(law, 1))
     assert found.sentences[0].startswith("The two halves of the record give ")
     assert "the law does not hold over the whole record" in found.sentences[0]
-    pairs = halves(found)
+    pairs = dict(
+        zip(found.free_parameters.paths, zip(*found.halves.values, strict=True), strict=True)
+    )
     for estimate in found.estimates:
         if estimate.bounded:
             first, second = pairs[estimate.path]

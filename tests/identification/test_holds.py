@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from benchmarks.axis_records import ALL
 from benchmarks.axis_records import record as axis_record
-from benchmarks.structures import measured
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
 from stickslip.drives import Sampled
@@ -147,22 +146,11 @@ def test_an_estimate_that_no_hold_explains_or_that_is_vague_is_no_number_of_a_ho
 
 
 @pytest.mark.slow
-def test_a_late_motion_is_said_once_and_not_as_a_hold_too():
-    sound = record("zero", seed=5)
-    late = np.interp(sound.time - 0.05, sound.time, sound.position)
-    found = along(Measurement(time=sound.time, position=late, force=sound.force))
-    assert [one.kind for one in found.model_errors] == ["delay"]
-    (assumed,) = found.assumptions
-    assert assumed.startswith("Assumed: between samples, the force keeps its value")
-    assert "later" not in assumed
-
-
-@pytest.mark.slow
 def test_intervals_allow_for_a_force_that_is_recorded_later_than_any_hold():
     """By 4 ms: the inertia was stated as 0.0184 to 0.0189 kg m^2 for 0.02, with no word of it."""
     truth = next(one for one in ALL if one.name == "f_delay1")
     found = fit(
-        Axis(inertia=0.026), CoulombViscous, measured(axis_record(truth, 9442)),
+        Axis(inertia=0.026), CoulombViscous, axis_record(truth, 9442).measured,
         vary="inertia", route="shooting", settings=ONCE,
     )  # fmt: skip
     assert found.hold.is_open

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from stickslip import Axis, CoulombViscous, Measurement, Stribeck, fit
+from stickslip import Axis, Measurement, Stribeck, fit
 from stickslip.identification.estimation.jackknife import (
     block_sums,
     bootstrap,
@@ -16,7 +16,6 @@ from stickslip.identification.estimation.jackknife import (
     infer,
 )
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.kinds.joints.admissibility import objection
 
 
 def autoregression(count, decay, random):
@@ -368,16 +367,3 @@ def test_neighbours_that_go_together_are_told_from_independent_ones():
     # blocks have at most seven degrees of freedom; the test is wrong of independent rows in 5 %
     assert np.mean(np.array(freedoms[0.0]) < 7.0) < 0.09
     assert np.mean(np.array(freedoms[0.8]) < 7.0) > 0.9
-
-
-def test_a_clean_line_of_ten_points_is_accepted():
-    v = np.linspace(0.1, 1.0, 10)
-    rejected = 0
-    for seed in range(20):
-        noise = 0.05 * np.random.default_rng(seed).normal(size=10)
-        friction = 0.25 + 1.5 * v + noise
-        assert np.corrcoef(v, friction)[0, 1] > 0.98
-        table = Measurement(velocity=v, friction=friction)
-        rejected += bool(objection(fit(Axis(inertia=1.0), CoulombViscous, table)))
-    # least squares knows the level to .08 N, a third of it; blocks of two rows left 12 of 20 open
-    assert rejected <= 5

@@ -10,7 +10,7 @@ from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, QUICK, TRUTH, motion, 
 from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SerialArm, catalogue, fit
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import JointTorques
-from stickslip.identification import RecordSettings, joint_view
+from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Link, read_urdf
 
 LINKS = (
@@ -130,15 +130,6 @@ def test_unknown_zeros_of_positions_do_not_bias_what_is_fitted(displaced):
         assert own.score().joints[name].rms < 0.02
     assert plain.score().joints["shoulder"].rms > 0.06
     assert not any(e.path.startswith("measurement.offset") for e in own.estimates)
-
-
-def test_other_records_are_predicted_from_zeros_of_their_own(displaced):
-    laws = dict.fromkeys(JOINTS, CoulombViscous)
-    own = fit(GUESSED, laws, displaced, vary=ASKED, settings=ZEROS)
-    score = own.score(moved(record(7), 0.06, 0.06))
-    assert all(score.joints[name].rms < 0.02 for name in JOINTS)
-    view = joint_view(own, "elbow")
-    assert view.score().rms == pytest.approx(own.score().joints["elbow"].rms, rel=1e-6)
 
 
 def test_position_zeros_are_for_joints_and_true_or_false():

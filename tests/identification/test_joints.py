@@ -22,7 +22,6 @@ from stickslip import (
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formulation import JointTorques
 from stickslip.friction import Laws
-from stickslip.identification import joint_view
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 
@@ -316,30 +315,6 @@ def test_the_plot_has_a_panel_for_each_joint(found):
             plot(found, Figure())
     with pytest.raises(InputError, match="record must be from 0 to 0"):
         plots.plot_joints(found, Figure(), record=1)
-
-
-def test_a_view_of_one_joint_has_its_rows_and_the_intervals_of_the_fit_to_all(found):
-    for name in JOINTS:
-        own, seen = joint_view(found, name), found.predict().of(name)
-        np.testing.assert_allclose(own.predict().residual, seen.residual, atol=1e-12)
-        np.testing.assert_array_equal(own.predict().measured, seen.measured)
-        for one in own.estimates:
-            path = one.path.replace("friction.", f"friction.{name}.")
-            path = f"measurement.offset.force.{name}" if one.path.startswith("meas") else path
-            whole = found.estimate(path)
-            assert (one.low, one.value, one.high) == (whole.low, whole.value, whole.high)
-            assert one.quantity.unit == whole.quantity.unit
-        assert own.score().rms == pytest.approx(found.score().joints[name].rms, rel=1e-12)
-
-
-def test_a_view_of_a_joint_that_rests_in_some_segments_has_segments_of_its_own():
-    t, places, forces = parts(record(3))
-    still = np.clip(places["elbow"] * (t > 5.0), None, None)
-    resting = Measurement(time=t, position={**places, "elbow": still}, force=forces)
-    own = fit(GUESSED, BOTH, resting, vary=["friction.*", *LINEAR], settings=QUICK)
-    view = joint_view(own, "elbow")
-    assert len(view.problem.spans) < len(own.problem.spans)
-    assert view.optimum.best.segment.max() == len(view.problem.spans) - 1
 
 
 @pytest.mark.parametrize(("what", "which"), [("positions", 1), ("forces", 2)])

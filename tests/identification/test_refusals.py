@@ -10,7 +10,6 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
-    Dahl,
     Measurement,
     RecordSettings,
     SpringBlock,
@@ -22,7 +21,6 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.evidence.bristles import bristle_states
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 from stickslip.mechanisms import TwoMassAxis
 
@@ -145,24 +143,6 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
             vary=["friction.*", "mechanism.inertia"],
             settings=QUICK,
         )
-
-
-@pytest.mark.slow
-def test_bristles_that_bend_do_not_reverse_the_sign_of_a_force():
-    """Their force goes with the position, as that of a negative mass would: it was refused."""
-    time = np.arange(800) / 100
-    position = 2e-3 * np.sin(0.5 * np.pi * time) * (1.0 + 0.5 * np.sin(0.3 * time))
-    force = 20.0 * bristle_states(position, [(1e-4, 1.0)], 0.0)[:, 0]
-    axis, unknown = Axis(inertia=1.0), ["friction.*", "mechanism.inertia"]
-    record = Measurement(time=time, position=position, force=force)
-    found = inverse_dynamics(axis, record, robust=True)
-    assert found["inertia"] < 0.0
-    assert found.inertial_share < -0.01
-    fitted = fit(axis, Dahl, record, vary=unknown, route="inverse-dynamics", settings=QUICK)
-    assert fitted.law.kinetic_coefficient == pytest.approx(20.0, rel=0.01)
-    reversed_force = dataclasses.replace(record, force=-force)
-    with pytest.raises(InputError, match=r"against the motion|cannot be fitted"):
-        fit(axis, Dahl, reversed_force, vary=unknown, settings=QUICK)
 
 
 @pytest.mark.parametrize(

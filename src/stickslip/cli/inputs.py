@@ -181,7 +181,7 @@ def _law_quantities(law: Any) -> Mapping[str, Quantity]:
 
 @contextmanager
 def watching(
-    names: Sequence[str], kind: AnyKind, request: Request, *, at_most: bool = False
+    names: Sequence[str], kind: AnyKind, request: Request
 ) -> Iterator[Watching | Searching]:
     """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
     if kind.counts_runs:
@@ -198,7 +198,6 @@ def watching(
             names,
             text,
             interrupts,
-            at_most=at_most,
             longest_first=kind.longest_first,
         ) as bar,
     ):

@@ -211,11 +211,9 @@ class _ByLaw(_Shown):
 
     counted = False
 
-    def __init__(
-        self, names: Sequence[str], *, at_most: bool = False, longest_first: bool = False
-    ) -> None:
+    def __init__(self, names: Sequence[str], *, longest_first: bool = False) -> None:
         super().__init__()
-        self._names, self._of = set(names), "of at most" if at_most else "of"
+        self._names = set(names)
         self._met: list[str] = []
         self._longest_first, self._begun = longest_first, [self._start]
         self._task = self._bars.add_task("", total=len(self._names), runs="")
@@ -228,12 +226,12 @@ class _ByLaw(_Shown):
         place, total = self._met.index(name) + 1, max(len(self._names), len(self._met))
         step = f"{verb} {name}"
         self._say(step, place, total)
-        text = f"{step} (law {place} {self._of} {total})"
+        text = f"{step} (law {place} of {total})"
         self._bars.update(self._task, completed=len(self._met) - 1, description=text, runs=reached)
 
     @override
     def _far(self, elapsed: float, done: float, total: float) -> str:
-        place = [f"law {done:.0f} {self._of} {total:.0f}"] if total else []
+        place = [f"law {done:.0f} of {total:.0f}"] if total else []
         parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]
         return f" ({', '.join(parts)}{self._at_most_left(elapsed)})" if parts else ""
 
@@ -283,8 +281,6 @@ class Searching(_ByLaw):
         Returns the text of a residual [SI].
     interrupts : Interrupts
         Counts Ctrl-C, which ends the search.
-    at_most : bool
-        Whether some of the laws may not be fitted.
     longest_first : bool
         Whether the first law takes about as long as any, which bounds the time left.
     """
@@ -295,10 +291,9 @@ class Searching(_ByLaw):
         told: Callable[[float], str],
         interrupts: Interrupts,
         *,
-        at_most: bool = False,
         longest_first: bool = False,
     ) -> None:
-        super().__init__(names, at_most=at_most, longest_first=longest_first)
+        super().__init__(names, longest_first=longest_first)
         self._told, self._interrupts = told, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:
@@ -308,12 +303,10 @@ class Searching(_ByLaw):
             self._interrupts.promise = BEST
             self._law("Fitting", name, reached)
             return not self._interrupts.stopped
-        # what the force balance asks for, a law of which was not known before, or validation
-        what = name.partition(": ")[0]
-        explains, held_out = what.startswith("force balance"), what.startswith("held-out")
-        verb = "Explaining the" if explains else "Validating on" if held_out else "Fitting"
-        self._interrupts.promise = NO_SHORTER if explains or held_out else BEST
-        self._say(f"{verb} {what.partition(',')[0]}" if explains else f"{verb} {name}")
+        held_out = name.startswith("held-out")
+        verb = "Validating on" if held_out else "Fitting"
+        self._interrupts.promise = NO_SHORTER if held_out else BEST
+        self._say(f"{verb} {name}")
         self._bars.update(self._task, description=f"{verb} {name}", runs=reached)
         return not self._interrupts.stopped
 

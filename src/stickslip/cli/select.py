@@ -143,9 +143,8 @@ def _selected(kind: AnyKind, request: Request, count: int, address: str | None) 
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
             refuse_uninformed(kind, given, request.mechanism, measurement)
     names = kind.candidates(laws, request.measurement)
-    climbs = laws is None and kind.climbs
     with (
-        watching(names, kind, request, at_most=climbs) as watch,
+        watching(names, kind, request) as watch,
         workers(min(count, len(names)), address) as executor,
     ):
         verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))

@@ -20,13 +20,13 @@ from stickslip.experiments.checking.mains import is_narrow as is_narrow
 from stickslip.experiments.checking.mains import lines_of as lines_of
 from stickslip.experiments.checking.mains import words_of as words_of
 from stickslip.experiments.checking.map_coverage import resting_readings as resting_readings
-from stickslip.experiments.checking.motion import motion_of as motion_of
 from stickslip.experiments.checking.order import speeds_in_order as speeds_in_order
 from stickslip.experiments.checking.order import with_order as with_order
 from stickslip.experiments.differentiation import GAP as GAP
 from stickslip.experiments.differentiation import interval_of as interval_of
 from stickslip.experiments.differentiation import noise_of as noise_of
 from stickslip.experiments.differentiation import step_of as step_of
+from stickslip.experiments.differentiation import unit_differences as unit_differences
 from stickslip.experiments.differentiation import usual_top_speed as usual_top_speed
 from stickslip.experiments.differentiation import velocity_of as velocity_of
 from stickslip.experiments.estimates import HARD as HARD

@@ -1,5 +1,6 @@
 """Velocities, accelerations and noise of a record, from what was sampled."""
 
+import itertools
 import math
 from typing import Final
 
@@ -272,10 +273,32 @@ def noise_of(values: Array, step: float = 0.0, order: int = 3, time: Array | Non
         growth = math.sqrt(math.comb(2 * order, order))  # of white noise: its weights are binomials
         differences = np.diff(values, order) / growth
     else:
-        from stickslip.evidence import unit_differences
-
         differences = unit_differences(values, time, order)
     middle = float(np.median(np.abs(differences))) if differences.size else 0.0
     spread = middle / QUARTILE
     rounding = 1e-15 * float(np.abs(values).max())  # what differences of floats leave
     return max(spread if spread > 20 * rounding else 0.0, step / float(np.sqrt(12.0)))
+
+
+def unit_differences(values: Array, time: Array, order: int) -> Array:
+    """Return divided differences of values (n,) in which white noise 1 is 1, whatever the times.
+
+    Polynomials of a lower order are 0 in them, while plain differences of uneven samples have the
+    jitter of the times in them.
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 1.0, 1.5, 4.0])
+    >>> unit_differences(t**2, t, 3).round(12).tolist()
+    [0.0]
+    >>> unit_differences(np.array([0.0, 0.0, 1.0]), np.arange(3.0), 2).round(3).tolist()
+    [0.408]
+    """
+    columns = [np.arange(i, max(len(values) - order, 0) + i) for i in range(order + 1)]
+    weights = np.ones((order + 1, len(columns[0])))
+    for i, j in itertools.permutations(range(order + 1), 2):
+        weights[i] /= time[columns[i]] - time[columns[j]]
+    weights /= np.linalg.norm(weights, axis=0)
+    return np.asarray(
+        np.sum([w * values[rows] for w, rows in zip(weights, columns, strict=True)], axis=0)
+    )

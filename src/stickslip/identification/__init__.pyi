@@ -2,17 +2,15 @@
 from stickslip.identification.contact_inputs import as_informed as as_informed
 from stickslip.identification.contact_inputs import check_inputs as check_inputs
 from stickslip.identification.contact_inputs import inputs_text as inputs_text
+from stickslip.identification.contact_inputs import joint_inputs as joint_inputs
 from stickslip.identification.contact_inputs import known_inputs as known_inputs
+from stickslip.identification.contact_inputs import recorded_inputs as recorded_inputs
 from stickslip.identification.contact_inputs import usual_values as usual_values
 from stickslip.identification.contact_inputs import with_inputs as with_inputs
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
-from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
-from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
 from stickslip.identification.estimation.estimates import bounds_met as bounds_met
 from stickslip.identification.estimation.estimates import estimates_of as estimates_of
 from stickslip.identification.estimation.estimates import sentences_of as sentences_of
-from stickslip.identification.estimation.estimates import step_intervals as step_intervals
-from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identification.estimation.jackknife import Inference as Inference
 from stickslip.identification.estimation.jackknife import effective_size as effective_size
@@ -31,46 +29,38 @@ from stickslip.identification.estimation.parameters import starting_law as start
 from stickslip.identification.estimation.parameters import told as told
 from stickslip.identification.estimation.parameters import with_known as with_known
 from stickslip.identification.estimation.problem import Problem as Problem
-from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
 from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.data import stretches_of as stretches_of
-from stickslip.identification.force_map.force_balance import balanced as balanced
+from stickslip.identification.force_map.force_balance import FilteredMotion as FilteredMotion
 from stickslip.identification.force_map.force_balance import torque_along as torque_along
+from stickslip.identification.force_map.gear_torques import gear_torques as gear_torques
 from stickslip.identification.force_map.joint_balance import JointPiece as JointPiece
+from stickslip.identification.force_map.joint_balance import check_joints as check_joints
 from stickslip.identification.force_map.joint_balance import contacts_along as contacts_along
 from stickslip.identification.force_map.joint_balance import joint_pieces as joint_pieces
 from stickslip.identification.force_map.joint_balance import joint_record as joint_record
-from stickslip.identification.profile_likelihood import Allowed as Allowed
-from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
+from stickslip.identification.gears import transmitted_along as transmitted_along
+from stickslip.identification.outlying import outlying as outlying
+from stickslip.identification.outlying import without_outliers as without_outliers
 from stickslip.identification.records.fit import Prediction as Prediction
 from stickslip.identification.records.fit import RecordFit as RecordFit
 from stickslip.identification.records.fit import Score as Score
-from stickslip.identification.records.fit import settled as settled
 from stickslip.identification.records.fitting import ROUTES as ROUTES
 from stickslip.identification.records.fitting import fit_records as fit_records
 from stickslip.identification.records.fitting import record_route_name as record_route_name
 from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identification.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
-from stickslip.identification.records.joint_views import joint_view as joint_view
-from stickslip.identification.records.posterior import Posterior as Posterior
-from stickslip.identification.records.posterior import sample_posterior as sample_posterior
 from stickslip.identification.records.problems import RouteChoice as RouteChoice
-from stickslip.identification.records.refits import positions_of as positions_of
-from stickslip.identification.records.refits import refitted as refitted
 from stickslip.identification.records.route_choice import RouteName as RouteName
 from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import choose_route as choose_route
 from stickslip.identification.residuals.holds import hold_of as hold_of
-from stickslip.identification.residuals.trends import has_trend as has_trend
-from stickslip.identification.residuals.trends import ljung_box as ljung_box
-from stickslip.identification.residuals.trends import noise_floor as noise_floor
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
 from stickslip.identification.results import Law_co as Law_co
-from stickslip.identification.results import ModelError as ModelError
 from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import estimates_for as estimates_for
 from stickslip.identification.results import far_above_dry as far_above_dry
@@ -78,7 +68,6 @@ from stickslip.identification.results import spanning as spanning
 from stickslip.identification.rig_uncertainties import span_of as span_of
 from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identification.series.applied_force import applied_force as applied_force
-from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import drives_itself as drives_itself
 from stickslip.identification.series.applied_force import goes_straight as goes_straight
 from stickslip.identification.series.applied_force import inside as inside
@@ -89,18 +78,9 @@ from stickslip.identification.series.measured_load import as_loaded as as_loaded
 from stickslip.identification.series.start_values import Scales as Scales
 from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
-from stickslip.identification.settings import LEAST as LEAST
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of
 from stickslip.identification.shooting.segments import with_drive as with_drive
-from stickslip.identification.terms.composed_laws import Asked as Asked
-from stickslip.identification.terms.dense_series import dense_series as dense_series
-from stickslip.identification.terms.dense_series import varies_load as varies_load
-from stickslip.identification.terms.dense_series import without_outliers as without_outliers
-from stickslip.identification.terms.findings import OUTLIERS as OUTLIERS
-from stickslip.identification.terms.findings import errors_of as errors_of
-from stickslip.identification.terms.findings import model_errors as model_errors
-from stickslip.identification.terms.findings import outlying as outlying
 from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel
 from stickslip.identification.travel_model import Trial as Trial
@@ -131,7 +111,6 @@ __all__ = [
     "Estimate",
     "Fit",
     "InverseDynamics",
-    "Posterior",
     "Prediction",
     "RecordFit",
     "RecordSettings",
@@ -141,6 +120,5 @@ __all__ = [
     "fit_joints",
     "fit_records",
     "inverse_dynamics",
-    "sample_posterior",
     "starting_law",
 ]

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 
-UNSAID = "The 95 % intervals do not account for it."
-"""What an error means where no more is known of it."""
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
 AnyLaw_co = TypeVar(

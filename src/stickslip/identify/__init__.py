@@ -5,6 +5,7 @@ from stickslip.lazy import attach
 HOMES = {
     "BandVerdict": "verdict",
     "Interval": "judge",
+    "JointVerdict": "joints",
     "LawCandidate": "verdict",
     "LawFit": "verdict",
     "PredictionBand": "ensemble",
@@ -26,6 +27,7 @@ INSIDE = {
     "doubling_slope": "kinds.travel_starts",
     "draw_band": "figures",
     "force_and_speed": "kinds.travel_starts",
+    "joint_sections": "joints",
     "judged_travels": "kinds.travels",
     "nuisances_of": "kinds.travel_starts",
     "opening_section": "page",
@@ -36,6 +38,7 @@ INSIDE = {
     "propagated": "kinds.travel_doubts",
     "remarks_section": "page",
     "room_for": "kinds.travel_starts",
+    "select_joints": "joints",
     "select_record": "selection",
     "select_table": "selection",
     "slopes_of": "kinds.travel_descent",

@@ -4,6 +4,9 @@ from stickslip.identify.ensemble import band_of as band_of
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
 from stickslip.identify.figures import plot_band as plot_band
+from stickslip.identify.joints import JointVerdict as JointVerdict
+from stickslip.identify.joints import joint_sections as joint_sections
+from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judge import Interval as Interval
 from stickslip.identify.kinds.travel_descent import descended as descended
 from stickslip.identify.kinds.travel_descent import slopes_of as slopes_of
@@ -39,6 +42,7 @@ from stickslip.identify.wording import parameter_sentence as parameter_sentence
 __all__ = [
     "BandVerdict",
     "Interval",
+    "JointVerdict",
     "LawCandidate",
     "LawFit",
     "PredictionBand",

@@ -144,12 +144,13 @@ def _material_evidence(
     It is less the logarithm of the held-out error for each block, each parameter at its price.
     """
     problem, price, blocks = search.problem, search.regression.price, losses.shape[1]
+    structures = search.structures
     error = 0.5 * np.log(losses.mean(axis=1) + LEAST**2)
-    count = np.array([problem.parameters(one) for one in search.structures])
+    count = np.array([problem.parameters(one) for one in structures])
     value = -blocks * (error + price * count)
     places: dict[Family, int] = {}
     for i in np.argsort(-np.round(value, DIGITS), kind="stable").tolist():
-        family = problem.family(search.structures[i])
+        family = problem.family(structures[i])
         if family in best_of:
             places.setdefault(family, i)
     return {i: float(value[i]) for i in places.values()}

@@ -24,17 +24,15 @@ from stickslip.experiments import Measurement, command_of
 from stickslip.formatting import joined
 from stickslip.identification import (
     applied_force,
-    dense_series,
-    driven,
     drives_itself,
     known_forces,
     load_of,
     span_of,
+    transmitted_along,
     uncertainties_of,
-    varies_load,
 )
 from stickslip.identify.inner import pushed
-from stickslip.mechanisms import Mechanism, input_names, motor_of
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import all_paths, parameters, vary
 
 Array = NDArray[np.float64]
@@ -238,16 +236,12 @@ def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     """
     if len(mechanism.coordinates) > 1:
         return measurement
-    if not (driven(measurement) and {"motor", "external"} <= {*input_names(mechanism)}):
-        return measurement
-    if "friction" in measurement.quantities() or not varies_load(mechanism, measurement):
-        return measurement
-    series = dense_series(mechanism, measurement, "zero", ())
-    if not all(TRANSMITTED in one.covariates for one in series):
+    found = transmitted_along(mechanism, measurement)
+    if found is None:
         return measurement
     records = tuple(
-        replace(record, inputs={**record.inputs, TRANSMITTED: one.covariates[TRANSMITTED]})
-        for record, one in zip(measurement.records(), series, strict=True)
+        replace(record, inputs={**record.inputs, TRANSMITTED: x})
+        for record, x in zip(measurement.records(), found, strict=True)
     )
     return replace(measurement, trials=records) if measurement.trials else records[0]
 

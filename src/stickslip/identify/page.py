@@ -73,12 +73,12 @@ def facts(verdict: BandVerdict) -> list[Fact]:
     return found[:FACTS]
 
 
-def figure_section(verdict: BandVerdict) -> Section:
+def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     """Return the figure of the readings, the band and the law."""
     svg = inline_svg(
         draw_band(verdict.drawing()),
         alt="Friction against velocity: readings, the 95 % band and the named law",
-        prefix="band-figure",
+        prefix=f"{prefix}-figure",
         **MAP_SIZES,
     )
     text = (

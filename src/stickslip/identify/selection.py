@@ -1,14 +1,14 @@
 """Selection: a measurement of each kind judged, with the verdict in words."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from stickslip.experiments import Measurement, speeds_in_order
+from stickslip.experiments import Checks, Measurement, speeds_in_order
 from stickslip.formatting import quantity
 from stickslip.identification import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.advice import Proposal, propose
@@ -196,17 +196,25 @@ def _judged(
     if goes_straighter(problem):
         problem = _problem(mechanism, records(held=False), vary, offset=offset)
     if laws is not None:
-        known = [
-            name
-            for name, term in problem.terms.items()
-            if (term.role == "law" or name == "offset")
-            # without a memory, a level that differs by direction is an offset
-            and (name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes))
-        ]
-        only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
-    judgement = Judgement.of(problem)
-    judgement = replace(judgement, ensemble=Observer(judgement.ensemble).refined())
-    return problem, judgement
+        restrict(problem, laws)
+    return problem, refined(Judgement.of(problem))
+
+
+def restrict(problem: RecordsProblem, laws: Any) -> None:
+    """Compare only laws that a user asks for."""
+    known = [
+        name
+        for name, term in problem.terms.items()
+        if (term.role == "law" or name == "offset")
+        # without a memory, a level that differs by direction is an offset
+        and (name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes))
+    ]
+    only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
+
+
+def refined(judgement: Judgement) -> Judgement:
+    """Return a judgement of records refined by simulation."""
+    return replace(judgement, ensemble=Observer(judgement.ensemble).refined())
 
 
 def select_record(
@@ -221,12 +229,50 @@ def select_record(
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is whichever law holds."""
     checks = checked(mechanism, measurement, validate, unknown=vary)
-    measurement, far = without_outliers(mechanism, measurement)
+    measurement, far = without_outliers(measurement)
     problem, judgement = _judged(mechanism, measurement, mechanism, laws, vary, offset=not held)
     rig = mechanism
     if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
         rig = with_values(mechanism, "mechanism", found_values(judgement))
         problem, judgement = _judged(mechanism, measurement, rig, laws, vary, offset=not held)
+    others: list[Record] | None = None
+    if validate is not None:
+        held_too = problem.records[0].held
+        again = with_gear(rig, validate)
+        others = records_of(
+            mechanism,
+            again,
+            unknown=vary,
+            offset=not held,
+            held=held_too,
+            doubts=doubts_of(mechanism, measurement, vary),
+        )
+    return record_verdict(
+        problem,
+        judgement,
+        mechanism,
+        measurement,
+        checks=checks,
+        route=route,
+        second=validate,
+        others=others,
+        remarks=map(str, outlying(far)),
+    )
+
+
+def record_verdict(
+    problem: RecordsProblem,
+    judgement: Judgement,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    checks: Checks,
+    route: str,
+    second: Measurement | None,
+    others: Sequence[Record] | None,
+    remarks: Iterable[str] = (),
+) -> BandVerdict:
+    """Return the verdict on records of one coordinate, with what other records say of it."""
     first = problem.records[0]
     words = Words(
         measured="record",
@@ -237,18 +283,8 @@ def select_record(
     )
     steady = problem.asked()
     inside, count = math.nan, 0
-    if validate is not None:
-        again = with_gear(rig, validate)
-        other = problem.of(
-            records_of(
-                mechanism,
-                again,
-                unknown=vary,
-                offset=not held,
-                held=first.held,
-                doubts=doubts_of(mechanism, measurement, vary),
-            )
-        )
+    if others is not None:
+        other = problem.of(others)
         inside = _inside(judgement.reading_band(other.rows), other.response)
         count = len(other.response)
         judgement = judgement.widened_by(other)
@@ -268,8 +304,8 @@ def select_record(
         place_text=(),
         largest_speed=problem.frame.top,
         route=route,
-        second=validate,
+        second=second,
         inside=inside,
         readings=count,
-        remarks=(*map(str, outlying(far)), *said, *_remarks(problem, judgement, validate)),
+        remarks=(*remarks, *said, *_remarks(problem, judgement, second)),
     )

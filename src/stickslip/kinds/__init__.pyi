@@ -12,10 +12,6 @@ from stickslip.kinds.features.selection import select_features as select_feature
 from stickslip.kinds.features.verdict import FeatureCandidate as FeatureCandidate
 from stickslip.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.kinds.features.verdict import OtherSpeed as OtherSpeed
-from stickslip.kinds.joints.joint_verdict import RecordCandidate as RecordCandidate
-from stickslip.kinds.joints.joint_verdict import RecordVerdict as RecordVerdict
-from stickslip.kinds.joints.selection import select_joints as select_joints
-from stickslip.kinds.joints.verdict import JointVerdict as JointVerdict
 from stickslip.kinds.kind import Comparison as Comparison
 from stickslip.kinds.kind import FitSummary as FitSummary
 from stickslip.kinds.kind import Kind as Kind
@@ -65,7 +61,6 @@ __all__ = [
     "FeatureFit",
     "FeatureVerdict",
     "FitSummary",
-    "JointVerdict",
     "Kind",
     "Law",
     "OtherSpeed",
@@ -74,8 +69,6 @@ __all__ = [
     "RateStateCandidate",
     "RateStateFit",
     "RateStateVerdict",
-    "RecordCandidate",
-    "RecordVerdict",
     "Request",
     "SliderHistory",
     "StickSlipFeatures",
@@ -97,7 +90,6 @@ __all__ = [
     "refuse_unused",
     "select",
     "select_features",
-    "select_joints",
     "select_rate_state",
     "select_travels",
     "simulate_velocity_steps",

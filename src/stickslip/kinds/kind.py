@@ -183,8 +183,6 @@ class Kind(ABC, Generic[F, V]):
     """Whether progress is a number of runs; else it is the least residual so far."""
     by_contact: ClassVar[bool] = False
     """Whether laws are given by the name of the contact."""
-    climbs: ClassVar[bool] = False
-    """Whether the candidates that are compared by default are only fitted as far as they gain."""
     longest_first: ClassVar[bool] = False
     """Whether a law that takes as long as any is fitted first, which bounds the time left."""
     fits: ClassVar[type] = FrictionLaw

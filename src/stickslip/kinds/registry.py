@@ -12,7 +12,7 @@ from stickslip.friction import law_type
 from stickslip.identification import RouteChoice, called, check_inputs
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
-from stickslip.kinds.joints.kind import JointKind
+from stickslip.kinds.joints import JointKind
 from stickslip.kinds.kind import Kind, Request
 from stickslip.kinds.records import RecordKind
 from stickslip.kinds.travels.kind import TravelKind

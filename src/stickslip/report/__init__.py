@@ -53,7 +53,6 @@ INSIDE = {
     "RunReport": "runs",
     "SectionMaker": "core.documents",
     "candidates_heading": "core.shared_sections",
-    "certificate": "core.shared_sections",
     "characterization_page": "laws",
     "colophon": "core.documents",
     "contacts_page": "runs",

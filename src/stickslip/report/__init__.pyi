@@ -41,7 +41,6 @@ from stickslip.report.core.markup import typeset as typeset
 from stickslip.report.core.page import render as render
 from stickslip.report.core.page import write as write
 from stickslip.report.core.shared_sections import candidates_heading as candidates_heading
-from stickslip.report.core.shared_sections import certificate as certificate
 from stickslip.report.core.shared_sections import identified_heading as identified_heading
 from stickslip.report.core.shared_sections import law_references as law_references
 from stickslip.report.core.shared_sections import opening as opening

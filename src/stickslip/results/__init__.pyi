@@ -6,14 +6,13 @@ from stickslip.identification import Fit as Fit
 from stickslip.identification import RecordFit as RecordFit
 from stickslip.identification import TrialComparison as TrialComparison
 from stickslip.identify import BandVerdict as BandVerdict
+from stickslip.identify import JointVerdict as JointVerdict
 from stickslip.identify import PredictionBand as PredictionBand
 from stickslip.kinds import FeatureFit as FeatureFit
 from stickslip.kinds import FeatureVerdict as FeatureVerdict
-from stickslip.kinds import JointVerdict as JointVerdict
 from stickslip.kinds import Plan as Plan
 from stickslip.kinds import RateStateFit as RateStateFit
 from stickslip.kinds import RateStateVerdict as RateStateVerdict
-from stickslip.kinds import RecordVerdict as RecordVerdict
 from stickslip.kinds import TravelFit as TravelFit
 from stickslip.kinds import TravelVerdict as TravelVerdict
 from stickslip.optimisation import Optimum as Optimum
@@ -43,7 +42,6 @@ __all__ = [
     "RateStateFit",
     "RateStateVerdict",
     "RecordFit",
-    "RecordVerdict",
     "Sensitivity",
     "Status",
     "Trajectory",

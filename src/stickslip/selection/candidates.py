@@ -10,23 +10,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stickslip.errors import InputError
 from stickslip.experiments import (
     Checks,
     Measurement,
     check,
     findings_text,
-    motion_of,
     refuse_lack,
     refuse_same,
     refuse_unused,
 )
 from stickslip.friction import (
     CandidateSpec,
-    Coulomb,
     FrictionLaw,
     contained_laws,
     containment_of,
@@ -36,12 +31,6 @@ from stickslip.friction import (
 from stickslip.identification import FittedLaw, inside
 from stickslip.mechanisms import Mechanism
 
-RARE = 0.01
-"""Share of samples below which a direction counts as absent."""
-REFERENCE = "coulomb-viscous"
-"""What is always used: the row that others are compared with."""
-CONTROL = "no-friction"
-"""What shows how much friction matters at all."""
 LEFT_OUT = "skipped: the search was stopped"
 """Why a candidate has no fit whose turn did not come."""
 Watch: TypeAlias = Callable[[str, float], object]
@@ -84,28 +73,6 @@ def checked(
         wrong = [one for one in checks.findings if one.severity == "error"]
         raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
     return checks
-
-
-def one_way(measurement: Measurement) -> bool:
-    """Whether nothing in a record slips backwards, or nothing forwards, beyond its noise.
-
-    Examples
-    --------
-    >>> t = np.linspace(0.1, 1.0, 20)
-    >>> one_way(Measurement(time=t, velocity=t, friction=2.0 + t))
-    True
-    """
-    moved = [_directions(record) for record in measurement.records()]
-    if any(one is None for one in moved):
-        return False
-    joined = np.concatenate([one for one in moved if one is not None])
-    return min(float(np.mean(joined > 0)), float(np.mean(joined < 0))) < RARE
-
-
-def _directions(record: Measurement) -> NDArray[np.float64] | None:
-    """Return the signs of the velocities of a record, 0 where noise hides them."""
-    moving = motion_of(record)
-    return None if moving is None else np.asarray(moving.directions, dtype=float)
 
 
 def specifications(
@@ -180,12 +147,6 @@ def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
         return kinds[1].name in contained_laws(kinds[0])
     held = {source for name, source in how.values.items() if name not in free}
     return not (held | set(how.where)) & fewer
-
-
-def control() -> CandidateSpec:
-    """Return the candidate without friction."""
-    law = Coulomb(kinetic_coefficient=0.0)
-    return CandidateSpec(name=CONTROL, title="No friction", law=law, free=())
 
 
 class Residual(Protocol):

@@ -6,15 +6,12 @@ what it predicts, whatever it contains and wherever its parameters end (decision
 """
 
 import math
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
 from stickslip.formatting import ratio
-from stickslip.friction import FrictionLaw, containment_of
-from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
 NEAR = 1.1
@@ -88,14 +85,6 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
     return min(near, key=lambda c: (c.parameters, c.score))
 
 
-def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law predicts better than all simpler ones that it contains, and there are some."""
-    simpler = [c for c in scored if c.name in rich.simpler]
-    return bool(simpler) and all(
-        errs_more(c, rich, errors=NEAR, uncertainty=uncertainty) for c in simpler
-    )
-
-
 def outcome_beside(
     one: CrossValidated[Any], closest: CrossValidated[Any], *, tied: bool, recommended: bool
 ) -> str:
@@ -121,33 +110,3 @@ def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, flo
     return {
         c.name: size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters for c in candidates
     }
-
-
-def reduces_to(fit: RecordFit, simpler: type[FrictionLaw]) -> bool:
-    """Whether a fitted law is, at its values, a simpler law that it contains.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, CoulombViscous, Measurement, QuadraticDrag, fit
-    >>> v = np.linspace(0.1, 1.0, 40)
-    >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * np.sqrt(v))
-    >>> found = fit(Axis(inertia=1.0), QuadraticDrag, table)
-    >>> reduces_to(found, CoulombViscous)  # no drag that falls off: it went to 0
-    True
-    """
-    one = containment_of(type(fit.law), simpler)
-    if one is None:
-        return False
-    if any(fit.at_bounds.get(f"friction.{name}") != "upper" for name in one.limits):
-        return False
-    alike: dict[str, list[float]] = defaultdict(list)
-    for name, source in one.values.items():
-        value = getattr(fit.law, name)
-        if value is None:  # a level that follows others, which are compared
-            continue
-        alike[source if isinstance(source, str) else name].append(float(value))
-        if not isinstance(source, str):
-            alike[name].append(float(source))
-    sizes = [max(abs(x) for x in values) for values in alike.values()]
-    spread = [max(values) - min(values) for values in alike.values()]
-    return all(gap <= 1e-6 * size for gap, size in zip(spread, sizes, strict=True))

@@ -3,103 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from stickslip.formatting import capital, percent, quantity
 from stickslip.identification import (
     READINGS,
-    TOGETHER,
     Estimate,
     Fit,
-    ModelError,
-    RecordFit,
-    step_intervals,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-
-
-def half_of(estimate: Estimate) -> float:
-    """Return half the width of a bounded interval."""
-    return 0.5 * (estimate.high - estimate.low)
-
-
-def traded(fit: RecordFit) -> frozenset[str]:
-    """Return the paths of what trades off with another unknown: only together they are known."""
-    table = np.abs(fit.inference.of_record.correlation)
-    found = set()
-    for i, one in enumerate(fit.free_parameters.paths):
-        for j, other in enumerate(fit.free_parameters.paths[:i]):
-            if table[i, j] > TOGETHER:
-                found |= {one, other}
-    return frozenset(found)
-
-
-def disturbing(fit: RecordFit) -> tuple[ModelError, ...]:
-    """Return what was found beside the law that leaves no estimate, and no prediction, sure."""
-    return tuple(one for one in fit.model_errors if one.moved is None and one.kind != "law")
-
-
-def moved_by_errors(fit: RecordFit) -> frozenset[str]:
-    """Return the paths of the estimates that an error of the model moves out of their intervals.
-
-    All of them, where an error does not say which.
-    """
-    found: set[str] = set()
-    for error in fit.model_errors:
-        found |= set(fit.free_parameters.paths if error.moved is None else error.moved)
-    return frozenset(found)
-
-
-def of_open_steps(fit: RecordFit) -> frozenset[str]:
-    """Return the paths of static levels whose step the record does not tell from 0, if any.
-
-    And of the velocities at which they fade: of a step that is not there these say nothing, nor
-    does the step that fades at the least or the largest that was searched.
-    """
-    steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
-    speeds = {
-        one.path
-        for one in fit.free_parameters.items
-        if one.path.startswith("friction.") and one.quantity.scale == "speed"
-    }
-    faded = bool(speeds & {*fit.at_bounds})
-    found = {path for path, (_, low, _) in steps.items() if low <= 0.0 or faded}
-    return frozenset(found | speeds if found else ())
-
-
-def settled_estimates(fit: RecordFit, equals: Sequence[RecordFit] = ()) -> tuple[Estimate, ...]:
-    """Return the estimates that stand each for itself, the surest first.
-
-    Their intervals are bounded, do not hold 0 and are not as wide as they are large, they are no
-    offset and of no step in doubt, none trades off with another, no error of the model moves them,
-    and none has another value by fits of laws that are not distinguished from this.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Coulomb, Measurement, fit
-    >>> v = np.linspace(-1.0, 1.0, 40)
-    >>> friction = 2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v)
-    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=friction))
-    >>> [estimate.quantity.symbol for estimate in settled_estimates(found)]
-    ['mu_k']
-    """
-    apart = traded(fit) | moved_by_errors(fit) | of_open_steps(fit)
-    known = [
-        e
-        for e in fit.estimates
-        if e.bounded and not e.low <= 0.0 <= e.high and half_of(e) < abs(e.value)
-        if "offset" not in e.path and e.path not in apart
-        if not any(_differs(e, other) for fit in equals for other in fit.estimates)
-    ]
-    return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))
-
-
-def _differs(one: Estimate, other: Estimate) -> bool:
-    """Return whether two estimates are of one quantity, and their intervals lie apart."""
-    if not other.bounded or (one.path, one.quantity) != (other.path, other.quantity):
-        return False
-    return max(one.low, other.low) > min(one.high, other.high)
 
 
 def limit_of(fit: Fit[Any], estimate: Estimate) -> str:

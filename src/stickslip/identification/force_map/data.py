@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_even_times
-from stickslip.evidence import LowPass, low_pass
 from stickslip.experiments import (
     Measurement,
     noise_of,
@@ -23,6 +22,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.settings import PROMPT, SensorResponse
+from stickslip.identification.signals import LowPass, low_pass
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.evidence import derivative, play
 from stickslip.experiments import (
     Measurement,
     as_recorded,
@@ -55,6 +54,7 @@ from stickslip.identification.series.inverse_dynamics import (
     times_of,
 )
 from stickslip.identification.settings import Hold
+from stickslip.identification.signals import derivative, play
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import vary
 

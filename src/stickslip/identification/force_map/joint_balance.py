@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.evidence import Series, play, resolution, usual_band
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
-from stickslip.identification.contact_inputs import joint_inputs, recorded_inputs
+from stickslip.identification.contact_inputs import joint_inputs
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
@@ -43,7 +42,6 @@ from stickslip.identification.force_map.force_balance import (
     resting_motion,
     second_differences,
 )
-from stickslip.identification.force_map.gear_torques import gear_torques
 from stickslip.identification.force_map.model import ForceMap, spanned
 from stickslip.identification.series.inverse_dynamics import (
     HIGHEST,
@@ -52,6 +50,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.settings import Hold
+from stickslip.identification.signals import play, resolution
 from stickslip.mechanisms import Contact, Mechanism, motors_of
 from stickslip.quantities import parameters, vary
 
@@ -66,6 +65,10 @@ LEVELS = 2
 """Positions between which an encoder may jitter at rest."""
 FAR = 50.0
 """Range of a slow motion over the displacement that the sensor may miss from which it is one."""
+SHARE, OF_FRICTION = 0.01, 0.025
+"""Shares of the force, and of what motion leaves of it, that noise of accelerations may take."""
+SLOWEST, QUICKEST, RATE = 4.0, 60.0, 0.2
+"""Limits of such a band [Hz], and over the sampling rate."""
 JITTER = 1e-3
 """Deviation from even times, over a step, from which a record is placed on even times."""
 
@@ -100,25 +103,6 @@ def joint_stretches(
         first += count
     joints = range(len(torques.coordinates))
     return tuple(_cut(pieces, joints, count, slipping=slipping) for count in samples)
-
-
-def joint_series(
-    torques: JointTorques, mechanism: Mechanism, measurement: Measurement, hold: Hold
-) -> tuple[tuple[tuple[Series, ...], ...], float]:
-    """Return the series of each joint, and what the common filter passes [Hz].
-
-    Forces that the known motion takes are known columns. What the force of a joint changes with by
-    a parameter that is looked for is a column with a free coefficient, and so is, in each record,
-    what it changes with by an unknown zero.
-    """
-    found: list[list[Series]] = [[] for _ in torques.coordinates]
-    passed = 0.0
-    for own in joint_pieces(torques, mechanism, measurement, hold=hold):
-        passed = max(passed, 0.5 * own.passed / float(own.time[1] - own.time[0]))
-        inertias = torques.inertias(own.mechanism, np.mean(own.raw, axis=0))
-        for i, series in enumerate(found):
-            series.append(own.series(i, torques, float(inertias[i])))
-    return tuple(tuple(one) for one in found), passed
 
 
 def joint_pieces(
@@ -259,12 +243,6 @@ def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str
     return Measurement(trials=tuple(records), provenance=measurement.provenance)
 
 
-def with_own_segments(stretches: Stretches) -> Stretches:
-    """Return the stretches of one joint with segments numbered without those that it rests in."""
-    used = np.unique(np.concatenate([one.segment[one.segment >= 0] for one in stretches]))
-    return tuple(_renumbered(one, used) for one in stretches)
-
-
 def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:
     """Return a stretch whose segments are numbered without those that no row is of."""
     numbers = np.where(one.segment >= 0, np.searchsorted(used, one.segment), -1)
@@ -308,8 +286,6 @@ class JointPiece:
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
     inputs: Sequence[tuple[Mapping[str, Array], Mapping[str, Array]]]
     """Contact inputs of each joint (n,), by name, and their slopes (n, k)."""
-    recorded: Sequence[Mapping[str, Array]]
-    """Those of each joint that the record has (n,), by name."""
 
     @property
     def span(self) -> float:
@@ -382,7 +358,6 @@ class JointPiece:
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
-            recorded=[recorded_inputs(record, time, name) for name in mechanism.coordinates],
             inputs=joint_inputs(
                 mechanism,
                 {along: one.name for along, one in contacts_along(mechanism).items()},
@@ -400,15 +375,21 @@ class JointPiece:
     def allowed(self, torques: JointTorques) -> float:
         """Return what a filter may pass by the noise of all moving joints' positions.
 
-        Over half the sampling frequency; that of the explanation of the balances.
+        Over half the sampling frequency. White noise s of a position, sampled every h, has an
+        acceleration of variance 2 h s^2 (2 pi)^4 f^5 / 5 up to f, which may take `SHARE` of the
+        force, and `OF_FRICTION` of what the motion leaves of it.
         """
+        h = float(self.time[1] - self.time[0])
         inertias = torques.inertias(self.mechanism, np.mean(self.raw, axis=0))
-        bands = [
-            usual_band([self.series(i, torques, float(inertias[i]))])
-            for i, motion in enumerate(self.motions)
-            if not motion.resting.all()
-        ]
-        return 2.0 * float(self.time[1] - self.time[0]) * min(bands, default=0.0)
+        left = smoothed(self.applied - self.taken, self.passed)
+        share = np.minimum(SHARE * np.std(self.applied, axis=0), OF_FRICTION * np.std(left, axis=0))
+        ratio = share / np.maximum(inertias * np.asarray(self.resolutions), 1e-300)
+        bands = (5.0 * ratio**2 / (2.0 * h * (2.0 * np.pi) ** 4)) ** 0.2
+        moving = [not motion.resting.all() for motion in self.motions]
+        if not any(moving):
+            return 0.0
+        top = min(RATE / h, QUICKEST)
+        return 2.0 * h * float(np.clip(bands[moving].min(), SLOWEST, top))
 
     def compared(
         self, i: int, law: FrictionLaw | None, forces: Sequence[Array] = ()
@@ -429,32 +410,6 @@ class JointPiece:
             predicted = alone.predicted(np.zeros(0))
         at = np.searchsorted(self.time, own.path.time[rows])
         return measured, predicted, *(smoothed(one, self.passed)[at] for one in forces)
-
-    def series(self, i: int, torques: JointTorques, inertia: float) -> Series:
-        """Return the series of a joint, whose inertia (all others at rest) is known nearly."""
-        a = second_differences(self.motions[i].position, float(self.time[1] - self.time[0]))
-        columns = dict(zip(torques.linear, self.slopes[:, i].T, strict=True))
-        if self.by_position is not None:
-            names = (f"zero {name} {self.record}" for name in torques.coordinates)
-            columns |= dict(zip(names, self.by_position[:, i].T, strict=True))
-        return Series(
-            self.time,
-            self.raw[:, i],
-            self.applied[:, i],
-            mass=inertia,
-            taken=self.taken[:, i] - inertia * a,
-            covariates={"load": self.loads[:, i], **self.recorded[i], **self._gear(i)},
-            extra=columns,
-            resolution=self.resolutions[i],
-        )
-
-    def _gear(self, i: int) -> dict[str, Array]:
-        """Return the torque of the motor of a joint (n,), and what its gear transmits of it."""
-        external = self.inputs[i][0].get("external")
-        if external is None or "transmitted" not in self.inputs[i][0]:
-            return {}
-        taken = self.taken[:, i]
-        return gear_torques(self.motions[i], self.applied[:, i], taken, external, self.passed)
 
     def stretch(
         self, i: int, numbers: NDArray[np.intp], *, samples: float, slipping: bool

@@ -1,6 +1,5 @@
 """A fit to records in time, and what it says of records it has not seen."""
 
-import functools
 import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
@@ -37,26 +36,12 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.force_map.joint_balance import (
-    JointBalanceBuilder,
-    contacts_along,
-    joint_record,
-)
 from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.outlying import outlying
 from stickslip.identification.residuals.holds import HoldFinding
-from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
-from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.findings import (
-    SHIFTED,
-    asked_of,
-    asked_of_joints,
-    errors_of,
-    model_errors,
-    outlying,
-)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.tables import Tabular
@@ -66,8 +51,6 @@ if TYPE_CHECKING:
 
     from stickslip.display import Drawing, Target
 
-AT_NOISE = 1.15
-"""Residuals over the noise of the sensor up to which they count as this noise alone."""
 
 Array = NDArray[np.float64]
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
@@ -280,68 +263,18 @@ class RecordFit(Fit[AnyLaw_co]):
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
     displaced: tuple[Displaced, ...] = ()
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
-    known_errors: tuple[ModelError, ...] | None = None
-    """What is wrong with model, rig or record, where that is known; None where nobody asked."""
-    asked: Asked | None = field(default=None, repr=False)
-    """The laws that the force balance asks for, where the search began at them."""
     left_out: Mapping[str, int] = field(default_factory=dict)
     """How many samples far off those beside were replaced before the fit, by column."""
 
-    @functools.cached_property
+    @property
     def model_errors(self) -> tuple[ModelError, ...]:
-        """What the force balance shows to be wrong with model, rig or record.
-
-        Looked for when it is asked for, which takes seconds; intervals leave it out.
-        """
-        known = self._errors() if self.known_errors is None else self.known_errors
-        return (*known, *outlying(self.left_out))
-
-    def _errors(self) -> tuple[ModelError, ...]:
-        timed = any(record.time is not None for record in self.measurement.records())
-        if not timed or self.at_noise:
-            return ()
-        if isinstance(self.law, Laws):
-            return self._errors_of_joints(self.law)
-        hold = self.hold.hold if self.hold else "zero"
-        unknown = [path for path in self.free_parameters.paths if path.startswith("mechanism.")]
-        response = self.problem.response
-        asked = self.asked or asked_of(self.mechanism, self.measurement, hold, unknown, response)
-        if asked is None:
-            return ()
-        found = model_errors(asked.explanation, self.measurement, hold, self.problem.response)
-        unit = self.measurement.unit("force")
-        return errors_of(asked, self.law, self.law.name, found, unit)
-
-    def _errors_of_joints(self, laws: Laws) -> tuple[ModelError, ...]:
-        """Return what the force balances of several joints show to be wrong."""
-        build = self.build
-        if not isinstance(build, JointBalanceBuilder):
-            return ()
-        known = {along: one.name for along, one in contacts_along(self.mechanism).items()}
-        given = dict(laws.members)  # of what was said not to rub there is none
-        own = {along: known[along] for along in build.problem.maps if known.get(along) in given}
-        asked = asked_of_joints(
-            build.torques, self.mechanism, self.measurement, build.hold, own.keys()
-        )
-        found: list[ModelError] = []
-        for along, one in asked.items():
-            law = given[own[along]]
-            record = joint_record(self.mechanism, self.measurement, along)
-            errors = model_errors(one.explanation, record, build.hold, self.problem.response)
-            errors = errors_of(one, law, law.name, errors, record.unit("force"))
-            found += [error.at(own[along]) for error in errors]
-        return tuple(sorted(found, key=lambda one: -one.share))
+        """What is wrong with the record and was left out of the fit; `select` looks for more."""
+        return outlying(self.left_out)
 
     @property
     def friction_was_measured(self) -> bool:
         """Whether friction itself was measured and fitted, with no force that acts beside it."""
         return self.route == "force-map"
-
-    @property
-    def at_noise(self) -> bool:
-        """Whether the residuals are no more than the noise of the sensor leaves."""
-        floor = noise_floor(self.mechanism, self.measurement, self.problem.quantity)
-        return self.rms <= AT_NOISE * floor
 
     @property
     def offset_estimate(self) -> Estimate | None:
@@ -464,14 +397,8 @@ class RecordFit(Fit[AnyLaw_co]):
             path.endswith(".viscous_coefficient") for path in self.free_parameters.paths
         ) and any(one.path.endswith(".damping") for one in self.held.items):
             held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
-        between = self.hold.beside(late=self._is_late) if self.hold else ""
+        between = self.hold.sentence if self.hold else ""
         return tuple(one for one in (held, between) if one)
-
-    @property
-    def _is_late(self) -> bool:
-        """Whether an error of the model shifts force against motion."""
-        kinds = {kind for one in self.model_errors for kind in one.kind.split(" or ")}
-        return not kinds.isdisjoint(SHIFTED)
 
     @property
     def typical_inputs(self) -> Mapping[str, float]:

@@ -46,6 +46,7 @@ from stickslip.identification.estimation.parameters import FreeParameters, told
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.outlying import without_outliers
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.problems import (
     FitSetup,
@@ -66,9 +67,6 @@ from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import with_usual_segment
-from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.dense_series import without_outliers
-from stickslip.identification.terms.findings import asked_of
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
@@ -102,9 +100,6 @@ LEFT = 1e-3
 BEATEN = 2.0
 """Mean square over that of a rival from which a search that ends at a bound stays there: off it
 a fit is looked for that is as close."""
-MANY = 5000
-"""Samples from which fits of the simpler laws of one with a memory take minutes: values that the
-force balance finds stand for them."""
 SHIFT = 0.1
 """Way over a standard error from which an estimate is said to move: less leaves it as sure."""
 THINNED = 1.5
@@ -267,7 +262,7 @@ def fit_record(
 ) -> RecordFit:
     """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
-    measurement, left_out = without_outliers(mechanism, measurement)
+    measurement, left_out = without_outliers(measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     if choice.route != "force-map":
         choice = choice.with_hold(mechanism, measurement)
@@ -309,13 +304,7 @@ def _fitted_by(
     rival: float = 0.0,
 ) -> RecordFit:
     """Return a fit by one route."""
-    asked = None
-    samples = sum(len(np.atleast_1d(np.asarray(one.time))) for one in measurement.records())
-    if contained is None and _kind_of(wanted.law).states and samples >= MANY:
-        asked = _asked(choice, wanted, measurement)
-    if asked is not None:  # which has seen what simpler laws with a memory leave
-        contained = asked.starts_of(_kind_of(wanted.law), wanted.unknown)
-    elif contained is None:
+    if contained is None:
         contained = _simpler_fits(choice, wanted, measurement, watch)
     ready, found, first = _searched(choice, wanted, measurement, contained, watch, rival)
     if first is found and not (found.cancelled or found.hopeless):
@@ -335,14 +324,7 @@ def _fitted_by(
         sentences=sentences,
         search_failure=failure,
         route_reason=choice.reason,
-        asked=asked,
     )
-
-
-def _asked(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Asked | None:
-    """Return what the force balance of a record asks for."""
-    hold, response = choice.hold.hold if choice.hold else "zero", choice.settings.response
-    return asked_of(wanted.mechanism, measurement, hold, wanted.unknown, response)
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:

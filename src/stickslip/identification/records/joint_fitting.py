@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, cast, final
 
@@ -15,12 +15,6 @@ from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.contact_inputs import check_inputs
-from stickslip.identification.estimation.containment import (
-    FittedLaw,
-    reachable,
-    search_failure,
-    starts_from,
-)
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
 from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
@@ -42,8 +36,6 @@ from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
-from stickslip.identification.terms.composed_laws import Asked
-from stickslip.identification.terms.findings import asked_of_joints
 from stickslip.identification.validation import (
     LAW,
     fixed_values,
@@ -333,27 +325,10 @@ class JointFitter:
             for name in self.motion.resting
         )
 
-    def asked(
-        self, progress: Callable[[str, float, str], None] | None = None
-    ) -> Mapping[str, Asked]:
-        """Return the laws that the force balances ask for, by coordinate; `progress` is told so."""
-        motion = self.motion
-        return asked_of_joints(
-            motion.torques,
-            motion.mechanism,
-            self.measurement,
-            self.settings.holding,
-            self.contacts.keys(),
-            progress,
-        )
-
     def fitted(
         self,
         laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
         *,
-        near: RecordFit[Laws] | None = None,
-        changed: str = "",
-        contained: Sequence[FittedLaw] = (),
         progress: Watch | None = None,
     ) -> RecordFit[Laws]:
         """Fit laws by contact."""
@@ -372,7 +347,7 @@ class JointFitter:
             zeros=bool(self.settings.position_zeros),
         )
         with with_doubts(self.measurement, asked.mechanism):
-            ready, found = self._searched(asked, near, changed, contained, progress)
+            ready, found = self._searched(asked, progress)
         paths = ready.problem.free_parameters.paths
         ends = dict(zip(paths, found.best.values.tolist(), strict=True))
         if not _allows(ready.mechanism, {path: ends[path] for path in self.motion.torques.linear}):
@@ -383,34 +358,25 @@ class JointFitter:
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
         fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
-        failure = ""
-        if changed:
-            own = _of_contact(contained, changed)
-            kind = type(fit.law[changed])
-            failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
         said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
         sentences = (
             *self.resting,
             *said,
             *unexplained(fit, said),
-            *((failure,) if failure else ()),
             *_of_itself(fit),
             *fit.sentences,
         )
-        return replace(fit, sentences=sentences, search_failure=failure, hold=self.hold)
+        return replace(fit, sentences=sentences, hold=self.hold)
 
     def _searched(
         self,
         asked: "_Asked",
-        near: RecordFit[Laws] | None,
-        changed: str,
-        contained: Sequence[FittedLaw],
         progress: Watch | None,
     ) -> tuple[FitSetup, OptimizeResult]:
         """Search, again with slopes where it ended if forces are not linear in parameters."""
         motion = self.motion
         for _ in range(BENDS):
-            start = self._prepared(asked, motion, near, changed, contained)
+            start = self._prepared(asked, motion)
             ready, found = widened_search(start, self.settings, progress, 0.0)
             if not motion.torques.bent or found.cancelled:
                 break
@@ -424,21 +390,14 @@ class JointFitter:
             motion = _Motion.along(
                 motion.torques, asked, self.measurement, self.settings.holding, bristles=bristles
             ).at(np.array(list(own.values())))
-            near = None
         return ready, found
 
     def _prepared(
         self,
         asked: "_Asked",
         motion: _Motion,
-        near: RecordFit[Laws] | None,
-        changed: str,
-        contained: Sequence[FittedLaw],
     ) -> FitSetup[JointBalance]:
-        """Return the problem of all joints, with start values from the record or a fit near by."""
-        if near is not None:
-            known = dict(zip(near.free_parameters.paths, near.values.tolist(), strict=True))
-            motion = motion.at(np.array([known[path] for path in motion.torques.linear]))
+        """Return the problem of all joints, with start values from the record."""
         first = [item.start for item in motion.linear]
         torques, contacts = motion.torques, self.contacts
         samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
@@ -450,7 +409,6 @@ class JointFitter:
             if coordinate in motion.resting:
                 continue
             contact = contacts.get(coordinate, "")
-            further: tuple[Array, ...] = ()
             whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
             check_inputs(
                 asked.laws.get(contact),
@@ -460,11 +418,8 @@ class JointFitter:
                 contact=contact,
                 fitted=torques.linear,
             )
-            if near is not None and contact != changed:
-                one = _kept(near, coordinate, whole, first)
-            else:
-                one, further = _map_of(asked, contact, coordinate, (whole, some), motion, contained)
-            maps[coordinate], starts[coordinate] = one, further
+            one, starts[coordinate] = _map_of(asked, contact, coordinate, (whole, some), motion)
+            maps[coordinate] = one
             names[coordinate] = tuple(
                 _among_all(path, contact, coordinate) for path in one.free_parameters.paths
             )
@@ -589,33 +544,6 @@ def _with_exchanged(
             joints[a] = replace(own, **signals, offset={**kept, **moved})
         records.append(replace(record, joints=joints))
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
-
-
-def _kept(
-    near: RecordFit[Laws], coordinate: str, whole: Sequence[MotionSegment], first: Sequence[float]
-) -> ForceMap:
-    """Return the force map of a joint whose law is that of a fit, from its values."""
-    problem = cast("JointBalance", near.problem)
-    one = problem.maps[coordinate]
-    known = dict(zip(near.free_parameters.paths, near.values.tolist(), strict=True))
-    at = np.array([known[name] for name in problem.names[coordinate]])
-    free = one.free_parameters.starting_at(at)
-    one = replace(one, stretches=tuple(whole), derived=tuple(first))
-    return one.with_free_parameters(free)
-
-
-def _of_contact(fitted: Sequence[FittedLaw], contact: str) -> list[FittedLaw]:
-    """Return the laws of one contact of fits of several, their values called as if alone."""
-    prefix, found = f"friction.{contact}.", []
-    for one in fitted:
-        law = dict(cast("Laws", one.law).members).get(contact)
-        values = {
-            path.replace(prefix, "friction.", 1): value
-            for path, value in one.values.items()
-            if path.startswith(prefix)
-        }
-        found += [] if law is None else [replace(one, law=law, values=values)]
-    return found
 
 
 @final
@@ -848,7 +776,6 @@ def _map_of(
     coordinate: str,
     stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
     motion: _Motion,
-    contained: Sequence[FittedLaw] = (),
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the force map of one joint, and further start values of its unknowns."""
     law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
@@ -865,10 +792,8 @@ def _map_of(
         mass=inertia,
     )
     near = problem.free_parameters.starting_at(starts[0])
-    own = list(reachable(problem.law, near, _of_contact(contained, contact)))
-    nested = starts_from(type(problem.law), near, own, 1.0)
     problem = replace(problem.with_free_parameters(near), of_applied=True)
-    return problem, (*nested, *starts[1:])
+    return problem, tuple(starts[1:])
 
 
 def _among_all(path: str, contact: str, coordinate: str) -> str:

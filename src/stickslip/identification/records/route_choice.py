@@ -53,8 +53,6 @@ COMPARED = ("inertia", "mass", "kinetic_coefficient")
 """Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
 STARTS = 2
 """Starts of a search where the regression leaves much: of a short record it may be far off."""
-WHOLE = 5
-"""Steps at most to the constant force with which whole records are simulated."""
 SHORTER = (0.5, 0.25, 0.125)
 """Shares of the usual length that are tried where inverse dynamics does not serve."""
 

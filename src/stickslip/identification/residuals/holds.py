@@ -97,19 +97,6 @@ class HoldFinding:
     @property
     def sentence(self) -> str:
         """What is to be said: nothing where the user gave a hold that the record may have."""
-        return self.beside(late=False)
-
-    def beside(self, *, late: bool) -> str:
-        """Return what is to be said beside a finding that force or motion is `late`, if there is.
-
-        How late it is, that finding says, of which the estimate of a hold is a part.
-        """
-        if not late or self.contradicted:
-            return self._sentence()
-        what = f'between samples, the force {MEANING[self.hold]} (hold = "{self.hold}")'
-        return "" if self.given else f"Assumed: {what}."
-
-    def _sentence(self) -> str:
         late = (
             f"it acts {fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples later than"
             " along straight lines (0.5 if held)"

@@ -131,7 +131,7 @@ def band_for(records: Sequence[Record]) -> float:
     else:
         inertia = first.inertia
     allowed = SHARE * float(np.std(trial.force))
-    band = _allowed_band(records, allowed / max(inertia, 1e-300))
+    band = _allowed_band(records, allowed / max(first.gain * inertia, 1e-300))
     return float(np.clip(band, low, top))
 
 

@@ -84,6 +84,8 @@ class Record:
     located: bool = True
     """Whether positions were measured; else they are the integral of the velocity."""
 
+    gain: float = 1.0
+    """Noise of the force that all accelerations take over that of its own."""
     rarer: float = 1.0
     """Steps of the measurement over those of the record, where it was made finer."""
 

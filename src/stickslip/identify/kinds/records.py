@@ -43,7 +43,7 @@ Source of the parallel filter: M. Gautier, "Dynamic identification of robots wit
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, final
@@ -158,14 +158,18 @@ class RecordsProblem(Problem):
         inertia_path: str = "mechanism.inertia",
         load_slopes: Mapping[str, tuple[float, float]] | None = None,
         offset: str = "offset",
+        widest: float = math.inf,
+        without: Collection[str] = (),
     ) -> None:
-        self._made_of = records, like, band, normal, inertia_path, load_slopes, offset
+        self._made_of = (
+            records, like, band, normal, inertia_path, load_slopes, offset, widest, without
+        )  # fmt: skip
         self.records: list[Record] = (
             by_best_sensor(records) if like is None else alike(records, like.records[0])
         )
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
-        base = band_for(self.records) if like is None else like.frame.band
+        base = min(band_for(self.records), widest) if like is None else like.frame.band
         self.free: str = free_form(self.records) if like is None else like.free
         frame = None if like is None else like.frame
         self.rows = Along(self.records, frame, band * base, free=self.free)
@@ -204,6 +208,7 @@ class RecordsProblem(Problem):
                 always=sought,
                 constant=bool(self.offset),
             )
+            self.terms = {name: one for name, one in self.terms.items() if name not in without}
             self.terms |= {path: _doubtful(path, doubt) for path, doubt in doubts.items()}
             self.references = _references(self, found[0][:2])
         else:
@@ -518,10 +523,12 @@ def _made(
     inertia_path: str,
     load_slopes: Mapping[str, tuple[float, float]] | None,
     offset: str,
+    widest: float,
+    without: Collection[str],
 ) -> RecordsProblem:
     return RecordsProblem(
         records, like=like, band=band, normal=normal, inertia_path=inertia_path,
-        load_slopes=load_slopes, offset=offset,
+        load_slopes=load_slopes, offset=offset, widest=widest, without=without,
     )  # fmt: skip
 
 
@@ -634,7 +641,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
     ]
 
 
-def _by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
+def by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
     """Return the columns (n, p) of the measured curve, of size 1, and what they leave (n,)."""
     rows = problem.rows
     left, found = math.inf, (np.zeros((0, 0)), np.zeros(0))
@@ -661,7 +668,7 @@ def goes_straighter(problem: RecordsProblem) -> bool:
         f(one.force) - f(one.force, late=0.5 * f.step * one.held)
         for one, f in zip(rows.records, rows.filters, strict=True)
     ]
-    x, left = _by_curve(problem)
+    x, left = by_curve(problem)
     y = problem.response + rows.rows_of(late)
     gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
     other = y - x @ np.linalg.solve(gram, x.T @ y)
@@ -678,7 +685,7 @@ def _spread(problem: RecordsProblem) -> float:
     count, usual = len(problem.records), FREE_SPREAD if problem.free else SPREAD
     if count < 2:
         return usual
-    x, left = _by_curve(problem)
+    x, left = by_curve(problem)
     inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
     e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
 

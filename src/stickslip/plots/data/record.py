@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.formatting import Scale, scale_of
-from stickslip.plots.core.helpers import Array, Sizes
+from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, INK, MUTED, SLIP_BACK, shade
 
@@ -28,17 +28,6 @@ class Channel(NamedTuple):
     """Values (n,) [SI]."""
     scale: Scale | None = None
     """What they are shown in; the largest chooses if not given."""
-
-
-def record_sizes(count: int) -> Sizes:
-    """Return the sizes of a figure of that many channels.
-
-    Examples
-    --------
-    >>> record_sizes(3)["wide"]
-    (880, 315)
-    """
-    return Sizes(wide=(880, 45 + PANEL * count), narrow=(358, 45 + PANEL * count))
 
 
 def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:

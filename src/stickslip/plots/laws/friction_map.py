@@ -1,19 +1,18 @@
 """Measured friction against velocity, with the laws that were fitted to it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from stickslip.formatting import number, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.plots.core.helpers import Array, LineStyle, Sizes, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, LINE, MUTED, label_at, name_size
+from stickslip.plots.core.theme import C3, C4, DATA, LINE, MUTED, label_at, name_size
 from stickslip.plots.laws.curves import characteristic
 
 MAP_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 500))
@@ -31,8 +30,6 @@ SPREAD: Final = 100.0
 """Largest speed over the smallest from which readings in one direction have a logarithmic axis."""
 TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
-STRIPS: Final = 21
-"""Strips of velocity of which medians are drawn ..."""
 LEAST: Final = 8
 """... with so many points at least."""
 WIDTH: Final = 22
@@ -125,87 +122,9 @@ class MapSplit(NamedTuple):
     """That unit."""
 
 
-def split_sizes(count: int) -> Sizes:
-    """Return the sizes of a figure with so many splits."""
-    return Sizes(wide=(880, 320), narrow=(358, 40 + 280 * count))
-
-
-def draw_split_map(
-    velocity: Array,
-    friction: Array,
-    splits: Sequence[MapSplit],
-    *,
-    shown: NDArray[np.intp],
-    units: tuple[str, str],
-) -> Draw:
-    """Return a drawing of friction against velocity by thirds of what it may depend on.
-
-    Points are those that are `shown`; the line of a third is the median of its friction.
-    """
-    factor, unit = scale_of(velocity, units[0])
-    v = factor * velocity
-
-    def draw(figure: Figure, narrow: bool) -> None:
-        shape = (len(splits), 1) if narrow else (1, len(splits))
-        grid = figure.subplots(*shape, squeeze=False, sharey=True)
-        for axes, one in zip(grid.flat, splits, strict=True):
-            for (colour, text), own in zip(_thirds(one), _masks(one), strict=True):
-                rows = shown[own[shown]]
-                axes.plot(
-                    v[rows], friction[rows], "o", color=colour, markersize=2.2, alpha=0.35,
-                    markeredgewidth=0, linestyle="none", zorder=1, label=text,
-                )  # fmt: skip
-                axes.plot(*_medians(v, friction, own), color=colour, linewidth=2.0, zorder=3)
-            axes.set_title(one.label, color=MUTED, loc="left")
-            axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
-            axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
-            axes.axvline(0.0, color=LINE, linewidth=0.8, zorder=0)
-            low, high = np.percentile(friction, [OUTER, 100 - OUTER])
-            axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
-            axes.locator_params(axis="x", nbins=7)
-            legend = axes.legend(
-                loc="lower right",
-                frameon=False,
-                fontsize=(9 / 11 if narrow else 1) * name_size(),
-                handletextpad=0.1,
-                labelspacing=0.2,
-                markerscale=2.5,
-            )
-            for text_, handle in zip(legend.get_texts(), legend.legend_handles, strict=True):
-                handle.set_alpha(1.0)
-                text_.set_color(handle.get_color())
-
-    return draw
-
-
 def _edges(one: MapSplit) -> tuple[float, float]:
     low, high = np.quantile(one.values, [1 / 3, 2 / 3]).tolist()
     return low, high
-
-
-def _thirds(one: MapSplit) -> list[tuple[str, str]]:
-    """Return colour and name of each third."""
-    low, high = (number(x, 2) for x in _edges(one))
-    return [
-        (C1, f"below {low} {one.unit}"),
-        (DATA, f"{low} to {high} {one.unit}"),
-        (C2, f"above {high} {one.unit}"),
-    ]
-
-
-def _masks(one: MapSplit) -> list[NDArray[np.bool_]]:
-    low, high = _edges(one)
-    return [one.values < low, (one.values >= low) & (one.values <= high), one.values > high]
-
-
-def _medians(v: Array, friction: Array, own: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return the median of friction in strips of velocity, NaN where a strip has few points."""
-    low, high = np.percentile(v, [0.5, 99.5]).tolist()
-    edges = np.linspace(low, high, STRIPS + 1)
-    place = np.digitize(v, edges) - 1
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    values = [friction[own & (place == k)] for k in range(STRIPS)]
-    return middles, np.array([np.median(x) if len(x) >= LEAST else np.nan for x in values])
 
 
 def _inside(

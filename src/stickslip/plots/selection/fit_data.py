@@ -177,24 +177,6 @@ def rows_of(fit: RecordFit) -> Rows:
     return Rows(placed, columns["velocity"], columns["position"], seen.residual)
 
 
-def postures_of(fit: RecordFit, whole: Measurement) -> dict[str, Array]:
-    """Return the positions (n,) of all joints of a record at the residuals of a fit to one."""
-    problem, seen = fit.problem, fit.optimum.best
-    record, records = problem.spans[seen.segment, 0].astype(int), whole.records()
-    if len(records) != len(fit.measurement.records()):
-        return {}
-    found = {}
-    for name in whole.joint_names():
-        if not all(f"position.{name}" in one.quantities() for one in records):
-            continue
-        column = found[name] = np.zeros(len(problem.times))
-        for number, one in enumerate(records):
-            own = record == number
-            places = np.asarray(one.values(f"position.{name}"))
-            column[own] = np.interp(problem.times[own], np.asarray(one.time), places)
-    return found
-
-
 def _shifts(spans: Array) -> dict[int, float]:
     """Return what times of each record are shifted by, so that several lie end to end."""
     order = np.unique(spans[:, 0]).astype(int).tolist()
@@ -206,15 +188,6 @@ def _shifts(spans: Array) -> dict[int, float]:
         found[record] = at - float(own[:, 1].min())
         at += float(own[:, 2].max() - own[:, 1].min())
     return found
-
-
-def block_edges(fit: RecordFit, folds: int) -> Array:
-    """Return the ends (folds + 1,) of the held-out blocks, on the axis of `rows_of`."""
-    spans = fit.problem.spans
-    shift = _shifts(spans)
-    moved = np.array([shift[int(record)] for record in spans[:, 0]])
-    first, last = float((spans[:, 1] + moved).min()), float((spans[:, 2] + moved).max())
-    return np.linspace(first, last, folds + 1)
 
 
 def errors_of(

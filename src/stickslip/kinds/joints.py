@@ -1,4 +1,4 @@
-"""Records of several joints, fitted by inverse dynamics with all joints at once."""
+"""Records of several joints: fitted by inverse dynamics, judged joint by joint."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, final
@@ -6,27 +6,25 @@ from typing import Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE
+from stickslip.formatting import percent
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
-from stickslip.kinds.joints.selection import joint_specifications, select_joints
-from stickslip.kinds.joints.verdict import JointVerdict
+from stickslip.identify import JointVerdict, joint_sections, select_joints
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
 from stickslip.kinds.records import restarts_text
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
-from stickslip.selection import CrossValidatedVerdict, limits_of, score_text
+from stickslip.selection import limits_of
 
 
 @final
 class JointKind(Kind[RecordFit[Any], JointVerdict]):
-    """Friction of every joint by inverse dynamics, with the parameters of all in one problem."""
+    """Friction of every joint; fits have the parameters of all in one problem."""
 
     routes = (JOINTS,)
     measured = "records of several joints"
-    uses = frozenset({"validate", "executor"})
+    uses = frozenset({"validate"})
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
-    climbs = True
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -34,8 +32,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
 
     @override
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        specs = joint_specifications(laws)
-        return [f"{joint}: {one.name}" for joint in measurement.joint_names() for one in specs]
+        return [*measurement.joint_names()]
 
     @override
     def law_and_parameters(
@@ -49,37 +46,50 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
     @override
+    def why_unused(self, name: str, request: Request) -> str:
+        if request.law is None and name in {"starts", "seed"}:
+            return (
+                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
+            )
+        return ""
+
+    @override
     def fit(self, request: Request) -> RecordFit[Any]:
         settings = request.settings or RecordSettings()
         return fit_joints(laws=request.law, settings=settings, **request.arguments())
 
     @override
     def select(self, request: Request) -> JointVerdict:
-        return select_joints(**request.arguments("laws", "validate", "settings", "executor"))
+        return select_joints(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            validate=request.validate,
+            settings=request.settings,
+        )
 
     @override
     def comparison(self, verdict: JointVerdict) -> Comparison:
-        second = verdict.second is not None
-        heads = ["joint", "law", "free", "held-out error", *(["second record"] if second else [])]
-        rows, notes = [], []
-        for name, own in verdict.joints.items():
-            for one in own.candidates:
-                value = score_text(own.scale, one.score, one.score_error)
-                error = " ".join(value).strip()
-                cells = [name, one.title, str(one.parameters) if one.fit else NO_VALUE]
-                cells.append(f"{error} {own.scale.unit}" if one.validation else NO_VALUE)
-                if second:
-                    cells.append(own.scale.error(one.second.rms) if one.second else NO_VALUE)
-                rows.append(cells)
-                notes.append(f"{name}, {one.title}: {one.outcome}")
-            notes += [f"{name}: {line}" for line in own.missing]
-        closest = verdict.closest
+        rows = [
+            [
+                name,
+                one.title,
+                str(one.count),
+                own.scale.error(one.held_out),
+                percent(one.share),
+                one.outcome,
+            ]
+            for name, own in verdict.joints.items()
+            for one in own.candidates
+        ]
+        fit = verdict.closest.fit
         return Comparison(
-            heads=heads,
+            heads=["joint", "law", "parameters", "held-out error", "share", ""],
             rows=rows,
-            notes=notes,
             checks=verdict.checks,
-            fitted=(title_of(verdict), closest.fit.shown) if closest.fit else None,
+            fitted=None if fit is None else (verdict.closest.title, fit.shown),
         )
 
     @override
@@ -111,18 +121,8 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
     def sections(
         self, verdict: JointVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.kinds.joints.page import (
-            joint_sections,  # figures are loaded where a page is made
-        )
-
         return joint_sections(verdict, origin, remark)
 
 
 def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:
     return {name: one.rms for name, one in scores.items()}
-
-
-def title_of(verdict: CrossValidatedVerdict[Any]) -> str:
-    """Return the closest law as the title of its parameters, and whether it is recommended."""
-    title: str = verdict.closest.title
-    return title if verdict.best else f"{title}, fits best but not recommended"

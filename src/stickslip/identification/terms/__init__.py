@@ -1,1 +1,0 @@
-"""What the evidence engine says of records: their series, laws of its structures, its findings."""

@@ -1,0 +1,465 @@
+"""Selection for several joints: each is judged by its own balance, as a record of one coordinate.
+
+Links that are looked for are found before, from all joints at once
+(:mod:`~stickslip.identify.kinds.joints`).
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from scipy.linalg import block_diag
+from typing_extensions import override
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Checks, Finding, LawEstimates, Measurement, levels_at
+from stickslip.formatting import capital
+from stickslip.friction import FrictionLaw, Laws, assigned
+from stickslip.identification import (
+    JOINTS,
+    Estimate,
+    Fit,
+    JointFitter,
+    RecordSettings,
+    estimates_for,
+    joint_record,
+)
+from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.judge import Judgement
+from stickslip.identify.kinds.joints import JointRecords, Links, links_of
+from stickslip.identify.kinds.record_signals import Record
+from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
+from stickslip.identify.page import figure_section, laws_section, parameters_section
+from stickslip.identify.problem import Array
+from stickslip.identify.selection import record_verdict, refined, restrict
+from stickslip.identify.verdict import BandVerdict
+from stickslip.mechanisms import Axis, Mechanism, as_rotary
+from stickslip.quantities import parameters, vary
+from stickslip.report import (
+    KeyValue,
+    KeyValues,
+    Origin,
+    Section,
+    SectionMaker,
+    opening,
+    record_and_checks,
+    reproduce,
+)
+from stickslip.selection import Candidate, Verdict, Wording, checked, in_sentence
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
+
+WHOLE = ("inertia_error",)
+"""Terms of a single inertia, which a joint of several does not have."""
+NORMAL = 1.96
+"""Standard errors of a 95 % interval."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JointLawFit(Fit[Laws]):
+    """The laws of all joints and the mechanism, with their intervals."""
+
+    joints: Mapping[str, BandVerdict]
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        fits = {name: one.closest.fit for name, one in self.joints.items()}
+        parts = [
+            np.eye(len(self.estimates) - sum(len(one.estimates) for one in fits.values() if one))
+        ]
+        parts += [one.correlation for one in fits.values() if one]
+        return estimates_for(
+            self.law,
+            self.estimates,
+            block_diag(*parts),
+            levels=levels_at(self.mechanism),
+            largest_speed={name: one.largest_speed for name, one in fits.items() if one},
+        )
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return next(iter(self.joints.values())).plot(ax)
+
+    @override
+    def __str__(self) -> str:
+        return f"{self.law.title}: {', '.join(map(str, self.shown))}"
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JointLaws(Candidate[JointLawFit]):
+    """The combination of laws that is named."""
+
+    @override
+    def to_row(self) -> Mapping[str, Any]:
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.parameters,
+            "outcome": self.outcome,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JointVerdict(Verdict[JointLaws]):
+    """A verdict on each of several joints, and the mechanism that goes with them."""
+
+    joints: Mapping[str, BandVerdict]
+    """By contact."""
+    resting: tuple[str, ...]
+    """Coordinates that rest throughout: nothing tells their friction."""
+    checks: Checks
+    """What is doubtful about the measurement."""
+
+    @property
+    @override
+    def route(self) -> str:
+        return JOINTS
+
+    @property
+    @override
+    def score_unit(self) -> str:
+        units = {one.score_unit for one in self.joints.values()}
+        return units.pop() if len(units) == 1 else ""
+
+    @property
+    @override
+    def closest(self) -> JointLaws:
+        return self.candidates[0]
+
+    @property
+    def law(self) -> Laws:
+        """The named laws by contact."""
+        fit = self.candidates[0].fit
+        assert fit is not None
+        return fit.law
+
+    def of(self, joint: str) -> BandVerdict:
+        """Return the verdict on a joint, by the name of its contact.
+
+        Raises
+        ------
+        InputError
+            If no joint of that name was judged.
+        """
+        if joint not in self.joints:
+            raise InputError(f"joint must be {' or '.join(self.joints)}, got {joint!r}.")
+        return self.joints[joint]
+
+    def band(
+        self,
+        velocity: Array | Sequence[float] | float,
+        *,
+        joint: str,
+        level: float = 0.95,
+        all_along: bool = False,
+    ) -> PredictionBand:
+        """Return what friction of a joint is at velocities, whichever law holds.
+
+        Parameters
+        ----------
+        velocity : array_like (n,)
+            Velocities of the joint [rad/s] or [m/s].
+        joint : str
+            Name of its contact.
+        level : float
+            Probability with which friction at each velocity lies in the band.
+        all_along : bool
+            Whether that is the probability that it lies in the band at all of them together.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [N m] or [N].
+
+        Raises
+        ------
+        InputError
+            If no joint of that name was judged.
+        """
+        return self.of(joint).band(velocity, level=level, all_along=all_along)
+
+    def sample(self, count: int = 20, *, seed: int = 0) -> list[Laws]:
+        """Return laws of all joints, drawn over their sets with their covariances.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws.
+        seed : int
+            Seed of the draws.
+
+        Returns
+        -------
+        list of Laws
+            Laws by contact; those of one joint are drawn without regard to another.
+        """
+        drawn = {name: one.sample(count, seed=seed + k)
+                 for k, (name, one) in enumerate(self.joints.items())}  # fmt: skip
+        return [
+            _laws(self.mechanism, {n: one[k] for n, one in drawn.items()}) for k in range(count)
+        ]
+
+    @override
+    def _details(self) -> Mapping[str, Any]:
+        return {
+            "joints": {name: one.to_dict() for name, one in self.joints.items()},
+            "resting": list(self.resting),
+        }
+
+    @staticmethod
+    def schema() -> Mapping[str, Any]:
+        """Return the JSON schema of `to_dict`, and of ``verdict.json`` with its heading.
+
+        Returns
+        -------
+        mapping
+            JSON schema of draft 2020-12; verdicts on joints are as `BandVerdict.schema` says.
+        """
+        text = files("stickslip.identify").joinpath("joints.schema.json").read_text("utf-8")
+        found: dict[str, Any] = json.loads(text)
+        of_joint = dict(BandVerdict.schema())
+        return found | {"$defs": {**of_joint.pop("$defs"), "joint": of_joint}}
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return self.candidates[0].fit.plot(ax)  # type: ignore[union-attr]
+
+
+def select_joints(
+    mechanism: Mechanism,
+    laws: Any,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
+) -> JointVerdict:
+    """Judge records of several joints: which law each has, and what its friction is."""
+    settings = settings or RecordSettings()
+    zeros = bool(settings.position_zeros)
+    checks = checked(mechanism, measurement, validate)
+    fitter = JointFitter.of(
+        mechanism, "viscous", measurement, vary=vary, fixed=fixed, settings=settings
+    )
+    if fitter.wrong_columns:
+        wrong = Finding(kind="joint columns", sentence=fitter.wrong_columns, severity="warning")
+        checks = replace(checks, findings=(wrong, *checks.findings))
+    rig, paths = fitter.motion.mechanism, fitter.motion.torques.linear
+    made = partial(JointRecords.of, rig, unknown=paths, zeros=zeros, resting=fitter.motion.resting)
+    records = made(measurement)
+    if not records.records:
+        raise InputError("no joint moves in these records: nothing tells friction.")
+    links, own = None, records.at({})
+    problem = partial(_problem, widest=records.widest, straight=settings.hold == "first")
+    if paths or zeros:  # they were found, and are not wrong once more
+        problem = partial(problem, without=(*WHOLE, "mechanism"))
+        links = links_of({name: problem(one) for name, one in own.items()}, records)
+        own = records.at(links.change)
+    others = {} if validate is None else made(validate).at(links.change if links else {})
+    joints = dict[str, BandVerdict]()
+    for name, contact in records.contacts.items():
+        judged = problem(own[name])
+        if laws is not None:
+            restrict(judged, laws)
+        joints[contact] = record_verdict(
+            judged,
+            refined(Judgement.of(judged)),
+            _alone(rig, name, records.inertias[name]),
+            joint_record(mechanism, measurement, name),
+            checks=checks,
+            route=JOINTS,
+            second=validate and joint_record(mechanism, validate, name),
+            others=others.get(name),
+        )
+    values = _values(rig, links, paths)
+    return _verdict(mechanism, rig, measurement, joints, values, records, checks)
+
+
+def _problem(
+    records: list[Record], *, widest: float, straight: bool, without: Sequence[str] = WHOLE
+) -> RecordsProblem:
+    """Return the balance of a joint; its forces hold, or go straight."""
+    records = [replace(one, held=not straight) for one in records]
+    loads = [one.load for one in records if one.load is not None]
+    normal = float(np.exp(np.mean(np.log(np.concatenate(loads))))) if loads else 1.0
+    made = partial(RecordsProblem, normal=normal, widest=widest, without=without)
+    problem = made(records)
+    return (
+        made([replace(one, held=False) for one in records]) if goes_straighter(problem) else problem
+    )
+
+
+def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
+    """Return a joint as an axis, whose law has the same levels."""
+    contact = next(one for one in mechanism.contacts() if one.slips[0] == coordinate)
+    load = contact.load if isinstance(contact.load, int | float) else 1.0
+    axis = Axis(inertia=max(inertia, 1e-300), load=float(load))
+    turns = mechanism.units[mechanism.coordinates.index(coordinate)] == "rad"
+    return as_rotary(axis) if turns else axis
+
+
+def _values(
+    mechanism: Mechanism, links: Links | None, paths: Sequence[str]
+) -> tuple[Estimate, ...]:
+    """Return the parameters of the mechanism that were found."""
+    known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
+    found = []
+    for path in paths if links else ():
+        q, given = known[path]
+        value, half = given + links.change[path], NORMAL * links.errors[path]
+        least = q.low if q.above is None else max(q.low, q.above)
+        told = math.isfinite(half)
+        found.append(
+            Estimate(
+                path=path, quantity=q, value=value, low=max(value - half, least),
+                high=min(value + half, q.high), interval="95 %",
+                reason="" if told else "the motion does not tell it from others",
+            )
+        )  # fmt: skip
+    return tuple(found)
+
+
+def _laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> Laws:
+    """Return laws by contact, none where a joint rests."""
+    names = tuple(one.name or one.slips[0] for one in mechanism.contacts())
+    found = assigned(names, dict.fromkeys(names) | dict(laws))
+    return found if isinstance(found, Laws) else Laws(members=tuple(laws.items()))
+
+
+def _verdict(
+    mechanism: Mechanism,
+    rig: Mechanism,
+    measurement: Measurement,
+    joints: Mapping[str, BandVerdict],
+    values: tuple[Estimate, ...],
+    records: JointRecords,
+    checks: Checks,
+) -> JointVerdict:
+    """Return the verdict on all joints, in words."""
+    fits = {name: one.closest.fit for name, one in joints.items()}
+    of_joints = [
+        replace(one, path=one.path.replace("friction.", f"friction.{name}.", 1))
+        for name, fit in fits.items()
+        for one in (fit.estimates if fit else ())
+    ]
+    try:
+        moved = vary(rig, "mechanism", {one.path: one.value for one in values}) if values else rig
+    except ParameterError:  # what the motion tells is no links one by one: those of the fit are
+        moved = rig
+    fitted = JointLawFit(
+        law=_laws(mechanism, {name: fit.law for name, fit in fits.items() if fit}),
+        mechanism=moved,
+        estimates=(*values, *of_joints),
+        remarks=tuple(dict.fromkeys(line for fit in fits.values() if fit for line in fit.remarks)),
+        joints=joints,
+    )
+    candidate = JointLaws(
+        name=",".join(f"{name}={one.closest.name}" for name, one in joints.items()),
+        title=", ".join(
+            f"{name}: {in_sentence(one.closest.title)}" for name, one in joints.items()
+        ),
+        fit=fitted,
+        outcome="named",
+    )
+    wrong = checks.of("joint columns")
+    said = [f"{capital(name)}: {in_sentence(one.words.verdict)}" for name, one in joints.items()]
+    said += [
+        f"{capital(name)}: at rest, so nothing tells its friction." for name in records.resting
+    ]
+    named = not wrong and all(one.best is not None for one in joints.values())
+    words = Wording(
+        verdict=f"No law is recommended. {wrong[0].sentence}" if wrong else " ".join(said),
+        lede=" ".join(f"{capital(n)}: {in_sentence(one.words.lede)}" for n, one in joints.items()),
+        settles=_of_each(joints, "settles"),
+        cannot_tell=_of_each(joints, "cannot_tell"),
+        measure_next=_of_each(joints, "measure_next"),
+        no_score="",
+    )
+    return JointVerdict(
+        mechanism=mechanism,
+        measurement=measurement,
+        words=words,
+        candidates=(candidate,),
+        best=candidate if named else None,
+        ranked=True,
+        joints=joints,
+        resting=records.resting,
+        checks=checks,
+    )
+
+
+def _of_each(joints: Mapping[str, BandVerdict], part: str) -> tuple[str, ...]:
+    """Return sentences on each joint in turn; those of all joints alike once."""
+    lines = {name: getattr(one.words, part) for name, one in joints.items()}
+    common = set.intersection(*({*own} for own in lines.values()))
+    found = [
+        f"{capital(name)}: {in_sentence(line)}"
+        for name, own in lines.items()
+        for line in own
+        if line not in common
+    ]
+    first = next(iter(lines.values()))
+    return (*found, *(line for line in first if line in common))
+
+
+def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of the page of a verdict on several joints."""
+    return (
+        partial(opening_section, verdict, origin, remark),
+        *(
+            partial(joint_section, name, one, number)
+            for number, (name, one) in enumerate(verdict.joints.items(), 1)
+        ),
+        partial(mechanism_section, verdict),
+        partial(record_and_checks, verdict.checks),
+        partial(reproduce, origin, laws=[law for _, law in verdict.law.members if law]),
+    )
+
+
+def opening_section(verdict: JointVerdict, origin: Origin, remark: str) -> Section:
+    """Return the section that a reader may stop after."""
+    return opening(verdict.words, origin.data, remark)
+
+
+def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:
+    """Return the band, the laws and the parameters of one joint."""
+    parts = (
+        figure_section(verdict, prefix=f"joint-{number}"),
+        laws_section(verdict),
+        parameters_section(verdict),
+    )
+    return Section(
+        id=f"joint-{number}",
+        nav=capital(name),
+        heading=f"{capital(name)}: {in_sentence(verdict.closest.title)}",
+        blocks=tuple(block for part in parts if part for block in part.blocks),
+    )
+
+
+def mechanism_section(verdict: JointVerdict) -> Section | None:
+    """Return what was found of the mechanism; None without anything."""
+    fit = verdict.closest.fit
+    assert fit is not None
+    shown = [one for one in fit.shown if one.path.startswith("mechanism.")]
+    if not shown:
+        return None
+    items = tuple(
+        KeyValue(
+            key=f"${one.quantity.symbol}$, {one.path.removeprefix('mechanism.')}", value=one.range
+        )
+        for one in shown
+    )
+    return Section(
+        id="mechanism", nav="Mechanism", heading="What was found of the mechanism",
+        blocks=(KeyValues(items=items),),
+    )  # fmt: skip

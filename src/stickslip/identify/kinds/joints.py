@@ -1,0 +1,341 @@
+r"""Records of several joints: the balance of each is a record of one coordinate.
+
+1. **Balance of a joint.** Along the measured motion of all joints, the equations of the mechanism
+   (:class:`~stickslip.formulation.JointTorques`) give the force :math:`T_i(q, \dot q, \ddot q)`
+   that joint :math:`i` takes without friction, which is affine in the parameters :math:`p` of links
+   that are looked for. With the inertia :math:`J_i` that it moves where all others rest,
+
+   .. math:: F_i - (T_i - J_i \ddot q_i) - J_i \ddot q_i
+             = \sum_k (p_k - p_{k0})\, \partial T_i / \partial p_k + \text{friction}_i ,
+
+   so that it is a record of one coordinate, with known forces of the mechanism and unknown ones
+   (:mod:`~stickslip.identify.kinds.records`): all that is judged there is judged here.
+2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `AHEAD`
+   times that of the balance, whose filter follows. Noise of the acceleration of joint :math:`j`
+   is a force :math:`M_{ij}` times it, so that the band of joint :math:`i` is that of noise
+   :math:`\sqrt{\sum_j M_{ij}^2 \sigma_j^2} / M_{ii}` of its own position.
+3. **Links** that are looked for are found first (`at`), from the balances of all joints at once
+   with the measured curve of each as its friction, whatever its law is. What columns :math:`R_i` of
+   the curve of joint :math:`i` explain is projected out of its response :math:`y_i` and its slopes
+   :math:`U_i`, each is weighed by what is left, :math:`\sigma_i`, and
+
+   .. math:: p - p_0 = \Big(\sum_i U_i^T P_i U_i / \sigma_i^2\Big)^{-1}
+                       \sum_i U_i^T P_i y_i / \sigma_i^2 .
+
+   Their covariance is that of stretches, times as much as another record differs.
+
+Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.experiments import Measurement, between_gaps
+from stickslip.formulation import JointTorques
+from stickslip.identification import (
+    FilteredMotion,
+    check_joints,
+    contacts_along,
+    gear_torques,
+    joint_inputs,
+    recorded_inputs,
+)
+from stickslip.identify.forces import Unknown, with_transmitted
+from stickslip.identify.kinds.record_frame import band_for, mean_frequency
+from stickslip.identify.kinds.record_signals import FEWEST, Along, Filter, Record, noise_of
+from stickslip.identify.kinds.records import RecordsProblem, by_curve
+from stickslip.identify.problem import Array
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+AHEAD = 4.0
+"""Band of the motion in the equations over that of the balance."""
+WIDEST = 0.4
+"""The same over the sampling rate, at most."""
+ROBOTS = 5.0
+"""Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
+accelerations that no torque of a motor goes with (decision 0114)."""
+SAME = 1e-8
+"""Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointRecords:
+    """The balance of each joint as records of one coordinate."""
+
+    contacts: Mapping[str, str]
+    """Contacts by coordinate: the joints that rub and move."""
+    resting: tuple[str, ...]
+    """Coordinates that rub and rest: nothing tells their friction."""
+    records: Mapping[str, list[Record]]
+    """By coordinate, with columns of all parameters that are looked for."""
+    widest: float
+    """Largest band of a balance [Hz]."""
+    inertias: Mapping[str, float]
+    """What moves with each coordinate, all others at rest [kg m^2] or [kg]."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        measurement: Measurement,
+        *,
+        unknown: Sequence[str] = (),
+        zeros: bool = False,
+        resting: Collection[str] = (),
+    ) -> "JointRecords":
+        """Return the records of the joints, with columns for parameters that are looked for.
+
+        Joints that rest stay where they are in the median.
+        """
+        torques = JointTorques.of(mechanism, unknown, by_position=zeros)
+        pieces = [
+            _Piece.of(mechanism, record, piece, resting)
+            for record in measurement.records()
+            for piece in between_gaps(record)
+            if len(np.asarray(piece.time)) >= FEWEST
+        ]
+        return cls._made(torques, mechanism, pieces, resting)
+
+    def at(self, change: Mapping[str, float]) -> dict[str, list[Record]]:
+        """Return the records with parameters changed by so much, and none unknown."""
+        return {
+            name: [
+                replace(
+                    one,
+                    mechanism=one.mechanism
+                    + sum((x * one.unknown[path].force for path, x in change.items()), 0.0),
+                    unknown={},
+                )
+                for one in own
+            ]
+            for name, own in self.records.items()
+        }
+
+    @classmethod
+    def _made(
+        cls,
+        torques: JointTorques,
+        mechanism: Mechanism,
+        pieces: Sequence["_Piece"],
+        resting: Collection[str],
+    ) -> "JointRecords":
+        names, contacts = torques.coordinates, contacts_along(mechanism)
+        moving = [name not in resting for name in names]
+        middle = np.median(np.concatenate([one.position for one in pieces]), axis=0)
+        mass = _mass(torques, mechanism, middle)
+        noise = np.max([one.noise for one in pieces], axis=0) * moving
+        plain = {
+            i: [one.plain(i, abs(float(mass[i, i]))) for one in pieces]
+            for i, moves in enumerate(moving)
+            if moves
+        }
+        widest = ROBOTS * max(map(mean_frequency, plain.values()), default=math.inf)
+        records = dict[str, list[Record]]()
+        for i, own in plain.items():
+            name, inertia = names[i], abs(float(mass[i, i]))
+            if name not in contacts:
+                continue
+            gain = float(np.linalg.norm(mass[i] * noise) / (inertia * noise[i])) if inertia else 1.0
+            noisy = [replace(one, gain=gain) for one in own]
+            if Along(noisy, None, widest).count < FEWEST:  # it moves less than its sensor misses
+                continue
+            band = min(band_for(noisy), widest)
+            records[name] = [
+                one.along(i, record, torques, band)
+                for one, record in zip(pieces, noisy, strict=True)
+            ]
+        return cls(
+            contacts={name: contacts[name].name for name in records},
+            resting=tuple(name for name in contacts if name not in records),
+            records=records,
+            widest=widest,
+            inertias={name: abs(float(mass[i, i])) for i, name in enumerate(names)},
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Links:
+    """What the balances of all joints tell of parameters."""
+
+    change: Mapping[str, float]
+    """By path, the change from the values that the records were made with."""
+    errors: Mapping[str, float]
+    """Standard errors; infinite where the motion does not tell a parameter from others."""
+
+
+def links_of(problems: Mapping[str, RecordsProblem], records: JointRecords) -> Links:
+    """Return parameters from the balances of all joints at once, with their curves as friction."""
+    paths = [*next(iter(records.records.values()))[0].unknown]
+    parts = [_reduced(problem, records.records[name], paths) for name, problem in problems.items()]
+    gram = np.sum([slopes.T @ slopes for slopes, _, _ in parts], axis=0)
+    scale = np.sqrt(np.diagonal(gram)) + 1e-300
+    sizes, basis = np.linalg.eigh(gram / np.outer(scale, scale))
+    kept = sizes > SAME * sizes[-1]
+    inverse = (basis[:, kept] / sizes[kept]) @ basis[:, kept].T / np.outer(scale, scale)
+    change = inverse @ np.sum([slopes.T @ left for slopes, left, _ in parts], axis=0)
+    meat = np.zeros_like(gram)
+    for slopes, left, stretches in parts:
+        sums = np.zeros((int(stretches.max()) + 1, len(paths)))
+        np.add.at(sums, stretches, slopes * (left - slopes @ change)[:, None])
+        meat += sums.T @ sums
+    spread = max(one.spread for one in problems.values())
+    errors = np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0) * spread)
+    errors[np.sum(basis[:, ~kept] ** 2, axis=1) > SAME] = math.inf
+    return Links(
+        change=dict(zip(paths, change.tolist(), strict=True)),
+        errors=dict(zip(paths, errors.tolist(), strict=True)),
+    )
+
+
+def _reduced(
+    problem: RecordsProblem, records: Sequence[Record], paths: Sequence[str]
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Return slopes (n, k) and the response (n,) less what its curve explains, and stretches."""
+    rows = problem.rows
+    full = Along(records, problem.frame, rows.band)
+    curve, _ = by_curve(problem)
+    basis = np.linalg.qr(np.column_stack([curve, np.ones(rows.count)]))[0]
+    slopes = np.column_stack([full.taken(path) for path in paths])
+    both = np.column_stack([slopes, problem.response])
+    both = both - basis @ (basis.T @ both)
+    left = both[:, -1] - both[:, :-1] @ np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=1e-8)[0]
+    size = float(np.sqrt(np.mean(left**2))) + 1e-300
+    return both[:, :-1] / size, both[:, -1] / size, problem.stretches
+
+
+def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:
+    """Return the mass matrix (m, m) at a place (m,)."""
+    count = len(q)
+    places, none, time = np.tile(q, (count, 1)), np.zeros((count, count)), np.zeros(count)
+    still, _ = torques.along(mechanism, time, places, none, none)
+    moving, _ = torques.along(mechanism, time, places, none, np.eye(count))
+    return np.asarray((moving - still).T)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Piece:
+    """What lies between two gaps of a record, at even times."""
+
+    mechanism: Mechanism
+    """As it was in the record."""
+    record: Measurement
+    time: Array
+    """Times (n,) [s]."""
+    position: Array
+    """Positions (n, m)."""
+    force: Array
+    """Forces that drive the joints (n, m)."""
+    noise: Sequence[float]
+    """Standard deviation of the noise of the positions of each joint."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        record: Measurement,
+        piece: Measurement,
+        resting: Collection[str],
+    ) -> "_Piece":
+        check_joints(piece, mechanism.coordinates)
+        joints = [piece.joints[name] for name in mechanism.coordinates]
+        times = np.asarray(piece.time, dtype=float)
+        step = float(np.median(np.diff(times)))
+        even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
+        places = [_position(one, times) for one in joints]
+        moving = [name not in resting for name in mechanism.coordinates]
+        noise = [noise_of(x) if moves else 0.0 for x, moves in zip(places, moving, strict=True)]
+        return cls(
+            mechanism=vary(mechanism, "mechanism", record.overrides)
+            if record.overrides
+            else mechanism,
+            record=piece,
+            time=even,
+            position=np.column_stack(
+                [
+                    np.interp(even, times, x if moves else np.full_like(x, np.median(x)))
+                    for x, moves in zip(places, moving, strict=True)
+                ]
+            ),
+            force=np.column_stack(
+                [np.interp(even, times, np.asarray(one.values("force"), float)) for one in joints]
+            ),
+            noise=noise,
+        )
+
+    def plain(self, i: int, inertia: float) -> Record:
+        """Return the record of a joint without what others do to it."""
+        return Record(
+            time=self.time, position=self.position[:, i], force=self.force[:, i], inertia=inertia
+        )
+
+    def along(self, i: int, record: Record, torques: JointTorques, band: float) -> Record:
+        """Return the record of a joint with the forces that the motion of all joints takes."""
+        step = float(self.time[1] - self.time[0])
+        filt = Filter(
+            count=len(self.time), step=step, band=min(AHEAD * band, WIDEST / step), every=1
+        )
+        q = self.position
+        v, a = filt(q, slope=1, full=True), filt(q, slope=2, full=True)
+        taken, slopes = torques.along(self.mechanism, self.time, filt(q, full=True), v, a)
+        inertia = record.inertia or 0.0
+        paths = [*torques.linear]
+        if torques.by_position:
+            paths += [f"zero.{name}" for name in torques.coordinates]
+        unknown = {
+            path: Unknown(force=-slopes[:, i, k], inertia=0.0) for k, path in enumerate(paths)
+        }
+        name, place = torques.coordinates[i], filt(q, full=True)
+        inputs = recorded_inputs(self.record, self.time, name)
+        external = self._external(name, place, v)
+        if external is not None:  # of what is measured friction is a part
+            motion = FilteredMotion(
+                position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0, resolution=0.0
+            )
+            inputs |= gear_torques(
+                motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
+                unknown=[*slopes[:, i].T],
+            )  # fmt: skip
+        return replace(
+            record,
+            mechanism=inertia * a[:, i] - taken[:, i],
+            unknown=unknown,
+            load=self._load(name, place, v),
+            inputs=with_transmitted(inputs),
+        )
+
+    def _external(self, coordinate: str, q: Array, v: Array) -> Array | None:
+        """Return what acts on a joint beside its motor (n,); None where the mechanism is silent."""
+        contacts = {along: one.name for along, one in contacts_along(self.mechanism).items()}
+        own = joint_inputs(self.mechanism, contacts, self.record, self.time, q, v, self.force)
+        known, _ = own[self.mechanism.coordinates.index(coordinate)]
+        return known["external"] if {"motor", "external"} <= known.keys() else None
+
+    def _load(self, coordinate: str, q: Array, v: Array) -> Array | None:
+        """Return the normal force at the contact of a joint (n,) where one is known."""
+        names = self.mechanism.coordinates
+        loads = self.mechanism.loads(
+            self.time,
+            dict(zip(names, q.T, strict=True)),
+            dict(zip(names, v.T, strict=True)),
+            dict.fromkeys(self.mechanism.drives(), 0.0),
+        )
+        contact = contacts_along(self.mechanism)[coordinate]
+        load = loads.get(contact.name, contact.load)
+        return None if load is None else np.asarray(load + 0.0 * self.time, dtype=float)
+
+
+def _position(joint: Measurement, times: Array) -> Array:
+    """Return positions (n,), or the integral of velocities where these were measured alone."""
+    if "position" in joint.quantities():
+        return np.asarray(joint.values("position"), dtype=float)
+    v = np.asarray(joint.values("velocity"), dtype=float)
+    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(times))])

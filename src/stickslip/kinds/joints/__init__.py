@@ -1,1 +1,0 @@
-"""Records of several joints, whose laws are fitted together."""

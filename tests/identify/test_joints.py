@@ -1,0 +1,160 @@
+"""Selection for several joints: each is judged by its own balance, links from all together."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, TRUTH, motion, parts, record
+
+from stickslip import (
+    DirectionDependent,
+    Measurement,
+    RecordSettings,
+    Stribeck,
+    load_rig,
+    select,
+    simulate,
+    write_report,
+)
+from stickslip.errors import InputError
+from stickslip.results import JointVerdict
+
+STRIBECK = Stribeck(
+    kinetic_coefficient=0.15, static_coefficient=0.4, stribeck_velocity=0.8,
+    viscous_coefficient=0.02,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(GUESSED, None, record(0), vary=LINEAR, validate=record(1))
+
+
+def covered(verdict, joint, law):
+    """Return the part of the speeds at which the true friction of a joint lies in its band."""
+    v = verdict.joints[joint].speeds
+    band, true = verdict.band(v, joint=joint), law.force(v, 1.0)
+    return np.mean((band.low <= true) & (true <= band.high))
+
+
+def test_the_law_of_each_joint_is_named_and_its_band_holds_the_friction(verdict):
+    assert verdict.best.name == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
+    assert verdict.sentence.startswith("Shoulder: use Coulomb + viscous friction")
+    assert "Elbow: use Coulomb + viscous friction" in verdict.sentence
+    for joint in JOINTS:
+        own = verdict.joints[joint]
+        assert covered(verdict, joint, TRUTH[joint]) >= 0.93
+        width = np.mean(own.friction.high - own.friction.low) / np.mean(np.abs(own.friction.median))
+        assert width < 0.1  # noise is a tenth of the friction of the elbow
+        assert own.inside > 0.9  # of the readings of a second record
+        assert own.causes == ()
+        assert own.score_unit == "N m"
+
+
+def test_links_are_found_with_the_laws(verdict):
+    found = verdict.best.fit
+    for name in LINEAR:
+        one = found.estimate(f"mechanism.{name}")
+        assert one.low <= getattr(ARM, name) <= one.high
+        assert one.high - one.low < 0.1 * getattr(ARM, name)
+        assert getattr(found.mechanism, name) == one.value
+    level = found.estimate("friction.elbow.kinetic_coefficient")
+    assert level.low <= TRUTH["elbow"].kinetic_coefficient <= level.high
+
+
+def test_draws_are_laws_of_all_joints_that_run(verdict):
+    drawn = verdict.sample(10)
+    levels = np.array([[one[joint].kinetic_coefficient for joint in JOINTS] for one in drawn])
+    true = [TRUTH[joint].kinetic_coefficient for joint in JOINTS]
+    assert np.all(levels.std(axis=0) > 0.0)
+    assert levels.mean(axis=0) == pytest.approx(true, rel=0.05)
+    run = simulate(verdict.best.fit.mechanism, drawn[0], t_end=0.2, y0={"elbow": 1.0})
+    assert run.certificate.certified
+
+
+def test_a_joint_that_is_not_there_is_refused(verdict):
+    with pytest.raises(InputError, match="joint must be shoulder or elbow, got 'wrist'"):
+        verdict.band([0.1], joint="wrist")
+
+
+def test_the_document_of_joints_is_what_the_schema_says(verdict):
+    content = json.loads(json.dumps(verdict.to_dict()))
+    schema = JointVerdict.schema()
+    Draft202012Validator.check_schema(schema)
+    assert content.keys() <= schema["properties"].keys()
+    Draft202012Validator(schema).validate(content)
+    assert content["joints"]["elbow"]["best"] == "coulomb-viscous"
+
+
+def test_a_report_has_a_figure_for_each_joint_and_the_laws_as_a_rig_file(verdict, tmp_path):
+    text = write_report(verdict, tmp_path).read_text()
+    for part in ("joint-1", "joint-2", "mechanism", "reproduce"):
+        assert f'id="{part}"' in text
+    assert "could not be produced" not in text
+    rig = load_rig(tmp_path / "law.toml")
+    assert rig.law_by_contact() == dict(verdict.law.members)
+    assert rig.mechanism.upper_inertia == verdict.best.fit.mechanism.upper_inertia
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [11, 12])
+def test_laws_of_different_kinds_are_named_over_two_records(seed):
+    several = [record(10 * seed + k, {**TRUTH, "shoulder": STRIBECK}) for k in range(2)]
+    found = select(GUESSED, None, Measurement(trials=tuple(several)), vary=LINEAR)
+    kept = {name: {one.name for one in own.candidates if one.outcome}
+            for name, own in found.joints.items()}  # fmt: skip
+    assert "stribeck" in kept["shoulder"]
+    assert "coulomb-viscous" in kept["elbow"]
+    assert covered(found, "shoulder", STRIBECK) >= 0.93
+    assert covered(found, "elbow", TRUTH["elbow"]) >= 0.93
+
+
+@pytest.mark.slow
+def test_a_level_that_differs_by_direction_is_in_the_band():
+    """It is the same along a record as a constant force, which is what is named."""
+    law = DirectionDependent(
+        forward_kinetic_coefficient=0.15, backward_kinetic_coefficient=0.25,
+        forward_viscous_coefficient=0.02, backward_viscous_coefficient=0.02,
+    )  # fmt: skip
+    found = select(GUESSED, None, record(5, {**TRUTH, "shoulder": law}), vary=LINEAR)
+    assert covered(found, "shoulder", law) >= 0.93
+    assert found.joints["shoulder"].closest.name == "coulomb-viscous + offset"
+
+
+@pytest.mark.slow
+def test_a_late_force_of_one_joint_is_a_cause_at_that_joint():
+    t, places, forces = parts(record(4))
+    late = np.interp(t - 0.01, t, forces["elbow"])
+    given = Measurement(time=t, position=places, force={**forces, "elbow": late})
+    found = select(ARM, None, given)
+    named = {one.term for one in found.joints["elbow"].causes}
+    assert named & {"lag", "delay", "latency"}
+    assert not found.joints["shoulder"].causes
+
+
+def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
+    t, places, forces = parts(record(0, span=4.0))
+    swapped = {"shoulder": forces["elbow"], "elbow": forces["shoulder"]}
+    wrong = Measurement(time=t, position=places, force=swapped)
+    found = select(GUESSED, ["coulomb"], wrong, vary=LINEAR)
+    assert found.best is None
+    assert "The forces of shoulder and elbow seem to be exchanged" in found.sentence
+    assert found.checks.findings[0].severity == "warning"
+
+
+def test_a_joint_that_rests_is_said_and_the_other_judged():
+    t, q, _, _ = motion(0)
+    still = {"shoulder": q[:, 0], "elbow": np.full_like(t, 0.3)}
+    sound = record(0)
+    given = replace(sound, joints={}, position=still, force=parts(sound)[2])
+    found = select(ARM, ["coulomb-viscous"], given)
+    assert found.resting == ("elbow",)
+    assert "Elbow: at rest, so nothing tells its friction." in found.sentence
+    assert [*found.joints] == ["shoulder"]
+
+
+def test_settings_of_fits_have_no_effect_on_a_selection():
+    with pytest.raises(InputError, match=r"RecordSettings\.starts applies to `fit`"):
+        select(ARM, None, record(0, span=2.0), settings=RecordSettings(starts=1))
