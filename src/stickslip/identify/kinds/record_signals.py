@@ -37,8 +37,6 @@ LEAST_ENERGY = 0.02
 """Part of the energy that is lost from which its noise grows no less."""
 FEWEST = 60
 """Samples of a record at least."""
-ENDS, ENDS_FREE = 0.05, 0.1
-"""Largest part of a record, and of a free motion, that is left out at either end."""
 SCALED = 1e-3
 """Share by which positions and velocities are scaled to see what known forces change by."""
 CALM = 0.7
@@ -614,8 +612,8 @@ class Along:
             )
         still = maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0
         # where a record is continued shows, and the energy of few swings knows it for long
-        most = ENDS_FREE if self.free else ENDS
-        ends = min(math.ceil(2.0 / filt.band / filt.step), int(most * len(still)))
+        parts = STRETCHES // 2 if self.free else STRETCHES
+        ends = min(math.ceil(2.0 / filt.band / filt.step), len(still) // parts)
         still[:ends] = still[len(still) - ends :] = True
         kept: Mask = ~still[:: filt.every]
         return kept
