@@ -122,7 +122,7 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     verdict = json.loads((report / "verdict.json").read_text())
     named = next(one for one in verdict["candidates"] if one["law"] == verdict["best"])
     true = next(one for one in verdict["candidates"] if one["law"] == name)
-    assert true is named or not true["distinguished"]
+    assert true is named or [name] in verdict["set"]
     # what is named predicts every reading within three of its standard errors, 1 mm, and rounding
     for measured, predicted in zip(
         named["fit"]["measured_travel"], named["fit"]["predicted_travel"], strict=True
@@ -149,28 +149,13 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     assert found["final"]["x"] == pytest.approx(truly, rel=0.05)
 
 
-def test_where_what_was_not_fitted_is_far_off_no_law_is_named_and_the_verdict_says_so(walk):
+def test_where_what_was_given_is_far_off_no_law_is_named_and_the_verdict_says_so(walk):
     # bristles a hundred times too stiff: no level and no slope make up for it
     write_rig(TRUTHS["dahl"], velocity=0.05, stiffness=1e4)
     code, out, _ = walk("select", "block.toml")
     assert code == 3
-    assert "No candidate explains these readings" in out
+    assert "No law explains the travels" in out
     assert not Path("stickslip-report/law.toml").exists()
-    verdict = json.loads(Path("stickslip-report/verdict.json").read_text())
-    (line,) = [one for one in verdict["measure_next"] if "not fitted" in one]
-    assert all(symbol in line for symbol in ("v_s", "sigma_0", "sigma_1"))
-    assert "marked assumed = true in the rig file" in line
     code, _, err = walk("simulate", CART, "--law", "stickslip-report/law.toml")
     assert (code, "does not exist: select recommended no law" in err) == (2, True)
     assert "`stickslip fit FILE --law NAME -o law.toml`" in err
-    # and the cure cures: the guess is fitted, and the true law is named, with its stiffness
-    text = Path("block.toml").read_text()
-    guess = 'bristle_stiffness = "10000.0 N/m"'
-    assert guess in text
-    marked = 'bristle_stiffness = { value = "10000 N/m", assumed = true }'
-    Path("block.toml").write_text(text.replace(guess, marked))
-    code, _, err = walk("select", "block.toml", "--force")
-    assert code == 0, err
-    law = load_rig("stickslip-report/law.toml").laws["dahl"]
-    # 60 N/m at 8.04 N; of three readings to a millimetre, 5 %
-    assert law.bristle_stiffness == pytest.approx(60.0 / LOAD, rel=0.05)

@@ -226,3 +226,17 @@ def test_laws_that_travels_do_not_determine_are_refused_as_mechanisms():
     with pytest.raises(InputError, match="fit these first with one law"):
         select(BLOCK, [Viscous], readings(Coulomb(kinetic_coefficient=0.3)),
                vary=["friction.*", "mechanism.mass"])  # fmt: skip
+
+
+def test_settings_that_are_off_are_explained_by_no_law():
+    law, settings = Coulomb(kinetic_coefficient=0.3), (0.05, 0.08, 0.12)
+    trials = [
+        Measurement(travel=travel(law, x + 0.01), uncertainty=1e-4, overrides={PATH: x})
+        for x in settings
+    ]
+    verdict = select(BLOCK, ["coulomb"], Measurement(trials=trials))
+    assert verdict.best is None
+    assert not verdict.ranked
+    assert verdict.sentence.startswith("No law explains the travels: they are")
+    assert "0.1 mm is stated" in verdict.sentence
+    assert select(BLOCK, ["coulomb"], readings(law, settings=settings)).best is not None

@@ -60,6 +60,8 @@ class Thresholds:
     law, 5 % of those with a dip that no law has)."""
     no_law_ratio: float = 1.2
     """... and share by which its held-out error is smaller: on a record all is significant."""
+    misfit: float = 5.0
+    """Errors that travels show about every law, over those stated, from which no law explains."""
     second: float = 0.85
     """Share of readings of a second measurement in the 95 % band below which it differs."""
     pattern_chance: float = 0.05

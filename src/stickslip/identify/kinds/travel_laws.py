@@ -45,7 +45,7 @@ BRANCHES = 4
 """Levels from which searches begin, at most."""
 SPEEDS = (0.03, 0.1, 0.25, 0.6)
 """Speeds of shapes over the largest one of a run."""
-STIFFNESSES = (1e4, 1e5)
+STIFFNESSES = (1e3, 1e5)
 """Stiffness of bristles over the level [1/m]."""
 EXPONENTS = (0.33, 0.5, 1.5, 2.0)
 """Powers of the speed."""
@@ -140,6 +140,7 @@ class TravelLaw:
         *,
         held: Collection[str],
         given: bool,
+        guessed: Collection[str] = (),
         watch: Callable[[int], object] | None = None,
     ) -> "TravelLaw":
         """Return a law with the parameters that are not held; values that were given are means."""
@@ -160,11 +161,13 @@ class TravelLaw:
             base = known[one].at_least or one.replace("backward", "forward")
             if base in coefficients and base != one:
                 matrix[i, coefficients.index(base)] = 1.0
+        means = np.linalg.solve(matrix, values) if given else np.zeros(len(both))
+        # a shape that was guessed is tried on the grid
+        means[[i for i, one in enumerate(both) if one in shape and one in guessed]] = 0.0
         return cls(
             name=name, law=law, trials=trials, t_end=t_end,
             model=TravelModel(law, [f"friction.{one}" for one in both], t_end, watch),
-            count=len(coefficients), matrix=matrix,
-            means=np.linalg.solve(matrix, values) if given else np.zeros(len(both)),
+            count=len(coefficients), matrix=matrix, means=means,
         )  # fmt: skip
 
     @property

@@ -303,8 +303,7 @@ class TravelJudgement:
     @cached_property
     def errors(self) -> Array:
         """Standard errors of the readings (n,) [m]: as stated, or larger where nothing fits."""
-        _, alone = self._doubts
-        base = np.sqrt(np.maximum(self.readings**2, self._repeats() ** 2) + alone)
+        base = self.least_errors
         size = float(np.median(base))
         low, high, count = PARTS
         largest = max(high * size, 0.2 * float(np.abs(self.measured).max()))
@@ -326,6 +325,18 @@ class TravelJudgement:
             for prior, x in tried
         ]
         return tried[int(np.argmax(sums))][1]
+
+    @cached_property
+    def least_errors(self) -> Array:
+        """Errors of the readings (n,) [m] that are stated, and that repeats and settings have."""
+        _, alone = self._doubts
+        return np.asarray(np.sqrt(np.maximum(self.readings**2, self._repeats() ** 2) + alone))
+
+    @cached_property
+    def misfit(self) -> bool:
+        """Whether travels are far from every law, for what is stated and repeats scatter by."""
+        ratio = float(np.median(self.errors / self.least_errors))
+        return self.stated and ratio > THRESHOLDS.misfit
 
     @cached_property
     def assumed(self) -> bool:
@@ -432,7 +443,9 @@ class TravelJudgement:
 
     @cached_property
     def explained(self) -> bool:
-        """Whether a law predicts as well as the measured curve."""
+        """Whether a law meets the readings, and predicts as well as the measured curve."""
+        if self.misfit:
+            return False
         if "" not in self.families:
             return True
         rows = [self.scores[i].mean() for i, s in enumerate(self.solved) if s.linear.name]
@@ -840,7 +853,9 @@ def judged_travels(
         held = set() if usual else _unpaid(law, known, settings)
         said = None if watch is None else partial(watch, name)
         try:
-            one = TravelLaw.of(name, law, trials, t_end, held=held, given=not usual, watch=said)
+            one = TravelLaw.of(
+                name, law, trials, t_end, held=held, given=not usual, guessed=marked, watch=said
+            )
             own = size
             if fields_of(type(law))[one.names[0]].scale != "level":  # a level tells nothing of it
                 levels, top = one.scanned()

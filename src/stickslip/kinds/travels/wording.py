@@ -72,6 +72,13 @@ def _verdict(
     """Return which law to use."""
     assert named.fit is not None
     phrase = friction_of(named.title)
+    if judgement.misfit:
+        found, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
+        return (
+            f"No law explains the travels: they are {quantity(found, 'm', 2)} from every law, and"
+            f" {quantity(stated, 'm', 2)} is stated. {capital(phrase)} is the closest: check the"
+            " rig, units, and values that were given."
+        )
     if not judgement.explained:
         return (
             "No law explains the travels: a curve over the setting predicts held-out ones better."
