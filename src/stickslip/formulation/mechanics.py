@@ -68,13 +68,12 @@ def impact_events(
     return tuple(name if i in stopped else None for i, name in enumerate(names))
 
 
-def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
+def wall_guards(walls: Sequence[Wall], mode: int) -> list[se.Expr]:
     """Return the margins that a mode watches.
 
     A body that slips one way meets the stop on that side only, and one that is held meets none.
     """
-    watched = [wall.coordinate != slip or wall.side == mode for wall in walls]
-    return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]
+    return [wall.margin if wall.side == mode else se.Integer(0) for wall in walls]
 
 
 @dataclass(frozen=True)

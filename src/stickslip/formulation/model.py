@@ -216,7 +216,7 @@ def _guards(
     return {
         mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + switches)]
         + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
-        + wall_guards(mechanics.walls, mechanics.slip, int(mode))
+        + wall_guards(mechanics.walls, int(mode))
         for mode, equations in modes.items()
     }
 

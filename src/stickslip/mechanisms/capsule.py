@@ -7,7 +7,6 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.drives import Drive
-from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.mechanisms.actuators import IDLE, Motor
 from stickslip.mechanisms.base import (
@@ -30,8 +29,8 @@ class Capsule(BoundedMechanism):
 
     The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it,
     and a force between the two drives it, or its motion is prescribed. With stops it strikes the
-    capsule, as in vibro-impact capsules, and bounces; a run in which a force would hold it there
-    ends early (`Status.HELD`). On an incline both are pulled towards negative x.
+    capsule, as in vibro-impact capsules, bounces, and rests there while it is pressed. On an
+    incline both are pulled towards negative x.
 
     Examples
     --------
@@ -69,20 +68,8 @@ class Capsule(BoundedMechanism):
     """Hard stop that xi does not fall below; none if not given."""
     upper_stop: Annotated[float, Quantity("xi_u", "m")] | None = None
     """Hard stop that xi does not rise above; none if not given."""
-    restitution: Annotated[float, Quantity("e", low=0, high=1)] | None = None
-    """Relative speed after an impact over the speed before; 0 if nothing bounces. Stops need it."""
-
-    @override
-    def __post_init__(self) -> None:
-        """Check the parameters; no restitution suits all stops, and with 0 most runs end early."""
-        stops = [name for name in ("lower_stop", "upper_stop") if getattr(self, name) is not None]
-        if stops and self.restitution is None:
-            raise ParameterError(
-                f"Capsule.restitution (e) must be given with {' and '.join(stops)}, from 0 to 1,"
-                " such as 0.6, got None: with 0 nothing bounces, and a run ends where a force"
-                " presses the inner mass against its stop."
-            )
-        super().__post_init__()
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Relative speed after an impact over the speed before; 0 if nothing bounces."""
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -124,8 +111,6 @@ class Capsule(BoundedMechanism):
 
     @override
     def stops(self) -> tuple[Stop, ...]:
-        if self.restitution is None:
-            return ()
         return stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
 
     @override

@@ -509,6 +509,10 @@ def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
             write_event(OF_MODES - 1 - guard, c, before, after, margin, w, whole)
+    for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
+        held = whole[whole[BEFORE] + i] == HELD_FAST and whole[whole[MODES] + i] != HELD_FAST
+        if held and first_contact_of(i, whole) == whole[N_CONTACTS]:
+            write_remark(2 * i, 0, w, whole)  # it leaves its stop
 
 
 def write_unchanged(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
