@@ -115,15 +115,6 @@ def test_a_vibro_impact_capsule_strikes_its_stops_and_keeps_its_momentum():
     assert run["xi"].max() <= 0.02 + 1e-15
 
 
-@pytest.mark.parametrize("side", ["lower_stop", "upper_stop"])
-def test_a_stop_needs_a_restitution_and_is_refused_without(side):
-    place = -0.01 if side == "lower_stop" else 0.01
-    with pytest.raises(ParameterError, match=rf"restitution \(e\) must be given with {side}, from"):
-        Capsule(capsule_mass=0.6, inner_mass=0.4, **{side: place})
-    bouncing = Capsule(capsule_mass=0.6, inner_mass=0.4, restitution=0.0, **{side: place})
-    assert [stop.restitution for stop in bouncing.stops()] == [0.0]
-
-
 def test_a_prescribed_motion_and_a_hard_stop_exclude_each_other():
     capsule, _ = driven(0.2, 0.2, 0.02, 50.0)
     stopped = replace(capsule, upper_stop=0.02, restitution=0.5)

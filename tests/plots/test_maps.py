@@ -58,9 +58,9 @@ def test_where_runs_ended_early_it_is_hatched_with_the_reason(axes):
 
 def test_a_map_without_any_velocity_is_drawn_with_the_reason():
     found = velocity_map({"a": [1, 2]}, [np.nan, np.nan])
-    found.status[:] = Status.HELD
+    found.status[:] = Status.LIFT_OFF
     panel, *_ = drawn(draw_velocity_map(found))
-    assert "pressed" in panel.get_legend().get_texts()[0].get_text()
+    assert "Lift-off" in panel.get_legend().get_texts()[0].get_text()
 
 
 def test_a_map_has_its_colours_even_about_zero_and_units_of_small_velocities():
@@ -95,7 +95,7 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     found = Basins(
         starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
         index=np.array([[0, 0], [0, -1]]), attractors=(rest,), units={"x": "m", "v": "m/s"},
-        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.HELD]], dtype=object),
+        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.LIFT_OFF]], dtype=object),
     )  # fmt: skip
     (axes,) = drawn(draw_basins(found))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("initial x, m", "initial v, m/s")

@@ -165,11 +165,11 @@ def test_runs_that_end_early_have_no_mean_velocity():
     assert found.to_dataframe()["reason"].tolist() == [Status.LIMIT.value, ""]
 
 
-def pressed(**changes):
-    """Return a capsule whose inner mass a slow force presses against its stop in the end."""
-    slow = Torque(drive=Sine(amplitude=1.0, frequency=0.5))
-    settings = {"stiffness": 10.0, "upper_stop": 0.01, "restitution": 0.0, "drive": slow}
-    return capsule(**settings | changes)
+def limited():
+    """Return a capsule whose drive cannot give the force of its stroke."""
+    stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    drive = Prescribed(profile=stroke, limit=1.0)
+    return capsule(drive=drive, stiffness=0.0, damping=0.0)
 
 
 @pytest.mark.parametrize(

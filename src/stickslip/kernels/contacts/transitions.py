@@ -117,7 +117,8 @@ def decide_start(w: Vector, whole: Wholes) -> None:
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
-        pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
+        known = whole[whole[REACTS] + c] or whole[CONSTANT_LOADS]
+        pulls = known and w[whole[LOAD] + c] < 0.0
         if pulls and whole[STATUS] == RUNNING:  # beyond a limit loads have no meaning
             lift_off(lift_guard(c, whole), c, w, whole)
     end_beyond_limits(w, whole)
