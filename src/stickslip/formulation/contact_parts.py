@@ -137,9 +137,7 @@ def derive_parts(
     return parts
 
 
-def _constant_load(
-    contacts: Sequence[Contact], reactions: Mapping[str, se.Expr]
-) -> se.Expr | None:
+def _constant_load(contacts: Sequence[Contact], reactions: Mapping[str, se.Expr]) -> se.Expr | None:
     """Return the reaction of the only contact where parameters alone give it, which is a load."""
     if len(contacts) != 1 or not isinstance(contacts[0].normal, str):
         return None
