@@ -1,7 +1,7 @@
 """A mass that strikes the stops of its capsule and rests there, against SciPy.
 
-The reference knows nothing of the solver: each mode is integrated by DOP853 at 1e-11, its guards are
-bracketed on the dense output and bisected, and who slips and who rests is read off the forces.
+The reference knows nothing of the solver: each mode is integrated by DOP853 at 1e-11, its guards
+are bracketed on the dense output and bisected, and who slips and rests is read off the forces.
 """
 
 import math
@@ -86,7 +86,7 @@ class Reference:
         return side * (self.push(t, y) + self.mass * slip * self.kinetic / self.both)
 
     def decide(self, side: int) -> tuple[int, int]:
-        """Return who slips and rests where a mass without speed is at the stop `side`, 0 if none."""
+        """Return who slips and rests, where the mass stands at the stop `side` or at none, 0."""
         v = self.y[1]
         for slip in (int(math.copysign(1, v)),) if v else (0, 1, -1):
             stop = side if side and self.pressure(self.t, self.y, slip, side) >= 0.0 else 0
