@@ -11,7 +11,7 @@ from tests.support import examples
 
 from stickslip import Capsule, Coulomb, simulate
 from stickslip.drives import Sine, ThreePhase
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
 

@@ -152,10 +152,8 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
 
 def _only_slip(mechanism: Mechanism) -> int | None:
     """Return the index of the coordinate along which the only contact slips, if there is one."""
-    contacts = mechanism.contacts()
-    if len(contacts) > 1 or not isinstance(contacts[0].slip, str):
-        return None
-    return mechanism.coordinates.index(contacts[0].slip)
+    slips = [name for contact in mechanism.contacts() for name in contact.slips]
+    return mechanism.coordinates.index(slips[0]) if len(slips) == 1 else None
 
 
 def _motion(symbols: Symbols, contacts: int) -> Motion:

@@ -52,15 +52,12 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
     """
-    n_walls = whole[N_WALLS]
-    y = whole[Y]
-    walls_at = whole[WALLS]
-    columns = whole[WALL_COLUMNS]
-    if n_walls == 0:
+    y, walls_at, columns = whole[Y], whole[WALLS], whole[WALL_COLUMNS]
+    if whole[N_WALLS] == 0:
         return 0
     evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
     place = y + whole[SLIP] - whole[N_COORDINATES]
-    for wall in range(n_walls):
+    for wall in range(whole[N_WALLS]):
         position = w[walls_at + wall * columns]
         side = wall_side(wall, whole)
         if side * (w[place] - position) >= 0.0:

@@ -144,7 +144,7 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         incline: _Given = ...,
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
-        restitution: _Given | None = ...,
+        restitution: _Given = ...,
     ) -> None: ...
 
 @final
