@@ -214,8 +214,8 @@ class Mechanics:
     def wall_rows(self) -> list[se.Expr]:
         """Return the rows of the stops that kernels read, by the columns of their layout.
 
-        An impulse P on the slip coordinate i, whose stops they are, changes the rates by P M^-1 e_i,
-        and rate i by P (M^-1)_ii; those of guided coordinates do not change.
+        An impulse P on the slip coordinate i, whose stops they are, changes the rates by
+        P M^-1 e_i, and rate i by P (M^-1)_ii; those of guided coordinates do not change.
         """
         changes = self._pushed(se.Integer(1)) if self.walls else []
         shares = [e / changes[self.slip] for e in (se.Integer(1), *changes)] if self.walls else []
