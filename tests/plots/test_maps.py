@@ -95,12 +95,12 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     found = Basins(
         starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
         index=np.array([[0, 0], [0, -1]]), attractors=(rest,), units={"x": "m", "v": "m/s"},
-        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.LIFT_OFF]], dtype=object),
+        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.LIMIT]], dtype=object),
     )  # fmt: skip
     (axes,) = drawn(draw_basins(found))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("initial x, m", "initial v, m/s")
     first, reason = (text.get_text() for text in axes.get_legend().get_texts())
     assert first == "75 %, period 1"
-    words = "No value: A coordinate without slip is pressed against its hard stop"
+    words = "No value: The mechanism reached one of its limits"
     assert reason.split() == words.split()
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1
