@@ -221,12 +221,9 @@ class ModeProblem:
             return int(self._whole[MODE])
         self._ask(SHOWN)
         self._ask(COLUMNS_AT)
-        columns = dict(
-            zip(self._model.columns, self._seen(VALUES, len(self._model.columns)), strict=True)
-        )
-        if not self.contacts:
-            return int(columns["mode"])
-        return tuple(int(columns[f"mode:{one}"]) for one in self.contacts)
+        count = len(self._model.contacts)  # columns have friction and loads first
+        modes = tuple(int(mode) for mode in self._seen(VALUES, 3 * count)[2 * count :])
+        return modes if self.contacts else modes[0]
 
     @property
     def stop(self) -> float:
