@@ -36,11 +36,6 @@ class Status(enum.Enum):
     STEP_LIMIT = "Reached the maximum number of steps before the end time."
     STEP_TOO_SMALL = "The step size fell below rounding error: the equations are singular here."
     NOT_FINITE = "The state diverged: it is no longer finite."
-    HELD = (
-        "A coordinate without slip is pressed against its hard stop: the solver does not continue"
-        " from there. A restitution nearer to 1, a faster drive or a stop farther away may avoid"
-        " that."
-    )
     ZENO = "Zeno behaviour: events accumulate at one instant, and the run cannot be continued."
     CANCELLED = "The run was cancelled."
 

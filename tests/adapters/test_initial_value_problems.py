@@ -180,7 +180,7 @@ def test_bounces_that_end_on_a_stop_end_as_those_of_the_engine():
     )  # fmt: skip
     found = to_ivp(held, COULOMB, t_end=0.5).solve()
     run = simulate(held, COULOMB, t_end=0.5, throw=False)
-    assert found.status is run.status is Status.HELD
+    assert found.status is run.status is Status.END_TIME
     assert found["x"][-1] == pytest.approx(run["x"][-1], abs=1e-9)
 
 

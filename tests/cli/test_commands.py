@@ -170,6 +170,20 @@ static_coefficient = 0.25
 """
 
 
+GUIDED = """
+[mechanism]
+type = "capsule"
+capsule_mass = 0.8
+inner_mass = 0.2
+[mechanism.drive]
+type = "prescribed"
+profile = {type = "three-phase", amplitude = 0.01, fast = 50.0, slow = 9.81, first = "slow"}
+limit = 100.0
+[friction.coulomb]
+kinetic_coefficient = 0.2
+"""
+
+
 def test_a_periodic_run_says_its_mean_velocity(run, tmp_path):
     (tmp_path / "capsule.toml").write_text(CAPSULE)
     code, out, _ = run("simulate", "capsule.toml", "--t-end", "4", "-q")
@@ -179,20 +193,20 @@ def test_a_periodic_run_says_its_mean_velocity(run, tmp_path):
 
 
 def test_a_sweep_says_where_and_why_it_has_no_velocity(run, tmp_path):
-    (tmp_path / "capsule.toml").write_text(CAPSULE)
-    vary = "mechanism.drive.drive.frequency=2:14:3"
+    (tmp_path / "capsule.toml").write_text(GUIDED)
+    vary = "mechanism.drive.limit=1:100:3"
     settings = ("--settle", "10", "--cycles", "2", "--force")
     code, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings)
     assert code == 0
-    sentence = "At 1 of 3 points (frequency 2 Hz) the run stopped: A coordinate without slip is"
+    sentence = "At 1 of 3 points (limit 1 N m) the run stopped: The mechanism reached"
     assert sentence in out
     table = pd.read_csv(tmp_path / "stickslip-sweep.csv")
     assert table["reason"].notna().tolist() == [True, False, False]
-    assert "No value: A coordinate without" in (tmp_path / "stickslip-sweep.svg").read_text()
+    assert "No value: The mechanism reached" in (tmp_path / "stickslip-sweep.svg").read_text()
     _, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings, "--json")
     content = json.loads(out)
     assert content["velocity"][0] is None
-    assert content["status"] == ["HELD", "END_TIME", "END_TIME"]
+    assert content["status"] == ["LIMIT", "END_TIME", "END_TIME"]
     assert content["early_ends"][0].startswith(sentence)
 
 

@@ -195,7 +195,7 @@ def test_descriptions_name_derivatives_and_indicators(block, capsule, clutch):
     assert float(variables["z"].nominal) < 0.01
     indicators = [name for name in variables if name.startswith("indicator.")]
     assert len(indicators) == known.numberOfEventIndicators
-    assert {"indicator.slip", "indicator.xi.upper_stop"} <= set(indicators)
+    assert {"indicator.x.forward", "indicator.xi.upper_stop"} <= set(indicators)
 
 
 def test_derivatives_and_indicators_are_outputs_of_co_simulation_too(capsule, folder):
@@ -203,7 +203,7 @@ def test_derivatives_and_indicators_are_outputs_of_co_simulation_too(capsule, fo
     run = simulate(CAPSULE, LUGRE, t_end=END, throw=False)
     slave.step(0.2)
     seen = {name: run.at(np.array([0.2]))[name][0] for name in run.states}
-    rate, slip, gap = slave.got("der(x)", "indicator.slip", "indicator.xi.upper_stop")
+    rate, slip, gap = slave.got("der(x)", "indicator.x.forward", "indicator.xi.upper_stop")
     assert rate == seen["v"]
     np.testing.assert_allclose(abs(slip), abs(seen["v"]), rtol=1e-12)
     np.testing.assert_allclose(gap, CAPSULE.upper_stop - seen["xi"], rtol=1e-9)

@@ -11,7 +11,7 @@ from tests.support import examples
 
 from stickslip import Capsule, Coulomb, simulate
 from stickslip.drives import Sine, ThreePhase
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
 
@@ -113,15 +113,6 @@ def test_a_vibro_impact_capsule_strikes_its_stops_and_keeps_its_momentum():
     momentum = 0.6 * run["v"] + 0.4 * (run["v"] + run["xi_dot"])
     np.testing.assert_allclose(momentum, 0.2, rtol=1e-13)
     assert run["xi"].max() <= 0.02 + 1e-15
-
-
-@pytest.mark.parametrize("side", ["lower_stop", "upper_stop"])
-def test_a_stop_needs_a_restitution_and_is_refused_without(side):
-    place = -0.01 if side == "lower_stop" else 0.01
-    with pytest.raises(ParameterError, match=rf"restitution \(e\) must be given with {side}, from"):
-        Capsule(capsule_mass=0.6, inner_mass=0.4, **{side: place})
-    bouncing = Capsule(capsule_mass=0.6, inner_mass=0.4, restitution=0.0, **{side: place})
-    assert [stop.restitution for stop in bouncing.stops()] == [0.0]
 
 
 def test_a_prescribed_motion_and_a_hard_stop_exclude_each_other():

@@ -67,9 +67,9 @@ def test_where_runs_ended_early_it_is_hatched_with_the_reason(axes):
 
 def test_a_map_without_any_velocity_is_drawn_with_the_reason():
     found = velocity_map({"a": [1, 2]}, [np.nan, np.nan])
-    found.status[:] = Status.HELD
+    found.status[:] = Status.LIFT_OFF
     panel, *_ = drawn(draw_velocity_map(found))
-    assert "pressed" in panel.get_legend().get_texts()[0].get_text()
+    assert "Lift-off" in panel.get_legend().get_texts()[0].get_text()
 
 
 def test_a_map_has_its_colours_even_about_zero_and_units_of_small_velocities():
@@ -104,13 +104,13 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     found = Basins(
         starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
         index=np.array([[0, 0], [0, -1]]), attractors=(rest,), units={"x": "m", "v": "m/s"},
-        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.HELD]], dtype=object),
+        status=np.array([[Status.END_TIME] * 2, [Status.END_TIME, Status.LIMIT]], dtype=object),
     )  # fmt: skip
     (axes,) = drawn(draw_basins(found))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("initial x, m", "initial v, m/s")
     first, reason = (text.get_text() for text in axes.get_legend().get_texts())
     assert first == "75 %, period 1"
-    words = "No value: A coordinate without slip is pressed against its hard stop"
+    words = "No value: The mechanism reached one of its limits"
     assert reason.split() == words.split()
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1
 

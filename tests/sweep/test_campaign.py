@@ -545,13 +545,13 @@ def test_runs_that_ended_early_have_no_share_in_indices_and_a_reason(tmp_path):
     found = Campaign(cases=(case,), factors=factors, **settings).run(tmp_path / "runs")
     part = tmp_path / "runs" / found.parts[0].file
     table = pd.read_parquet(part)
-    table.loc[4, "status"] = "HELD"  # what a run had where it stopped is still there
+    table.loc[4, "status"] = "ZENO"  # what a run had where it stopped is still there
     table.to_parquet(part, index=False)
     indices = found.sensitivity("x")
     assert (indices.used, indices.left_out) == (19, 1)
     assert indices.sentence.endswith(
         "1 left out, with runs that have no value. At 1 of 60 runs the run stopped:"
-        f" {Status.HELD.value} They are left out."
+        f" {Status.ZENO.value} They are left out."
     )
 
 

@@ -19,7 +19,7 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, ThreePhase, TimedThreePhase
+from stickslip.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
@@ -165,11 +165,10 @@ def test_runs_that_end_early_have_no_mean_velocity():
     assert found.to_dataframe()["reason"].tolist() == [Status.LIMIT.value, ""]
 
 
-def pressed(**changes):
-    """Return a capsule whose inner mass a slow force presses against its stop in the end."""
-    slow = Torque(drive=Sine(amplitude=1.0, frequency=0.5))
-    settings = {"stiffness": 10.0, "upper_stop": 0.01, "restitution": 0.0, "drive": slow}
-    return capsule(**settings | changes)
+def limited():
+    """Return a capsule whose drive cannot give the force of its stroke."""
+    drive = Prescribed(profile=SineSwing(amplitude=0.01, frequency=0.5), limit=1e-3)
+    return capsule(drive=drive, stiffness=0.0, damping=0.0)
 
 
 @pytest.mark.parametrize(
@@ -178,13 +177,14 @@ def pressed(**changes):
 )
 def test_a_bifurcation_says_why_it_lacks_samples(sample, settings, lacks):
     found = bifurcation(
-        pressed(), Coulomb(kinetic_coefficient=0.2), FREQUENCY, [0.5, 0.6], state="v",
+        limited(), Coulomb(kinetic_coefficient=0.2), "mechanism.drive.profile.frequency",
+        [0.5, 0.6], state="v",
         sample=sample, keep=2, solver=PLAIN, **settings,
     )  # fmt: skip
     (sentence,) = found.early_ends()
-    assert sentence.startswith("At 2 of 2 runs (frequency 0.5 to 0.6 Hz) the run stopped: A coord")
+    assert sentence.startswith("At 2 of 2 runs (frequency 0.5 to 0.6 Hz) the run stopped: The mech")
     assert lacks in sentence
-    assert set(found.to_dataframe()["reason"]) == {Status.HELD.value}
+    assert set(found.to_dataframe()["reason"]) == {Status.LIMIT.value}
 
 
 def test_events_that_are_rarer_than_samples_are_the_reason_for_missing_ones():
@@ -199,12 +199,12 @@ def test_events_that_are_rarer_than_samples_are_the_reason_for_missing_ones():
 
 def test_starts_that_lead_to_no_attractor_have_a_reason():
     found = basins(
-        pressed(), Coulomb(kinetic_coefficient=0.2), {"xi": [0.0, 0.001], "xi_dot": [0.0, 0.1]},
+        limited(), Coulomb(kinetic_coefficient=0.2), {"x": [0.0, 0.001], "v": [0.0, 0.1]},
         settle=1, keep=2, solver=PLAIN,
     )  # fmt: skip
     assert (found.index == -1).all()
-    assert str(found).startswith("0 of 4 starts lead to 0 attractors.\nAt 4 of 4 starts (xi within")
-    assert found.to_dataframe()["reason"].tolist() == 4 * [Status.HELD.value]
+    assert str(found).startswith("0 of 4 starts lead to 0 attractors.\nAt 4 of 4 starts (x within")
+    assert found.to_dataframe()["reason"].tolist() == 4 * [Status.LIMIT.value]
 
 
 def test_ranges_without_a_value_are_named_one_by_one_where_they_are_few():

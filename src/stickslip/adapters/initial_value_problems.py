@@ -184,7 +184,8 @@ class ModeProblem:
         if not (math.isfinite(t_end) and t_end > 0.0):
             raise InputError(f"t_end [s] must be above 0, got {t_end!r}.")
         self._model = model = formulate(mechanism, laws)
-        self.names, self.contacts, self.t_end = model.states, tuple(model.contacts), float(t_end)
+        self.names, self.t_end = model.states, float(t_end)
+        self.contacts = () if model.alone else tuple(model.contacts)
         bristles = model.states[2 * len(mechanism.coordinates) :]
         self._units = column_units(mechanism, bristles)
         inputs = gather(mechanism, laws, model, self.t_end)
@@ -216,14 +217,13 @@ class ModeProblem:
     @property
     def mode(self) -> int | tuple[int, ...]:
         """0 stick, 1 and -1 slip, 2 and -2 pressed against a stop; a tuple of several contacts."""
-        if not self.contacts:
+        if not self._model.contacts:
             return int(self._whole[MODE])
         self._ask(SHOWN)
         self._ask(COLUMNS_AT)
-        columns = dict(
-            zip(self._model.columns, self._seen(VALUES, len(self._model.columns)), strict=True)
-        )
-        return tuple(int(columns[f"mode:{one}"]) for one in self.contacts)
+        count = len(self._model.contacts)  # columns have friction and loads first
+        modes = tuple(int(mode) for mode in self._seen(VALUES, 3 * count)[2 * count :])
+        return modes if self.contacts else modes[0]
 
     @property
     def stop(self) -> float:

@@ -135,7 +135,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(events),
-        impact_events=impact_events(parts.walls, mechanism.coordinates, None),
+        impact_events=impact_events(parts.walls, mechanism.coordinates, _only_slip(mechanism)),
         limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
         latched=any(one.latched for one in laws),
         channels=tuple(parts.efforts),
@@ -148,6 +148,12 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
             for kind in own.kinds
         ),
     )
+
+
+def _only_slip(mechanism: Mechanism) -> int | None:
+    """Return the index of the coordinate along which the only contact slips, if there is one."""
+    slips = [name for contact in mechanism.contacts() for name in contact.slips]
+    return mechanism.coordinates.index(slips[0]) if len(slips) == 1 else None
 
 
 def _motion(symbols: Symbols, contacts: int) -> Motion:

@@ -105,6 +105,7 @@ def derive_parts(
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
     forces, mass = _guided(rows, guides)
+    fixed = _constant_load(contacts, reactions)
     traced = {name: Traced(force, board) for name, force in reactions.items()}
     limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
     _check_switches(mechanism, motion, board)
@@ -117,10 +118,10 @@ def derive_parts(
         directions=directions,
         held_slips=tuple(arms),
         held_normals=tuple(_along(direction_of(one.normal), held) for one in contacts),
-        reacts=tuple(one.normal is not None for one in contacts),
+        reacts=tuple(one.normal is not None and fixed is None for one in contacts),
         mass=mass,
         forces=forces,
-        loads=loads,
+        loads=loads if fixed is None else (fixed,),
         inputs=tuple(
             {name: expression(law.contact(name)) for name in law.inputs}
             for law in (informed[one.name] for one in contacts)
@@ -134,6 +135,15 @@ def derive_parts(
     _check_loops(mechanism, parts)
     _check_stops(mechanism, parts)
     return parts
+
+
+def _constant_load(contacts: Sequence[Contact], reactions: Mapping[str, se.Expr]) -> se.Expr | None:
+    """Return the reaction of the only contact where parameters alone give it, which is a load."""
+    if len(contacts) != 1 or not isinstance(contacts[0].normal, str):
+        return None
+    reaction = se.expand(reactions[contacts[0].normal])
+    constant = all(str(symbol).startswith("p") for symbol in reaction.free_symbols)
+    return reaction if constant else None
 
 
 def _check_switches(mechanism: Mechanism, motion: Motion, board: Switchboard) -> None:

@@ -68,13 +68,12 @@ def impact_events(
     return tuple(name if i in stopped else None for i, name in enumerate(names))
 
 
-def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
+def wall_guards(walls: Sequence[Wall], mode: int) -> list[se.Expr]:
     """Return the margins that a mode watches.
 
     A body that slips one way meets the stop on that side only, and one that is held meets none.
     """
-    watched = [wall.coordinate != slip or wall.side == mode for wall in walls]
-    return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]
+    return [wall.margin if wall.side == mode else se.Integer(0) for wall in walls]
 
 
 @dataclass(frozen=True)
@@ -215,18 +214,12 @@ class Mechanics:
     def wall_rows(self) -> list[se.Expr]:
         """Return the rows of the stops that kernels read, by the columns of their layout.
 
-        An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii;
-        those of guided coordinates do not change.
+        An impulse P on the slip coordinate i, whose stops they are, changes the rates by
+        P M^-1 e_i, and rate i by P (M^-1)_ii; those of guided coordinates do not change.
         """
-        rows: list[se.Expr] = []
-        for wall in self.walls:
-            unit = se.DenseMatrix(len(self.free), 1, [int(i == wall.coordinate) for i in self.free])
-            solved = self.reduced(self.free).LUsolve(unit)
-            changes = {i: solved[k, 0] for k, i in enumerate(self.free)}
-            own = changes[wall.coordinate]
-            rows += [wall.position, wall.restitution, 1 / own]
-            rows += [changes.get(i, se.Integer(0)) / own for i in range(len(self.coordinates))]
-        return rows
+        changes = self._pushed(se.Integer(1)) if self.walls else []
+        shares = [e / changes[self.slip] for e in (se.Integer(1), *changes)] if self.walls else []
+        return [e for wall in self.walls for e in (wall.position, wall.restitution, *shares)]
 
     def rates_after(self, rates: Sequence[se.Expr]) -> list[list[se.Expr]]:
         """Return the rates after an impact at each stop, then those without a bounce."""

@@ -16,7 +16,7 @@ from stickslip.formulation.trace import Switchboard, Symbols, Traced, symbols_of
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling
+from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
 from stickslip.quantities import parameters, shadow, structure
 
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
@@ -59,8 +59,11 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     contacts = mechanism.contacts()
     if isinstance(law, Laws) or len(contacts) > 1:
         return True
-    mapped = any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal))
-    return mapped or type(mechanism).loads is not Mechanism.loads
+    if any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal)):
+        return True
+    # what does not slip may rest at a stop too, beside whatever the contact does
+    inside = any(stop.coordinate not in contacts[0].slips for stop in stops_of(mechanism))
+    return inside or type(mechanism).loads is not Mechanism.loads
 
 
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
@@ -213,7 +216,7 @@ def _guards(
     return {
         mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + switches)]
         + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
-        + wall_guards(mechanics.walls, mechanics.slip, int(mode))
+        + wall_guards(mechanics.walls, int(mode))
         for mode, equations in modes.items()
     }
 

@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH, ZENO
+from stickslip.kernels.enums import AT_REST, END_TIME, FULL, RUNNING, STEP_LIMIT, SWITCH, ZENO
 from stickslip.kernels.equations import put_constants
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
@@ -257,6 +257,5 @@ def run(
             finish_step(guard, stop, t_end, w, whole, table, log, events)
         if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
             whole[STATUS] = STEP_LIMIT
-    # where not one step could be taken, the start is all there is; a last impact has changed rates
-    if whole[STEPS] == 0 or whole[STATUS] == HELD:
+    if whole[STEPS] == 0:  # where not one step could be taken, the start is all there is
         stay(w[TIME], w, whole, log)

@@ -29,7 +29,8 @@ UNLOADED = 3
 """Mode of a contact that is open, in what a run records."""
 
 # What happened, in the records of events. An impact of coordinate i gives HIT + i; limits
-# follow them, and then switch j has two codes, the second where it ceases to hold.
+# follow them, and then switch j has two codes, the second where it ceases to hold. With several
+# contacts coordinates that leave their stops come last.
 STOPPED = 0
 REVERSED = 1
 BROKE_AWAY = 2
@@ -52,6 +53,5 @@ LIFTED_OFF = 3
 STEP_LIMIT = 4
 STEP_TOO_SMALL = 5
 ZENO = 6
-HELD = 7
-FULL = 8  # not yet: the caller makes room for rows, and calls again
-LIMITED = 9
+FULL = 7  # not yet: the caller makes room for rows, and calls again
+LIMITED = 8

@@ -52,18 +52,15 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
     """
-    n_walls = whole[N_WALLS]
-    y = whole[Y]
-    walls_at = whole[WALLS]
-    columns = whole[WALL_COLUMNS]
-    if n_walls == 0:
+    y, walls_at, columns = whole[Y], whole[WALLS], whole[WALL_COLUMNS]
+    if whole[N_WALLS] == 0:
         return 0
     evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
     place = y + whole[SLIP] - whole[N_COORDINATES]
-    for wall in range(n_walls):
+    for wall in range(whole[N_WALLS]):
         position = w[walls_at + wall * columns]
         side = wall_side(wall, whole)
-        if y + wall_coordinate(wall, whole) == place and side * (w[place] - position) >= 0.0:
+        if side * (w[place] - position) >= 0.0:
             w[place] = position
             return side
     return 0
@@ -108,13 +105,11 @@ def energy_now(w: Vector, whole: Wholes) -> float:
     return w[whole[VALUES]]
 
 
-def strike(wall: int, w: Vector, whole: Wholes) -> bool:
-    """Change the rates by an impact; return whether a coordinate that does not slip stays there."""
+def strike(wall: int, w: Vector, whole: Wholes) -> None:
+    """Change the rates by an impact of the slipping body."""
     y = whole[Y]
     walls_at = whole[WALLS]
     coordinates = whole[N_COORDINATES]
-    values = whole[VALUES]
-    slip = whole[SLIP]
     flags = whole[FLAGS]
     evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
     at = walls_at + wall * whole[WALL_COLUMNS]
@@ -122,13 +117,11 @@ def strike(wall: int, w: Vector, whole: Wholes) -> bool:
     rate = coordinates + wall_coordinate(wall, whole)
     restitution = w[at + 1]
     w[y + wall_coordinate(wall, whole)] = w[at]
-    evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, values)
-    push = side * w[values + rate]
+    evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, whole[VALUES])
+    push = side * w[whole[VALUES] + rate]
     smallest = resting_speed(w[TIME], w[whole[SCALE] + rate], push, w[at], restitution)
-    if rate == slip:
-        push = pressed_by(side, flags, w, whole)
     speed = approach(whole[FIRST_WALL] + wall, w, whole)
-    if speed <= smallest and push > 0.0:
+    if speed <= smallest and pressed_by(side, flags, w, whole) > 0.0:
         restitution = 0.0
     if speed > 0.0:
         before = energy_now(w, whole)
@@ -141,4 +134,3 @@ def strike(wall: int, w: Vector, whole: Wholes) -> bool:
             w[GROSS] += lost
             if whole[N_CHANNELS] > 0:
                 w[SUPPLIED] += energy_now(w, whole) - before + lost
-    return rate != slip and push > 0.0 and (speed <= 0.0 or restitution == 0.0)

@@ -4,7 +4,6 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import (
     BREAK_BACKWARD,
     BREAK_FORWARD,
-    HELD,
     LIFT_OFF,
     LIFTED_OFF,
     LIMITED,
@@ -149,8 +148,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
     mode = whole[MODE]
     flags = whole[FLAGS]
     if guard >= first_wall:
-        if strike(guard - first_wall, w, whole):
-            whole[STATUS] = HELD
+        strike(guard - first_wall, w, whole)
         set_mode(w, whole)
         return 0.0
     if guard >= first_limit:

@@ -185,6 +185,9 @@ def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
         return first + guard - whole[FIRST_LIMIT]
     first += whole[N_LIMITS]
     own = first_own_switch(whole)
+    if guard < first_contact_guard(whole):  # of a coordinate: it leaves its stop
+        left = 2 * (whole[N_SWITCHES] + whole[N_CONTACTS] * whole[LAW_SWITCHES])
+        return first + left + guard // 2
     if guard >= own:
         ceased = 1 - ((int(events[at + 4]) >> (guard - own)) & 1)
         return first + 2 * (guard - own) + ceased

@@ -438,7 +438,7 @@ def pass_impact(
     n, y, wall = whole[N_COORDINATES], whole[Y], guard - whole[FIRST_WALL]
     rate = n + wall_coordinate(wall, whole)
     evaluate(WALLS_OF, 0, whole[FLAGS], t, w, y, whole[WALLS])
-    held = rate == whole[SLIP] and mode not in (1, -1)
+    held = mode not in (1, -1)
     end = log[following * whole[ROW_COLUMNS] + ROW_DENSE + 1 + rate]
     case = wall if bounces(wall, end, held, w, whole) else whole[N_WALLS] + wall
     rebound(case, t, w, whole, own, q, m)

@@ -147,7 +147,7 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         incline: _Given = ...,
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
-        restitution: _Given | None = ...,
+        restitution: _Given = ...,
         lower_soft_stop: _SoftStop | None = ...,
         upper_soft_stop: _SoftStop | None = ...,
         drive_on: _Literal['both', 'inner mass'] = ...,

@@ -92,9 +92,6 @@ class Contact(metaclass=Described):
 class Stop(metaclass=Described):
     """A hard stop: a coordinate that reaches its position bounces, or stays while it is pressed.
 
-    Only a coordinate along which a contact slips can stay: where another one would, a run ends with
-    `Status.HELD`.
-
     Parameters
     ----------
     coordinate : str

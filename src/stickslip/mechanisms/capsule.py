@@ -71,8 +71,8 @@ class Capsule(BoundedMechanism):
     The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it. A
     force between the two drives it, or one from outside on the mass alone, as that of magnets, or
     its motion is prescribed. With stops, hard or soft, it strikes the capsule, as in vibro-impact
-    capsules; at a hard one it bounces, and a run in which a force would hold it there ends early
-    (`Status.HELD`). On an incline both are pulled towards negative x.
+    capsules; at a hard one it bounces, and rests there while it is pressed. On an incline both are
+    pulled towards negative x.
 
     Examples
     --------
@@ -110,9 +110,8 @@ class Capsule(BoundedMechanism):
     """Hard stop that xi does not fall below; none if not given."""
     upper_stop: Annotated[float, Quantity("xi_u", "m")] | None = None
     """Hard stop that xi does not rise above; none if not given."""
-    restitution: Annotated[float, Quantity("e", low=0, high=1)] | None = None
-    """Relative speed after an impact over the speed before; 0 if nothing bounces. Stops need it."""
-
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Relative speed after an impact over the speed before; 0 if nothing bounces."""
     lower_soft_stop: SoftStop | None = None
     """Elastic stop below; none if not given."""
     upper_soft_stop: SoftStop | None = None
@@ -122,14 +121,7 @@ class Capsule(BoundedMechanism):
 
     @override
     def __post_init__(self) -> None:
-        """Check the parameters; no restitution suits all stops, and with 0 most runs end early."""
-        stops = [name for name in ("lower_stop", "upper_stop") if getattr(self, name) is not None]
-        if stops and self.restitution is None:
-            raise ParameterError(
-                f"Capsule.restitution (e) must be given with {' and '.join(stops)}, from 0 to 1,"
-                " such as 0.6, got None: with 0 nothing bounces, and a run ends where a force"
-                " presses the inner mass against its stop."
-            )
+        """Check the parameters: only a force can come from outside."""
         if self.drive_on not in ("both", "inner mass"):
             raise ParameterError(
                 f"Capsule.drive_on must be 'both' or 'inner mass', got {self.drive_on!r}."
@@ -295,8 +287,6 @@ class Capsule(BoundedMechanism):
 
     @override
     def stops(self) -> tuple[Stop, ...]:
-        if self.restitution is None:
-            return ()
         return stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
 
     @override

@@ -35,7 +35,6 @@ _STATUS = {
     enums.STEP_LIMIT: Status.STEP_LIMIT,
     enums.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
     enums.ZENO: Status.ZENO,
-    enums.HELD: Status.HELD,
 }
 
 

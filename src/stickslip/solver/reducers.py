@@ -324,7 +324,8 @@ def reasons(model: Model) -> Sequence[str | None]:
     pairs = [*model.switch_events, *(pair for own in model.law_switch_events for pair in own)]
     switched = [name for pair in pairs for name in pair or (None, None)]
     own = OF_CONTACTS if model.contacts else ()
-    return [*REASONS, *own, *model.impact_events, *model.limits, *switched]
+    left = [name and name.replace("hits", "leaves") for name in model.impact_events if own]
+    return [*REASONS, *own, *model.impact_events, *model.limits, *switched, *left]
 
 
 REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")

@@ -55,7 +55,7 @@ QUESTIONS = (
     "RETUNE", "SHOWN", "PLACE", "ALONG",
 )  # fmt: skip
 """What the kernels are asked in model exchange."""
-ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE, Status.HELD)
+ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE)
 """How a run ends by itself, where it goes on no more but did not fail."""
 LEAST_TOLERANCE = 1e-13
 TOO_MANY = "The step took too many steps of the solver; results so far are kept."

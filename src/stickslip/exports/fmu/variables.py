@@ -263,7 +263,7 @@ def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
             margin = "margin to the levels of all contacts that are held along the cut"
             yield f"cut_{i + 1}.forward", f"{margin}, forward"
             yield f"cut_{i + 1}.backward", f"{margin}, backward"
-        for contact in model.contacts:
+        for contact in (name or "contact" for name in model.contacts):
             for j in range(header[state_layout.LAW_SWITCHES]):
                 yield f"{contact}.switch_{j + 1}", f"a switch of the law of {contact}"
             yield f"{contact}.load", f"load of {contact}, less it where it is open"

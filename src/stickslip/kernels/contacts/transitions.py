@@ -117,7 +117,8 @@ def decide_start(w: Vector, whole: Wholes) -> None:
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
-        pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
+        known = whole[whole[REACTS] + c] or whole[CONSTANT_LOADS]
+        pulls = known and w[whole[LOAD] + c] < 0.0
         if pulls and whole[STATUS] == RUNNING:  # beyond a limit loads have no meaning
             lift_off(lift_guard(c, whole), c, w, whole)
     end_beyond_limits(w, whole)
@@ -509,6 +510,10 @@ def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
             write_event(OF_MODES - 1 - guard, c, before, after, margin, w, whole)
+    for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
+        held = whole[whole[BEFORE] + i] == HELD_FAST and whole[whole[MODES] + i] != HELD_FAST
+        if held and first_contact_of(i, whole) == whole[N_CONTACTS]:
+            write_remark(2 * i, 0, w, whole)  # it leaves its stop
 
 
 def write_unchanged(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
