@@ -314,7 +314,9 @@ def _values(
     """Return the parameters of the mechanism that were found."""
     known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
     found = []
-    for path in paths if links else ():
+    if links is None:
+        return ()
+    for path in paths:
         q, given = known[path]
         value, half = given + links.change[path], NORMAL * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
@@ -422,7 +424,7 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
         ),
         partial(mechanism_section, verdict),
         partial(record_and_checks, verdict.checks),
-        partial(reproduce, origin, laws=[law for _, law in verdict.law.members if law]),
+        partial(reproduce, origin, laws=[law for _, law in verdict.law.members]),
     )
 
 

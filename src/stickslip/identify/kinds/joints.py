@@ -109,8 +109,8 @@ class JointRecords:
             name: [
                 replace(
                     one,
-                    mechanism=one.mechanism
-                    + sum((x * one.unknown[path].force for path, x in change.items()), 0.0),
+                    mechanism=np.asarray(one.mechanism)
+                    + np.sum([x * one.unknown[path].force for path, x in change.items()], axis=0),
                     unknown={},
                 )
                 for one in own

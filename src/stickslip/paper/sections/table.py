@@ -288,7 +288,7 @@ def _ours(found: PaperAudit, row: TableRow) -> str:
     if len(found.trials) > 1:
         score = named[0].score
         if score is None:
-            return named[0].unscored
+            return named[0].dropped
         return f"held-out error {quantity(score, 'm', 2)}"
     estimate = fit.estimates[0]
     symbol, value = estimate.quantity.symbol, significant(estimate.value, 3)
