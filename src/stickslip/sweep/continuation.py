@@ -396,7 +396,7 @@ class _Curve:
 
     def null(self, shot: Shot) -> Array:
         """Return the null vector of dF/du; its part along what is lost to sticking is exactly 0."""
-        found: Array = np.linalg.svd(self.scaled(shot))[2][-1]
+        found = np.asarray(np.linalg.svd(self.scaled(shot))[2][-1], dtype=np.float64)
         found[:-1][shot.lost] = 0.0
         found /= float(np.linalg.norm(found))
         return found
@@ -405,7 +405,8 @@ class _Curve:
         if self.map.cycles % 2:
             return np.zeros(len(shot.y))
         middle = shot.run.at(np.array([0.5 * shot.period]))[0][list(self.map.free)]
-        return (middle - shot.y) / self.scale[:-1]
+        found: Array = (middle - shot.y) / self.scale[:-1]
+        return found
 
     def unknowns(self, shot: Shot) -> Array:
         return np.append(shot.y, shot.value) / self.scale
