@@ -8,13 +8,12 @@ from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, cam
 from stickslip.sweep.continuation import (
     Branch,
     BranchEvent,
-    OrbitDiagram,
     continue_orbit,
-    orbit_diagram,
 )
 from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.orbit_diagram import OrbitDiagram, orbit_diagram
 from stickslip.sweep.orbits import Orbit, periodic_orbit
 from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
 from stickslip.sweep.sensitivity_indices import SensitivityIndices

@@ -1,0 +1,459 @@
+"""Branches of periodic orbits over a range of a parameter, begun from settled runs.
+
+1. At evenly spaced values runs settle, the first from where the mechanism begins, others from
+   random states of twice the size of motions so far.
+2. A settled run that closes after at most the cycles asked for is solved for (`orbits`); if it lies
+   on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
+3. At period doublings doubled branches begin.
+4. Beside each end of a branch within the range further runs settle: what is stable behind it is
+   often not connected to it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.display import OnAxes, Summary
+from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import number, quantity
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.simulation import (
+    GivenFriction,
+    beginning_pair,
+    ensemble,
+    event_driven_law,
+    initial_state,
+)
+from stickslip.solver import EventDriven, Output, Samples
+from stickslip.sweep.cycles import period_of
+from stickslip.sweep.orbits import (
+    Orbit,
+    ReturnMap,
+    Shot,
+    return_map,
+    solved,
+)
+from stickslip.sweep.parameter_grid import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    early_ends,
+    unit_of,
+    whole_run,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+from stickslip.sweep.continuation import (
+    MOST_POINTS,
+    MOST_STEP,
+    Branch,
+    BranchEvent,
+    begun,
+    between_of,
+    check_ends,
+    units_of,
+)
+
+__all__ = ["OrbitDiagram", "orbit_diagram"]
+
+BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
+"""Places beside the end of a branch, over the range, where further runs settle."""
+SAME = 2e-3
+"""Distance, over the size of the states, within which points are of the same orbit: what is left
+of a transient, of which `cycles.CLOSED` is allowed."""
+NEAR_SAMPLES = 0.05
+"""Distance within which a sample of a settled run may lie on a branch that is known: then it is
+compared after both were solved for at the same value."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class OrbitDiagram(OnAxes):
+    """Branches of periodic orbits over a parameter, with settled motions behind."""
+
+    path: str
+    """Full path of the parameter."""
+    unit: str
+    """Its SI unit."""
+    states: tuple[str, ...]
+    """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
+    branches: tuple[Branch, ...]
+    """Their branches."""
+    values: Array
+    """The parameter of each settled run (m,)."""
+    samples: Array
+    """Free states (m, keep, k) of settled runs, once a cycle; NaN where a run ended early."""
+    velocities: Mapping[str, Array]
+    """Mean velocity (m,) over these cycles, of each coordinate on which nothing depends."""
+    settled: NDArray[np.int64]
+    """After how many cycles each settled run closes (m,), 0 if it does not."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each (m,)."""
+    brute_cycles: int
+    """Cycles of the drives in the settled runs."""
+    branch_cycles: int
+    """Cycles of the drives in the runs that the branches took."""
+    brute_seconds: float
+    """Processor time of the settled runs [s]."""
+    branch_seconds: float
+    """Processor time of the branches [s]."""
+
+    @property
+    def events(self) -> tuple[tuple[int, BranchEvent], ...]:
+        """What changes along the branches: number of the branch, and event."""
+        return tuple((i, event) for i, one in enumerate(self.branches) for event in one.events)
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where settled runs ended early, and why: a sentence for each reason."""
+        axis, units = {self.path: self.values}, {self.path: self.unit}
+        return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point of each branch."""
+        import pandas as pd
+
+        frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (
+                i,
+                one.cycles,
+                f"{number(float(one.values.min()), 5)} to"
+                f" {quantity(float(one.values.max()), self.unit, 5)}",
+                f"{int(one.stable.sum())} of {len(one.values)}",
+                ", ".join(dict.fromkeys(event.kind for event in one.events)),
+            )
+            for i, one in enumerate(self.branches)
+        ]
+        return Summary(
+            sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
+            head=("branch", "period", self.path.rpartition(".")[2], "stable", "events"),
+            rows=rows,
+            notes=self.costs(),
+        )
+
+    def costs(self) -> tuple[str, ...]:
+        """Return what branches and settled runs took, and where runs ended early: sentences."""
+        closed = int((self.settled > 0).sum())
+        return (
+            f"The branches took {self.branch_cycles} cycles and {number(self.branch_seconds, 2)} s"
+            f" of processor time; the {len(self.values)} settled runs behind them, of which"
+            f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
+            *self.early_ends(),
+        )
+
+
+def orbit_diagram(
+    mechanism: Mechanism,
+    law: GivenFriction,
+    path: str,
+    between: tuple[float, float],
+    *,
+    cycles: int = 4,
+    values: int = 61,
+    starts: int = 3,
+    settle: int = 200,
+    step: float = MOST_STEP,
+    seed: int = 0,
+    y0: Mapping[str, float] | None = None,
+    period: float | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> OrbitDiagram:
+    """Find branches of periodic orbits over a range of a parameter.
+
+    Settled runs from several starts show where stable orbits are; each that lies on no branch yet
+    begins a new one, which is followed to both sides, and at its period doublings doubled branches
+    begin. Where a branch ends within the range, further runs settle beside its end. Orbits that are
+    unstable and connected to no stable one are not found.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with a periodic drive.
+    law : FrictionLaw, type or str, or mapping of str to these
+        What holds it back, as in `simulate`.
+    path : str
+        What varies, as in `ensemble`.
+    between : pair of float
+        Least and largest value.
+    cycles : int
+        Largest period that is sought, in cycles of the drives.
+    values, starts : int
+        Values with settled runs, evenly spaced, and runs at each of them: the first from where the
+        mechanism begins, others from random states.
+    settle : int
+        Cycles before a run counts as settled.
+    step : float
+        Largest step along a branch, as in `continue_orbit`.
+    seed : int
+        Of the random states.
+    y0 : mapping, optional
+        States from which the first run at each value begins, as in `simulate`.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver : EventDriven, optional
+        Compiled if not given.
+    progress : callable, optional
+        Called with the number of values done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    OrbitDiagram
+        Branches, their events, and the settled motions.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = orbit_diagram(axis, law, "frequency", (1.9, 2.4), values=3, cycles=2, settle=50)
+    >>> [(branch.cycles, bool(branch.stable.all())) for branch in found.branches]
+    [(1, True)]
+    """
+    owner = "orbit_diagram"
+    low, high = between_of(owner, between)
+    laws = event_driven_law(mechanism, law)
+    for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
+        counted(owner, name, count, least)
+    counted(owner, "settle", settle, 0)
+    mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
+    full, grid = axis_of(mechanism, laws, path, np.linspace(low, high, int(values)))
+    if full.startswith("initial."):
+        raise InputError(
+            f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
+            " the law."
+        )
+    if period is None:
+        whole_run(owner, mechanism, settle + 2 * cycles)
+    first = return_map(mechanism, laws, 1, period, compiled(solver), full)
+    check_ends(first, (low, high))
+    search = _Search(
+        first,
+        (low, high),
+        int(cycles),
+        int(settle),
+        step,
+        np.random.default_rng(seed),
+        dict(y0 or {}),
+    )
+    tally = Tally(len(grid), progress)
+    for done, value in enumerate(grid.tolist(), 1):
+        search.settle_at(value, int(starts))
+        tally.tell(done)
+        if not tally.going:
+            break
+    while tally.going and (value := search.end()) is not None:
+        for off in BEHIND:
+            beside = value + off * (high - low)
+            if low < beside < high:
+                search.settle_at(beside, 2 * int(starts))
+    return search.diagram()
+
+
+class _Search:
+    """Settled runs, and the branches that they lead to."""
+
+    def __init__(
+        self,
+        first: ReturnMap,
+        between: tuple[float, float],
+        cycles: int,
+        settle: int,
+        step: float,
+        random: np.random.Generator,
+        y0: Mapping[str, float],
+    ) -> None:
+        self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
+        self.step, self.random, self.y0 = step, random, y0
+        self.branches: list[Branch] = []
+        self.values: list[float] = []
+        self.samples: list[Array] = []
+        self.velocities: list[Array] = []
+        self.closed: list[int] = []
+        self.status: list[object] = []
+        self.sizes = np.zeros(len(first.free))
+        self.seconds = {"brute": 0.0, "branches": 0.0}
+        self.brute_cycles = 0
+        self.looked: list[float] = []
+
+    def settle_at(self, value: float, starts: int) -> None:
+        """Run from several states at a value, and follow each orbit that is new."""
+        begun = process_time()
+        first = len(self.values)
+        self.run(value, starts)
+        self.seconds["brute"] += process_time() - begun
+        begun = process_time()
+        for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
+            if closed and not self.is_known(closed, value, points[:closed]):
+                self.follow(closed, value, points[-1])
+        self.seconds["branches"] += process_time() - begun
+
+    def end(self) -> float | None:
+        """Return a value in the range at which a branch ends and nobody has looked behind yet."""
+        low, high = self.between
+        reach = max(BEHIND) * (high - low)
+        for branch in self.branches:
+            for value in (float(branch.values[0]), float(branch.values[-1])):
+                inside = low < value < high
+                if inside and all(abs(value - other) > reach for other in self.looked):
+                    self.looked.append(value)
+                    return value
+        return None
+
+    def run(self, value: float, starts: int) -> None:
+        """Keep the samples of settled runs at a value."""
+        mechanism, law = self.map.pair(value)
+        cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
+        moving = [self.map.states[i] for i in self.map.moving]
+        times = [cycle * (self.settle + i) for i in range(keep + 1)]
+        outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
+        columns = self.starts(mechanism, law, starts)
+        runs = ensemble(
+            mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
+            solver=self.map.solver,
+        )  # fmt: skip
+        points = np.stack([runs[name][:, 1:] for name in names], axis=2)
+        places = np.stack([runs[name] for name in moving], axis=1) if moving else None
+        self.brute_cycles += starts * (self.settle + keep)
+        known = np.nan_to_num(np.abs(points)).max(axis=(0, 1))
+        self.sizes = np.maximum(self.sizes, known)
+        scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+        for i, status in enumerate(runs.status):
+            whole = status.complete
+            self.values.append(value)
+            self.samples.append(points[i] if whole else np.full_like(points[i], np.nan))
+            self.closed.append(period_of(points[i], scale) if whole else 0)
+            self.status.append(status)
+            way = np.full(len(moving), np.nan)
+            if places is not None and whole:
+                way = (places[i, :, -1] - places[i, :, 0]) / (keep * cycle)
+            self.velocities.append(way)
+
+    def starts(self, mechanism: Mechanism, law: FrictionLaw | Laws, count: int) -> dict[str, Array]:
+        """Return initial states of runs: the first as told, others of the size of motions so far.
+
+        Within hard stops, at which a place beyond is put.
+        """
+        begin = initial_state("orbit_diagram", mechanism, law, self.y0)
+        stops = stops_of(mechanism)
+        found = {}
+        sizes = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for k, i in enumerate(self.map.free):
+            name = self.map.states[i]
+            column = begin[i] + 2.0 * sizes[k] * self.random.uniform(-1.0, 1.0, count)
+            for stop in (one for one in stops if one.coordinate == name):
+                place = float(stop.position)
+                bound = np.minimum if stop.side == "upper" else np.maximum
+                column = bound(column, place)
+            column[0] = begin[i]
+            found[f"initial.{name}"] = column
+        return found
+
+    def is_known(self, closed: int, value: float, points: Array) -> bool:
+        """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for branch in self.branches:
+            if branch.cycles != closed:
+                continue
+            for guess in branch.crossings(value):
+                gaps = np.abs((guess - points) / scale).max(axis=1)
+                if gaps.min() > NEAR_SAMPLES:
+                    continue
+                try:
+                    shot = solved(branch.map, guess, value)
+                except (SimulationError, InputError):
+                    continue
+                if np.abs((shot.y - points) / scale).max(axis=1).min() <= SAME:
+                    return True
+        return False
+
+    def met(self, shot: Shot) -> int | None:
+        """Return the number of the branch on which an orbit lies, by the polygon of its points."""
+        cycles = round(shot.period / self.map.duration(shot.mechanism))
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for number_, branch in enumerate(self.branches):
+            if branch.cycles == cycles:
+                gaps = np.abs((branch.crossings(shot.value) - shot.y) / scale).max(axis=1)
+                if gaps.min(initial=np.inf) <= SAME:
+                    return number_
+        return None
+
+    def follow(self, closed: int, value: float, point: Array) -> None:
+        """Follow the branch of a settled motion, and those that leave it by doubling."""
+        map_ = replace(self.map, cycles=closed)
+        try:
+            shot = solved(map_, point, value)
+        except (SimulationError, InputError):
+            return  # at a grazing contact, say: settled runs at other values lead there
+        if not self.is_known(closed, value, self.strobes(shot, closed)):
+            self.followed(map_.orbit(shot), doubled=False)
+
+    def followed(self, orbit: Orbit, *, doubled: bool) -> None:
+        try:
+            curve, first = begun(
+                orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
+                self.map.period,
+            )  # fmt: skip
+            curve.met = self.met
+            branch = curve.branch(first)
+        except SimulationError:
+            return
+        if doubled:
+            middle = len(branch.values) // 2
+            value = float(branch.values[middle])
+            shot = branch.map.shoot(branch.starts[middle], value)
+            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles)):
+                return
+        self.branches.append(branch)
+        for event in branch.events:
+            if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
+                self.followed(event.orbit, doubled=True)
+
+    def strobes(self, shot: Shot, cycles: int) -> Array:
+        """Return the free states of an orbit once a cycle."""
+        times = np.arange(cycles, dtype=np.float64) * (shot.period / cycles)
+        return shot.run.at(times)[:, list(self.map.free)]
+
+    def diagram(self) -> OrbitDiagram:
+        mechanism, law = self.map.mechanism, self.map.law
+        velocities = np.array(self.velocities).reshape(len(self.values), -1)
+        return OrbitDiagram(
+            path=str(self.map.path),
+            unit=unit_of(mechanism, law, str(self.map.path)),
+            states=self.map.names,
+            units=units_of(self.map),
+            branches=tuple(self.branches),
+            values=np.array(self.values),
+            samples=np.array(self.samples),
+            velocities={
+                self.map.states[i]: velocities[:, k] for k, i in enumerate(self.map.moving)
+            },
+            settled=np.array(self.closed, dtype=np.int64),
+            status=np.array(self.status, dtype=object),
+            brute_cycles=self.brute_cycles,
+            branch_cycles=sum(one.runs * one.cycles for one in self.branches),
+            brute_seconds=self.seconds["brute"],
+            branch_seconds=self.seconds["branches"],
+        )  # fmt: skip
