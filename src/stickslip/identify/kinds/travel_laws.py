@@ -37,8 +37,9 @@ FINE, SPAN = 240, 300.0
 """Levels of the scan, and its largest over its smallest."""
 HOLDING = 10.0
 """Level that holds the body over the least one by which priors are scaled."""
-MOVES = 1e-3
-"""Travel over those measured from which a body moves."""
+RESOLVED = 1e-3
+"""Share of the travels below which none is resolved: a body stands, and nobody reads better where
+no uncertainty was stated."""
 POOR = 0.01
 """Share of the squared travels that the best level leaves from which others are tried too."""
 BRANCHES = 4
@@ -211,7 +212,7 @@ class TravelLaw:
 
         tried = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
         coarse, still = travels(tried), float(np.mean(measured**2))
-        moves = np.any(np.isfinite(coarse) & (coarse**2 > MOVES**2 * still), axis=1)
+        moves = np.any(np.isfinite(coarse) & (coarse**2 > RESOLVED**2 * still), axis=1)
         top = tried[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(tried) - 1)]
         best = tried[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
         fine = np.geomspace(min(top / SPAN, best / 3.0), min(top, high), FINE)

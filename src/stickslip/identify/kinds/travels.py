@@ -37,6 +37,7 @@ from stickslip.identify.kinds.travel_descent import STEP
 from stickslip.identify.kinds.travel_doubts import propagated
 from stickslip.identify.kinds.travel_laws import (
     HOLDING,
+    RESOLVED,
     Size,
     TravelLaw,
     TravelStructure,
@@ -65,8 +66,6 @@ KNOTS, REACH = 31, 1.0
 FEWEST = 4
 """Settings along one direction from which there is a measured curve, and readings of one setting
 from which their scatter counts."""
-LEAST_SHARE = 1e-3
-"""Share of the travels below which readings do not err where nothing was stated."""
 STILL = 0.01
 """Travel over the measured one up to which a law holds the body."""
 STATED = 0.7
@@ -77,9 +76,8 @@ PROPOSED = 2
 """Draws that are simulated for each that is kept ..."""
 SLOW = 8
 """... but no more of a law with bristles, whose runs take long."""
-MEETING, NEWTON = 0.3, 4
-"""Part of the draws that count below which their leading coefficients are made to meet the
-readings, and by how many steps."""
+NEWTON = 4
+"""Steps by which leading coefficients are made to meet the readings, where few draws count."""
 COUNTING, TRIED = 5.0, 50
 """Effective number of draws of a family at least, where there are this many."""
 INSENSITIVE = "the trials hardly depend on it"
@@ -168,7 +166,7 @@ class TravelJudgement:
     def __post_init__(self) -> None:
         self.measured = np.array([trial.travel for trial in self.trials])
         self.readings, self.stated = standard_errors(self.trials)
-        least = 0.0 if self.stated else LEAST_SHARE * float(np.mean(np.abs(self.measured)))
+        least = 0.0 if self.stated else RESOLVED * float(np.mean(np.abs(self.measured)))
         self.readings = np.maximum(self.readings, least)
         settings = list(dict.fromkeys(trial.setting for trial in self.trials))
         self.blocks = np.array([settings.index(trial.setting) for trial in self.trials])
@@ -525,7 +523,7 @@ class TravelJudgement:
         c = own[0].linear.structure.count
         moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
         found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        if _counting(found, 1.0) < MEETING * len(found):
+        if _counting(found, 1.0) < 0.6 * len(found) / PROPOSED:
             draws = replace(draws, unknowns=self._met(draws, moved, rng))
             points = np.hstack([draws.unknowns, draws.nuisances])
             found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
@@ -839,7 +837,7 @@ def judged_travels(
     size = leading.size(*leading.scanned())
     errors, _ = standard_errors(trials)
     measured = np.array([trial.travel for trial in trials])
-    errors = np.maximum(errors, LEAST_SHARE * float(np.mean(np.abs(measured))))
+    errors = np.maximum(errors, RESOLVED * float(np.mean(np.abs(measured))))
     settings = len({trial.setting for trial in trials})
     fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
     for name in sorted(laws, key=lambda one: bool(laws[one].states)):
