@@ -23,11 +23,7 @@ from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
 from stickslip.friction.by_contact import law_of as law_of
 from stickslip.friction.classes import said_of as said_of
-from stickslip.friction.composition import Composition as Composition
-from stickslip.friction.composition import Leaf as Leaf
 from stickslip.friction.containment import containment_of as containment_of
-from stickslip.friction.containment import one_step_simpler as one_step_simpler
-from stickslip.friction.notation import OPTIONAL as OPTIONAL
 from stickslip.friction.parts import PARTS as PARTS
 from stickslip.friction.parts.curves import curves_beside as curves_beside
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
@@ -44,14 +40,12 @@ from stickslip.friction.rate_state import RateState as _RateState
 from stickslip.friction.rate_state import RateStateForm as RateStateForm
 from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
-from stickslip.friction.registry import Rung as Rung
 from stickslip.friction.registry import contained_laws as contained_laws
 from stickslip.friction.registry import is_composition as is_composition
 from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
-from stickslip.friction.registry import rungs as rungs
 from stickslip.friction.registry import simpler_laws as simpler_laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications

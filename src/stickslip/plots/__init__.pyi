@@ -46,7 +46,6 @@ from stickslip.plots.core.theme import symbol_label as symbol_label
 from stickslip.plots.data.data_overview import draw_overview as draw_overview
 from stickslip.plots.data.data_overview import overview_size as overview_size
 from stickslip.plots.data.data_overview import plot_measurement as plot_measurement
-from stickslip.plots.data.record import Channel as Channel
 from stickslip.plots.data.record import draw_record as draw_record
 from stickslip.plots.data.rig_sketches import draw_sketch as draw_sketch
 from stickslip.plots.data.rig_sketches import schematic as schematic
@@ -59,7 +58,6 @@ from stickslip.plots.dispatch import thumbnail as thumbnail
 from stickslip.plots.laws.battery import draw_characteristic as draw_characteristic
 from stickslip.plots.laws.battery import plot_characteristic as plot_characteristic
 from stickslip.plots.laws.battery import plot_characterization as plot_characterization
-from stickslip.plots.laws.curves import characteristic as characteristic
 from stickslip.plots.laws.curves import characteristic_sizes as characteristic_sizes
 from stickslip.plots.laws.curves import draw_characteristics as draw_characteristics
 from stickslip.plots.laws.curves import draw_presliding as draw_presliding
@@ -68,7 +66,6 @@ from stickslip.plots.laws.curves import plot_law as plot_law
 from stickslip.plots.laws.curves import plot_presliding as plot_presliding
 from stickslip.plots.laws.curves import presliding_sizes as presliding_sizes
 from stickslip.plots.laws.friction_map import MAP_SIZES as MAP_SIZES
-from stickslip.plots.laws.friction_map import MapSplit as MapSplit
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
@@ -103,22 +100,11 @@ from stickslip.plots.runs.run import plot_runs as plot_runs
 from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.plots.runs.validation import draw_validation as draw_validation
 from stickslip.plots.runs.validation import plot_validation as plot_validation
-from stickslip.plots.selection.fit_data import DOTS as DOTS
-from stickslip.plots.selection.fit_data import MapPoints as MapPoints
-from stickslip.plots.selection.fit_data import errors_of as errors_of
-from stickslip.plots.selection.fit_data import is_timed as is_timed
-from stickslip.plots.selection.fit_data import map_points as map_points
 from stickslip.plots.selection.fit_data import panel_of as panel_of
-from stickslip.plots.selection.fit_data import residual_panels as residual_panels
-from stickslip.plots.selection.fit_data import rows_of as rows_of
 from stickslip.plots.selection.fit_data import sampled as sampled
-from stickslip.plots.selection.fit_data import speeds_of as speeds_of
 from stickslip.plots.selection.fits import INTERVAL_SIZE as INTERVAL_SIZE
 from stickslip.plots.selection.fits import Interval as Interval
-from stickslip.plots.selection.fits import draw_fitted_map as draw_fitted_map
 from stickslip.plots.selection.fits import draw_intervals as draw_intervals
-from stickslip.plots.selection.fits import joint_figure as joint_figure
-from stickslip.plots.selection.fits import joint_sizes as joint_sizes
 from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_joints as plot_joints
@@ -130,7 +116,6 @@ from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pi
 from stickslip.plots.selection.prediction_excerpts import piece_sizes as piece_sizes
 from stickslip.plots.selection.residuals import ERROR_SIZES as ERROR_SIZES
 from stickslip.plots.selection.residuals import ErrorSeries as ErrorSeries
-from stickslip.plots.selection.residuals import ResidualPanel as ResidualPanel
 from stickslip.plots.selection.residuals import draw_prediction_error as draw_prediction_error
 from stickslip.plots.selection.residuals import draw_residuals as draw_residuals
 from stickslip.plots.selection.residuals import residual_sizes as residual_sizes

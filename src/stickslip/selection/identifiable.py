@@ -13,13 +13,6 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
 
-def _differs(one: Estimate, other: Estimate) -> bool:
-    """Return whether two estimates are of one quantity, and their intervals lie apart."""
-    if not other.bounded or (one.path, one.quantity) != (other.path, other.quantity):
-        return False
-    return max(one.low, other.low) > min(one.high, other.high)
-
-
 def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
     """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
 

@@ -15,9 +15,6 @@ from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.contact_inputs import check_inputs
-from stickslip.identification.estimation.containment import (
-    FittedLaw,
-)
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
 from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
@@ -560,20 +557,6 @@ def _kept(
     free = one.free_parameters.starting_at(at)
     one = replace(one, stretches=tuple(whole), derived=tuple(first))
     return one.with_free_parameters(free)
-
-
-def _of_contact(fitted: Sequence[FittedLaw], contact: str) -> list[FittedLaw]:
-    """Return the laws of one contact of fits of several, their values called as if alone."""
-    prefix, found = f"friction.{contact}.", []
-    for one in fitted:
-        law = dict(cast("Laws", one.law).members).get(contact)
-        values = {
-            path.replace(prefix, "friction.", 1): value
-            for path, value in one.values.items()
-            if path.startswith(prefix)
-        }
-        found += [] if law is None else [replace(one, law=law, values=values)]
-    return found
 
 
 @final
