@@ -281,7 +281,7 @@ def select_joints(
             second=validate and joint_record(mechanism, validate, name),
             others=others.get(name),
         )
-    values = _values(rig, links, paths)
+    values = _values(rig, links, paths) if links else ()
     return _verdict(mechanism, rig, measurement, joints, values, records, checks)
 
 
@@ -308,13 +308,11 @@ def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
     return as_rotary(axis) if turns else axis
 
 
-def _values(
-    mechanism: Mechanism, links: Links | None, paths: Sequence[str]
-) -> tuple[Estimate, ...]:
+def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[Estimate, ...]:
     """Return the parameters of the mechanism that were found."""
     known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
     found = []
-    for path in paths if links else ():
+    for path in paths:
         q, given = known[path]
         value, half = given + links.change[path], NORMAL * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
@@ -422,7 +420,7 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
         ),
         partial(mechanism_section, verdict),
         partial(record_and_checks, verdict.checks),
-        partial(reproduce, origin, laws=[law for _, law in verdict.law.members if law]),
+        partial(reproduce, origin, laws=[law for _, law in verdict.law.members]),
     )
 
 
