@@ -317,7 +317,7 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
     (
         ("select", "demo", "--workers", "2"),
-        "--workers applies to the force of a spring, records of several joints and velocity steps",
+        "--workers applies to the force of a spring and velocity steps",
     ),
     (("select", "axis.toml", "--starts", "2"), "it has no effect on `select`: leave it out"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),

@@ -28,7 +28,7 @@ QUICK = RecordSettings(starts=1)
 
 def law(name, losses, parameters=2, *, effective=100.0, simpler=(), **more):
     """What the rule looks at of a candidate."""
-    validation = CrossValidation(losses=tuple(losses), extrapolation=math.nan)
+    validation = CrossValidation(losses=tuple(losses))
     return SimpleNamespace(
         name=name,
         validation=validation,

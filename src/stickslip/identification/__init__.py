@@ -67,7 +67,6 @@ INSIDE = {
     "drives_itself": "series.applied_force",
     "effective_size": "estimation.jackknife",
     "estimates_for": "results",
-    "estimates_of": "estimation.estimates",
     "far_above_dry": "results",
     "gear_torques": "force_map.gear_torques",
     "goes_straight": "series.applied_force",
@@ -83,12 +82,11 @@ INSIDE = {
     "known_forces": "series.inverse_dynamics",
     "known_inputs": "contact_inputs",
     "law_quantities": "validation",
-    "law_unknowns": "series.start_values",
     "laws_of": "validation",
     "load_along": "force_map.data",
     "load_of": "series.start_values",
     "names_of": "validation",
-    "outlying": "outlying",
+    "outlying": "outliers",
     "quantities_read": "travel_model",
     "reads_as_forces": "estimation.parameters",
     "record_route_name": "records.fitting",
@@ -102,7 +100,6 @@ INSIDE = {
     "spanning": "results",
     "standard_errors": "travel_model",
     "stretches_of": "force_map.data",
-    "told": "estimation.parameters",
     "torque_along": "force_map.force_balance",
     "transmitted_along": "gears",
     "trials_of": "travel_model",
@@ -112,7 +109,7 @@ INSIDE = {
     "with_drive": "shooting.segments",
     "with_inputs": "contact_inputs",
     "with_known": "estimation.parameters",
-    "without_outliers": "outlying",
+    "without_outliers": "outliers",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -281,7 +281,7 @@ def select_joints(
             second=validate and joint_record(mechanism, validate, name),
             others=others.get(name),
         )
-    values = _values(rig, links, paths)
+    values = _values(rig, links, paths) if links else ()
     return _verdict(mechanism, rig, measurement, joints, values, records, checks)
 
 
@@ -308,9 +308,7 @@ def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
     return as_rotary(axis) if turns else axis
 
 
-def _values(
-    mechanism: Mechanism, links: Links | None, paths: Sequence[str]
-) -> tuple[Estimate, ...]:
+def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[Estimate, ...]:
     """Return the parameters of the mechanism that were found."""
     known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
     found = []

@@ -118,7 +118,6 @@ INSIDE = {
     "plot_scores": "selection.fits",
     "presliding_sizes": "laws.curves",
     "residual_sizes": "selection.residuals",
-    "rows_of": "selection.fit_data",
     "sampled": "selection.fit_data",
     "schematic": "data.rig_sketches",
     "sketch": "data.rig_sketches",

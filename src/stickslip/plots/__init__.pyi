@@ -92,7 +92,6 @@ from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.plots.runs.validation import draw_validation as draw_validation
 from stickslip.plots.runs.validation import plot_validation as plot_validation
 from stickslip.plots.selection.fit_data import panel_of as panel_of
-from stickslip.plots.selection.fit_data import rows_of as rows_of
 from stickslip.plots.selection.fit_data import sampled as sampled
 from stickslip.plots.selection.fits import INTERVAL_SIZE as INTERVAL_SIZE
 from stickslip.plots.selection.fits import Interval as Interval

@@ -29,7 +29,6 @@ INSIDE = {
     "contains": "candidates",
     "corrections": "verdict",
     "effective_aic": "choice",
-    "errs_more": "choice",
     "fitted_side_by_side": "candidates",
     "friction_of": "verdict",
     "held_out": "cross_validation",

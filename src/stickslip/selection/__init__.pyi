@@ -11,7 +11,6 @@ from stickslip.selection.candidates import watched as watched
 from stickslip.selection.choice import as_good as as_good
 from stickslip.selection.choice import choose as choose
 from stickslip.selection.choice import effective_aic as effective_aic
-from stickslip.selection.choice import errs_more as errs_more
 from stickslip.selection.choice import outcome_beside as outcome_beside
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of

@@ -37,7 +37,7 @@ from stickslip.identification.estimation.problem import (
     ResidualJacobian,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.outlying import outlying
+from stickslip.identification.outliers import outlying
 from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of

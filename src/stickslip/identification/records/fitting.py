@@ -46,7 +46,7 @@ from stickslip.identification.estimation.parameters import FreeParameters, told
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.outlying import without_outliers
+from stickslip.identification.outliers import without_outliers
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.problems import (
     FitSetup,

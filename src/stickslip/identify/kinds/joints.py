@@ -105,18 +105,14 @@ class JointRecords:
 
     def at(self, change: Mapping[str, float]) -> dict[str, list[Record]]:
         """Return the records with parameters changed by so much, and none unknown."""
-        return {
-            name: [
-                replace(
-                    one,
-                    mechanism=np.asarray(one.mechanism)
-                    + np.sum([x * one.unknown[path].force for path, x in change.items()], axis=0),
-                    unknown={},
-                )
-                for one in own
-            ]
-            for name, own in self.records.items()
-        }
+
+        def moved(one: Record) -> Record:
+            assert one.mechanism is not None
+            forces = [x * one.unknown[path].force for path, x in change.items()]
+            mechanism = np.sum([one.mechanism, *forces], axis=0)
+            return replace(one, mechanism=mechanism, unknown={})
+
+        return {name: [moved(one) for one in own] for name, own in self.records.items()}
 
     @classmethod
     def _made(

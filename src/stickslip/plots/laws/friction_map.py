@@ -122,11 +122,6 @@ class MapSplit(NamedTuple):
     """That unit."""
 
 
-def _edges(one: MapSplit) -> tuple[float, float]:
-    low, high = np.quantile(one.values, [1 / 3, 2 / 3]).tolist()
-    return low, high
-
-
 def _inside(
     curves: Mapping[str, tuple[Array, Array]], first: float, last: float, factor: float
 ) -> dict[str, tuple[Array, Array]]:
