@@ -187,7 +187,7 @@ class TravelLaw:
         least = np.array([max(known[name].low, 0.0) for name in self.names])
         if len(self.typical):  # a linear step may lead a shape that was fitted below 0
             least[self.count :] = np.maximum(least[self.count :], RESOLVED * self.typical)
-        return np.maximum(unknowns @ self.matrix.T, least)
+        return np.asarray(np.maximum(unknowns @ self.matrix.T, least))
 
     def table(self, trials: Sequence[Trial], unknowns: Array) -> Array:
         """Return the travels (k, n) [m] with unknowns (k, p); NaN where no run is made."""
