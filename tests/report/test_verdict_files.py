@@ -14,7 +14,6 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     SpringBlock,
-    Viscous,
     load_rig,
     select,
     simulate,
@@ -114,9 +113,12 @@ def test_an_earlier_report_is_only_replaced_if_that_is_asked_for(verdict, tmp_pa
 def test_a_verdict_without_a_law_leaves_none_of_an_earlier_one(verdict, tmp_path):
     write_report(verdict, tmp_path)
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    # farther than a spring pressed by 0.1 m throws a block without friction: no law explains it
-    reading = Measurement(travel=5.0, uncertainty=0.005, uncertainty_kind="rounding")
-    nothing = select(block, [Viscous], reading, t_end=1.0)
+    # travels that fall where the spring is pressed farther: no law explains them
+    trials = [
+        Measurement(travel=s, uncertainty=1e-4, overrides={"mechanism.compression": x})
+        for x, s in ((0.06, 0.2), (0.08, 0.15), (0.1, 0.1))
+    ]
+    nothing = select(block, [Coulomb], Measurement(trials=trials), t_end=2.0)
     assert nothing.best is None
     write_report(nothing, tmp_path, overwrite=True)
     assert names(tmp_path) == ["index.html", "verdict.json"]

@@ -183,8 +183,11 @@ class TravelLaw:
 
     def values(self, unknowns: Array) -> Array:
         """Return the values (k, p) of unknowns (k, p)."""
-        least = [max(q.low, 0.0) for q in (fields_of(type(self.law))[n] for n in self.names)]
-        return np.maximum(unknowns @ self.matrix.T, least)
+        known = fields_of(type(self.law))
+        least = np.array([max(known[name].low, 0.0) for name in self.names])
+        if len(self.typical):  # a linear step may lead a shape that was fitted below 0
+            least[self.count :] = np.maximum(least[self.count :], RESOLVED * self.typical)
+        return np.asarray(np.maximum(unknowns @ self.matrix.T, least))
 
     def table(self, trials: Sequence[Trial], unknowns: Array) -> Array:
         """Return the travels (k, n) [m] with unknowns (k, p); NaN where no run is made."""
