@@ -312,8 +312,6 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
     """Return the parameters of the mechanism that were found."""
     known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
     found = []
-    if links is None:
-        return ()
     for path in paths:
         q, given = known[path]
         value, half = given + links.change[path], NORMAL * links.errors[path]
