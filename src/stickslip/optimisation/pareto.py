@@ -105,7 +105,7 @@ def pareto_front(
     progress : callable, optional
         Called with the motions that were optimised and how many there will be; if it returns
         False, the front so far is the result.
-    **options
+    **options : object
         ``kind``, ``scenarios``, ``interval``, ``quantile``, ``evaluations``, ``seed``,
         ``executor`` and the others of `optimise_profile`, for each motion.
 
@@ -118,6 +118,8 @@ def pareto_front(
     ------
     InputError
         If an argument cannot be used.
+    ParameterError
+        If the number of points is no whole number of at least 0.
     ConvergenceError
         If no motion keeps the limits.
 

@@ -313,10 +313,7 @@ class ReturnMap:
     def shoot(self, y: Array, value: float = np.nan) -> Shot:
         """Run over the period from free states, and take all derivatives.
 
-        Raises
-        ------
-        SimulationError
-            If the run ends early, or there is no derivative.
+        A run that ends early or has no derivative is a `SimulationError`.
         """
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
@@ -459,10 +456,7 @@ def _translations(
 def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
     """Return the shot that closes, by Newton's steps at a fixed value of the parameter.
 
-    Raises
-    ------
-    SimulationError
-        If a run ends early, has no derivative, or the steps do not converge.
+    Steps that do not converge, and runs as `ReturnMap.shoot` refuses, are a `SimulationError`.
     """
     shot = map_.shoot(y, value)
     for _ in range(MOST_STEPS):

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from stickslip import formatting
 from stickslip.errors import ConvergenceError
 from stickslip.formatting import joined, number
-from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     Estimate,
     TravelModel,
@@ -227,19 +226,6 @@ def _freed(
 def _sorted(found: Array, costs: Array) -> list[Array]:
     """Return unknowns in the order of their costs."""
     return [*found[np.argsort(costs, kind="stable")]]
-
-
-def law_from(model: TravelModel, trials: Sequence[Trial], start: Start) -> FrictionLaw:
-    """Return the law that a descent from a start leads to, for what needs no intervals."""
-    problem = _Problem(model, trials)
-    best = problem.free_parameters(start)
-    for _ in range(1 + WEIGHINGS):
-        best = min(best, problem.polished(best, STEPS), key=problem.cost)
-        if problem.cost(best) >= FAILED**2:
-            raise ConvergenceError(f"the trials cannot be simulated with {model.law.title}.")
-        if not problem.weighed(best):
-            break
-    return model.with_values((problem.matrix @ best).tolist())
 
 
 def _no_value(model: TravelModel, trial: Trial) -> ConvergenceError:
