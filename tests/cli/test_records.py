@@ -295,7 +295,7 @@ BAD = [
     (("select", "bare.toml", *COLUMNS), "apply to the files of --data"),
     (("select", "bare.toml", "--data", "axis.csv", "--columns", "position=x"), "column of axis"),
     (("select", "axis.toml", "--laws", "coulom"), "Did you mean 'coulomb'"),
-    (("select", "axis.toml", "--laws", "lugre"), "cannot be compared on this measurement"),
+    (("select", "axis.toml", "--laws", "bouc-wen"), "cannot be compared on this measurement"),
     (("select", "axis.toml", "--route", "shoot"), "Did you mean 'shooting'"),
     (("select", "axis.toml", "--vary", "friction.*,inertias"), "Did you mean 'inertia'"),
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),

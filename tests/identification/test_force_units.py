@@ -14,7 +14,8 @@ from stickslip import (
     TwoMassAxis,
     fit,
 )
-from stickslip.identification import FreeParameter, FreeParameters, told
+from stickslip.identification import FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import told
 from stickslip.quantities import fields_of
 
 

@@ -32,7 +32,7 @@ def test_a_line_that_was_not_ended_is_judged_again(tmp_path):
 
 def test_a_band_that_misses_the_truth_by_three_noises_is_a_false_statement():
     row = {"intervals": [], "accused": ["delay"], "set": 1, "gain": 0.0, "right": False,
-           "equal": False, "error": 1.4, "named": "level", "out": 3.0}  # fmt: skip
+           "equal": False, "error": 1.4, "named": "level", "out": 3.0, "hidden": False}  # fmt: skip
     assert len(list(bands._false(None, row))) == 3
 
 
@@ -48,7 +48,8 @@ def test_a_family_whose_shapes_lack_a_parameter_of_the_law_has_a_correlation():
 @pytest.mark.parametrize("number", range(8))
 def test_rigs_depend_on_seed_and_number_alone_and_know_their_friction(kind, number):
     one, again = (bands.KINDS[kind](number, 5) for _ in range(2))
-    assert one.inside == (number % 2 == 0)
+    if kind != "travels":  # whose truths are mostly in the vocabulary
+        assert one.inside == (number % 2 == 0)
     assert one.measurement.quantities() == again.measurement.quantities()
     for name in one.measurement.records()[0].quantities():
         first, second = (getattr(of.measurement.records()[0], name) for of in (one, again))

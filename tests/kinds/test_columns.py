@@ -110,9 +110,7 @@ def test_a_law_on_velocity_steps_without_a_fit_has_all_columns_of_a_dataframe():
 
 
 def test_a_terminal_and_a_page_show_the_same_error_of_a_law_on_velocity_steps():
-    judged = rate_state(
-        validation=CrossValidation(losses=(1e-6, 2e-6, 3e-6), extrapolation=math.nan), second=2e-3
-    )
+    judged = rate_state(validation=CrossValidation(losses=(1e-6, 2e-6, 3e-6)), second=2e-3)
     heads, ((_, free, error, rate, second),) = terminal_table(OF_STEPS, [judged])
     assert heads == ["law", "free", "held-out error", "a − b", "second record"]
     assert (free, rate, second) == ("—", "—", "0.00200")

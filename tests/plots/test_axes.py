@@ -218,7 +218,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_fit: "fit must be a Fit, got",
         plots.plot_verdict: "verdict must be a Verdict, got",
         plots.plot_ensemble: "runs must be an Ensemble",
-        plots.plot_sweep: "result must be a VelocityMap, Bifurcation, Basins or Sensitiv",
+        plots.plot_sweep: "result must be a VelocityMap, Bifurcation, Basins, Sensitiv",
         plots.plot_characteristic: "result must be a Characteristic",
         plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",

@@ -1,6 +1,5 @@
 """Of the laws that predict as well as the best, the most usual is named, and the others told."""
 
-import dataclasses
 import math
 from collections import Counter
 from types import SimpleNamespace
@@ -10,16 +9,14 @@ import pytest
 
 from stickslip import (
     Axis,
-    Coulomb,
     CoulombViscous,
     Dahl,
     Measurement,
     RecordSettings,
-    Stribeck,
     fit,
     select,
 )
-from stickslip.selection.choice import APART, NEAR, apart, as_good, choose, reduces_to
+from stickslip.selection.choice import APART, NEAR, apart, as_good, choose
 from stickslip.selection.cross_validation import CrossValidation
 
 AXIS = Axis(inertia=1.0)
@@ -139,34 +136,6 @@ def rubbing(t, v, x, noise):
 
 STEP = {"kinetic_coefficient": 2.0, "stribeck_velocity": 0.1}
 DAHL = Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e7)
-
-
-@pytest.mark.parametrize(
-    ("law", "at_bounds", "expected"),
-    [
-        (Stribeck(static_coefficient=2.0, **STEP), {}, True),  # no step
-        (Stribeck(static_coefficient=2.1, **STEP), {}, False),
-        (DAHL, {"friction.bristle_stiffness": "upper"}, True),  # bristles that do not give way
-        (DAHL, {}, False),
-        (DAHL, {"friction.kinetic_coefficient": "upper"}, False),
-        (
-            dataclasses.replace(DAHL, yield_exponent=2.0),
-            {"friction.bristle_stiffness": "upper"},
-            False,
-        ),
-        (Coulomb(kinetic_coefficient=2.0), {}, False),  # which does not contain it
-    ],
-)
-def test_what_a_fit_reduces_to_is_seen_from_its_values(law, at_bounds, expected):
-    fitted = SimpleNamespace(law=law, at_bounds=at_bounds)
-    assert reduces_to(fitted, CoulombViscous) is expected
-
-
-@pytest.mark.parametrize(("viscous", "expected"), [(0.0, True), (5.0, False)])
-def test_a_level_that_nobody_gave_is_not_compared(viscous, expected):
-    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=viscous)
-    assert law.static_coefficient is None
-    assert reduces_to(SimpleNamespace(law=law, at_bounds={}), Coulomb) is expected
 
 
 def rubbed(law, seed):

@@ -4,11 +4,11 @@ import dataclasses
 
 import pytest
 
-from stickslip import Capsule, Coulomb, EventDriven, SpringBlock
-from stickslip.drives import Sine
+from stickslip import Coulomb, EventDriven, PendulumCart, SpringBlock
+from stickslip.drives import Rotation
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
-from stickslip.mechanisms import Torque
+from stickslip.mechanisms import Prescribed
 from stickslip.report.runs.appendix import explained
 from stickslip.sweep import band_of
 
@@ -89,21 +89,19 @@ def test_runs_that_lasted_do_not_stand_for_those_that_did_not():
 
 
 def test_a_band_says_why_runs_stopped():
-    slow = Torque(drive=Sine(amplitude=1.0, frequency=0.5))
-    capsule = Capsule(
-        capsule_mass=0.8, inner_mass=0.2, stiffness=100.0, upper_stop=0.01, restitution=0.0,
-        drive=slow,
-    )  # fmt: skip
+    # a rotor that lifts the body off where its arm is longer than 20.2 mm
+    turning = Prescribed(profile=Rotation(rate=54.0))
+    body = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.02, pendulum=turning)
     settings = {"t_end": 0.8, "count": 12, "solver": EventDriven(tier="python")}
     law = Coulomb(kinetic_coefficient=0.2)
-    own = band_of(capsule, law, None, parameter_uncertainties={"upper_stop": 1e-3}, **settings)
+    own = band_of(body, law, None, parameter_uncertainties={"length": 1e-3}, **settings)
     assert 0 < own.ended_early < 12
     (sentence,) = own.reasons
-    assert sentence.startswith(f"At {own.ended_early} of 12 draws the run stopped: A coordinate")
+    assert sentence.startswith(f"At {own.ended_early} of 12 draws the run stopped: Lift-off")
     assert own.to_dict()["reasons"] == [sentence]
-    tight = dataclasses.replace(capsule, upper_stop=0.005)
-    with pytest.raises(SimulationError, match="At 12 of 12 draws the run stopped: A coordinate"):
-        band_of(tight, law, None, parameter_uncertainties={"upper_stop": 1e-4}, **settings)
+    longer = dataclasses.replace(body, length=0.03)
+    with pytest.raises(SimulationError, match="At 12 of 12 draws the run stopped: Lift-off"):
+        band_of(longer, law, None, parameter_uncertainties={"length": 1e-4}, **settings)
 
 
 def test_few_runs_have_no_shares():

@@ -10,6 +10,9 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 
+GROUND = "ground"
+"""Field of a drive that shakes what a mechanism stands on: nothing that a controller commands."""
+
 
 class Place(NamedTuple):
     """A field, of a mechanism or of a part of it, that holds a drive."""
@@ -62,7 +65,7 @@ def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
         here = (*path, field.name)
-        if isinstance(value, Profile):
+        if isinstance(value, Profile) or field.name == GROUND:
             continue  # a motion that is told leaves nothing to command
         if isinstance(value, Drive) or (
             value is None and Drive in typing.get_args(hints[field.name])

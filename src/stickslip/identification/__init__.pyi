@@ -9,6 +9,7 @@ from stickslip.identification.contact_inputs import usual_values as usual_values
 from stickslip.identification.contact_inputs import with_inputs as with_inputs
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
 from stickslip.identification.estimation.estimates import bounds_met as bounds_met
+from stickslip.identification.estimation.estimates import estimates_of as estimates_of
 from stickslip.identification.estimation.estimates import sentences_of as sentences_of
 from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identification.estimation.jackknife import Inference as Inference
@@ -25,6 +26,7 @@ from stickslip.identification.estimation.parameters import FreeParameters as Fre
 from stickslip.identification.estimation.parameters import reads_as_forces as reads_as_forces
 from stickslip.identification.estimation.parameters import required_of as required_of
 from stickslip.identification.estimation.parameters import starting_law as starting_law
+from stickslip.identification.estimation.parameters import told as told
 from stickslip.identification.estimation.parameters import with_known as with_known
 from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import ResidualJacobian as ResidualJacobian
@@ -74,6 +76,7 @@ from stickslip.identification.series.inverse_dynamics import inverse_dynamics as
 from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
 from stickslip.identification.series.start_values import Scales as Scales
+from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of

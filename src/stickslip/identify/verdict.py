@@ -456,7 +456,7 @@ class BandVerdict(Verdict[LawCandidate]):
         Examples
         --------
         >>> from stickslip.results import BandVerdict
-        >>> BandVerdict.schema()["properties"]["units"]["required"]
+        >>> BandVerdict.schema()["properties"]["units"]["oneOf"][0]["required"]
         ['velocity', 'friction']
         """
         text = files("stickslip.identify").joinpath("verdict.schema.json").read_text("utf-8")

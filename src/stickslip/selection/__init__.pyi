@@ -5,12 +5,14 @@ from stickslip.selection.candidates import check_any as check_any
 from stickslip.selection.candidates import check_apart as check_apart
 from stickslip.selection.candidates import checked as checked
 from stickslip.selection.candidates import contains as contains
+from stickslip.selection.candidates import control as control
 from stickslip.selection.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.selection.candidates import specifications as specifications
 from stickslip.selection.candidates import watched as watched
 from stickslip.selection.choice import as_good as as_good
 from stickslip.selection.choice import choose as choose
 from stickslip.selection.choice import effective_aic as effective_aic
+from stickslip.selection.choice import errs_more as errs_more
 from stickslip.selection.choice import outcome_beside as outcome_beside
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of

@@ -22,6 +22,7 @@ from stickslip.experiments import (
 )
 from stickslip.friction import (
     CandidateSpec,
+    Coulomb,
     FrictionLaw,
     contained_laws,
     containment_of,
@@ -101,6 +102,12 @@ def specifications(
     check_any(found)
     check_apart([one.name for one in found])
     return tuple(found)
+
+
+def control() -> CandidateSpec:
+    """Return the candidate without friction."""
+    law = Coulomb(kinetic_coefficient=0.0)
+    return CandidateSpec(name="no-friction", title="No friction", law=law, free=())
 
 
 def check_any(laws: Collection[object]) -> None:

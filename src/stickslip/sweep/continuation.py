@@ -59,6 +59,7 @@ from stickslip.sweep.parameter_grid import (
     counted,
     unit_of,
 )
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,23 +92,32 @@ OFF: Final = (0.01, 0.003, 0.03, 0.001)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BranchEvent:
-    """What changes along a branch, and where."""
+    """What changes along a branch, and where.
+
+    Parameters
+    ----------
+    kind : str
+        ``"fold"``, ``"period doubling"``, ``"branch point"``, ``"torus"``, ``"grazing"``,
+        ``"sticking"``, or ``"reversal"``.
+    value : float
+        Value of the parameter.
+    index : int
+        Number of the point of the branch before it.
+    sentence : str
+        What changes, in words.
+    orbit : Orbit
+        The orbit there.
+    """
 
     kind: str
-    """``"fold"``, ``"period doubling"``, ``"branch point"``, ``"torus"``, ``"grazing"``,
-    ``"sticking"``, or ``"reversal"``."""
     value: float
-    """Value of the parameter."""
     index: int
-    """Number of the point of the branch before it."""
     sentence: str
-    """What changes, in words."""
     orbit: Orbit
-    """The orbit there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Branch(OnAxes):
+class Branch(OnAxes, Tabular):
     """A branch of periodic orbits, point by point along its arc."""
 
     path: str

@@ -50,6 +50,7 @@ from stickslip.sweep.parameter_grid import (
     unit_of,
     whole_run,
 )
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,7 +79,7 @@ compared after both were solved for at the same value."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class OrbitDiagram(OnAxes):
+class OrbitDiagram(OnAxes, Tabular):
     """Branches of periodic orbits over a parameter, with settled motions behind."""
 
     path: str

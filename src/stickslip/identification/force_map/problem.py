@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
+from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.force_map.data import MotionSegment, refuse_timeless
+from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.start_values import (
     StartEstimate,
@@ -40,6 +41,40 @@ class ConstantForce(NamedTuple):
 
 
 NO_FORCE = ConstantForce()
+
+
+def force_map(
+    law: FrictionLaw | type[FrictionLaw],
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    segment: float | None = None,
+    samples: float = SAMPLES,
+    free: Collection[str] | None = None,
+    held: Collection[str] = (),
+    known: Mapping[str, float] | None = None,
+) -> ForceMap:
+    """Return the problem of fitting a law to measured friction, with start values from the data.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Dahl, Measurement
+    >>> from stickslip.identification.estimation.levenberg_marquardt import search
+    >>> t = np.linspace(0.0, 2.0, 401)
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> friction = np.sign(np.cos(2.0 * np.pi * t)) * 3.0
+    >>> record = Measurement(time=t, position=x, friction=friction, load=6.0)
+    >>> problem = force_map(Dahl, Axis(inertia=1.0), record, held=["yield_exponent"])
+    >>> found = search(problem, starts=1)
+    >>> round(float(found.best.values[0]), 2)
+    0.5
+    """
+    stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
+    few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
+    problem, starts = map_along(
+        law, stretches, few, free=free, held=held, known=known, beside=constant_of(mechanism)
+    )
+    return replace(problem, free_parameters=problem.free_parameters.starting_at(starts[0]))
 
 
 def constant_of(mechanism: Mechanism) -> ConstantForce:

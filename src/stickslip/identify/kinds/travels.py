@@ -855,6 +855,10 @@ def judged_travels(
                 name, law, trials, t_end, held=held, given=not usual, guessed=marked, watch=said
             )
             own = size
+            if not one.names:
+                raise InputError(
+                    f"there is nothing to fit: name a parameter of {law.title} in vary."
+                )
             if fields_of(type(law))[one.names[0]].scale != "level":  # a level tells nothing of it
                 levels, top = one.scanned()
                 own = replace(size, levels=levels, level=max(levels[0], top / HOLDING))
