@@ -194,6 +194,7 @@ class Branch(OnAxes, Tabular):
         share = ((value - low[at]) / span)[:, None]
         return self.starts[at] + share * (self.starts[at + 1] - self.starts[at])
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point."""
         import pandas as pd

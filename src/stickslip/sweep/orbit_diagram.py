@@ -121,6 +121,7 @@ class OrbitDiagram(OnAxes, Tabular):
         axis, units = {self.path: self.values}, {self.path: self.unit}
         return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point of each branch."""
         import pandas as pd
