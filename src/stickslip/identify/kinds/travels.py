@@ -856,9 +856,7 @@ def judged_travels(
             )
             own = size
             if not one.names:
-                raise InputError(
-                    f"there is nothing to fit: name a parameter of {law.title} in vary."
-                )
+                raise InputError(f"{law.title} has no parameter to fit here: name one in vary.")
             if fields_of(type(law))[one.names[0]].scale != "level":  # a level tells nothing of it
                 levels, top = one.scanned()
                 own = replace(size, levels=levels, level=max(levels[0], top / HOLDING))
