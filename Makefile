@@ -90,7 +90,7 @@ lowest: ## tests with the lowest versions of the dependencies that pyproject.tom
 	.venv-lowest/bin/python -m pytest -n $(WORKERS) --dist loadscope -p no:cacheprovider -W ignore::DeprecationWarning \
 	  tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py tests/cli/test_records.py \
 	  tests/cli/test_terminal.py tests/experiments/test_logs.py tests/experiments/test_units.py tests/exports/test_replay.py \
-	  tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_selection.py \
+	  tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
 	  tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
 
 fuzz: $(DEV) ## 42,000 random simulations, half of them of several contacts (two hours); tests run 250
