@@ -1,5 +1,6 @@
 """Bands of records: new readings, stated uncertainties, records that differ, drawn laws."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -106,3 +107,19 @@ def test_lugre_is_compared_by_the_bristles_of_its_balance():
     assert any("damping of bristles" in one for one in found.words.cannot_tell)
     with pytest.raises(InputError, match="memories of Dahl and LuGre"):
         select(AXIS, ["bouc-wen"], record(5, truth))
+
+
+def test_a_second_record_with_other_friction_widens_the_band_and_is_said(verdict):
+    """A tenth more friction, which no stretch of the first record shows."""
+    again = record(2)
+    way = np.sign(np.gradient(again.position))
+    more = replace(again, force=np.asarray(again.force) + 0.1 * way)
+    wide = select(AXIS, None, record(1), validate=more)
+    alike = select(AXIS, None, record(1), validate=again)
+    v = [0.5, 1.0]
+    sizes = [np.subtract(one.band(v).high, one.band(v).low) for one in (verdict, alike, wide)]
+    assert (sizes[2] > 3.0 * sizes[0]).all()
+    assert (sizes[1] < 2.0 * sizes[0]).all()
+    assert wide.inside < 0.6  # as the first record alone predicts it
+    texts = [json.dumps(one.to_dict()) for one in (alike, wide)]
+    assert ["The second record differs by more" in text for text in texts] == [False, True]

@@ -308,7 +308,7 @@ Goal = Annotated[
 Kind = Annotated[
     str,
     typer.Option(
-        "--kind", help="Kind of motion: three-phase, seven-step, sine(-swing) or spline(-swing)."
+        "--kind", help="three-phase, three-accelerations, seven-step, sine(-swing), spline(-swing)."
     ),
 ]
 Angle = Annotated[

@@ -10,9 +10,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 
-GROUND = "ground"
-"""Field of a drive that shakes what a mechanism stands on: nothing that a controller commands."""
-
 
 class Place(NamedTuple):
     """A field, of a mechanism or of a part of it, that holds a drive."""
@@ -62,11 +59,12 @@ def _put(root: Any, path: tuple[str, ...], command: Drive) -> Any:
 def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
     """Yield the fields that hold a drive, or may."""
     hints = typing.get_type_hints(type(root))
+    imposed = root.imposed if isinstance(root, Mechanism) else frozenset[str]()
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
         here = (*path, field.name)
-        if isinstance(value, Profile) or field.name == GROUND:
-            continue  # a motion that is told leaves nothing to command
+        if isinstance(value, Profile) or (not path and field.name in imposed):
+            continue  # what is imposed leaves nothing to command
         if isinstance(value, Drive) or (
             value is None and Drive in typing.get_args(hints[field.name])
         ):

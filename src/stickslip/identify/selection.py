@@ -129,7 +129,7 @@ def _remarks(
         found = (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
     else:
         found = (OTHERS,) if validate is None else ()
-    if judgement.ensemble.wider > 1.0:
+    if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:
         found = (widened_sentence(judgement.ensemble.wider),)
     remembers = MEMORY in problem.family(judgement.named)
     undamped = (UNDAMPED,) if remembers and problem.memory == "lugre" else ()

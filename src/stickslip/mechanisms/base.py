@@ -150,6 +150,8 @@ class Mechanism(Parametrised, ABC):
     """What slips on the contact, as reports call it."""
     contact_names: ClassVar[str] = ""
     """Names of the contacts where there may be several, as listings show them."""
+    imposed: ClassVar[frozenset[str]] = frozenset()
+    """Fields of drives from outside, as of shaking ground, which no controller commands."""
 
     @property
     @final

@@ -59,6 +59,7 @@ class PendulumCart(Mechanism):
     units: ClassVar[tuple[str, ...]] = ("m", "rad")
     moving_part: ClassVar[str] = "cart"
     contact_names: ClassVar[str] = "wheels, pivot (with pivot_load)"
+    imposed: ClassVar[frozenset[str]] = frozenset({GROUND})
 
     cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
     """Mass of the cart."""
@@ -180,8 +181,7 @@ class PendulumCart(Mechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        ground = {} if self.ground is None else {GROUND: self.ground}
-        return {**self.pendulum.drives(), **ground}
+        return {**self.pendulum.drives(), **({} if self.ground is None else {GROUND: self.ground})}
 
     @override
     def start(self) -> Mapping[str, Scalar]:
