@@ -1,6 +1,7 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
+from stickslip.identify.kinds.record_signals import records_of
 from stickslip.identify.verdict import groups_of
 
 ROUTES = {"tables": None}
@@ -88,6 +90,14 @@ class Judged:
     def inside(self, record: Measurement) -> float:
         """Return the share of the readings of another record within their band."""
         return float(self._selected(record).inside)
+
+    def shown(self, record: Measurement, levels: Sequence[float]) -> list[float]:
+        """Return the shares of what another record shows that lie in the bands of levels."""
+        judgement = self.verdict.judgement
+        other = judgement.problem.of(records_of(self.rig.mechanism, record, offset=True))
+        bands = [judgement.reading_band(other.rows, level) for level in levels]
+        return [float(np.mean((b.low <= other.response) & (other.response <= b.high)))
+                for b in bands]  # fmt: skip
 
     def advised(self) -> Points | None:
         """Return where readings are proposed."""

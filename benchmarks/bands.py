@@ -123,8 +123,13 @@ def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, A
         "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),
         "width": float(np.mean((point.high - point.low) / 2.0 / noise)),
         "out": float(np.max(out)),
-        "new": [_share(verdict.readings(some, level), new) for level in LEVELS],
     }
+    # of a free motion nobody reads friction: what a second record shows is read
+    found["new"] = (
+        verdict.shown(rig.second, LEVELS)
+        if rig.kind == "decays" and rig.second is not None
+        else [_share(verdict.readings(some, level), new) for level in LEVELS]
+    )
     if rig.beyond is not None:
         far = verdict.band(rig.beyond)
         over = [curve(rig.beyond) for curve in rig.curves]

@@ -36,6 +36,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
@@ -405,7 +406,12 @@ def noise_weights(
     count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
     # a fit without residuals still has the rounding of its numbers
     least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
-    return weights / math.sqrt(float(e @ e) / count + least + NOTHING), z
+    variance = float(e @ e) / count
+    spare = len(e) - problem.parameters(structure)
+    if problem.independent and spare < FEW:
+        # a fit through nearly all rows says nearly nothing of their noise
+        variance *= float(stdtrit(max(spare, 1), 0.975) / 1.96) ** 2
+    return weights / math.sqrt(variance + least + NOTHING), z
 
 
 def _beside_another(side: Array, speeds: Array) -> NDArray[np.intp]:

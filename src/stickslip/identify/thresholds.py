@@ -33,7 +33,7 @@ class Thresholds:
     """Dirichlet draws of the Bayesian bootstrap of blocks."""
     ensemble: int = 800
     """Draws of laws from which bands are read."""
-    level: float = 0.97
+    level: float = 0.96
     """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
     interval: float = 0.98
     """Quantiles between which an interval of a parameter that is stated as 95 % lies."""
