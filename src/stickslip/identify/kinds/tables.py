@@ -4,7 +4,7 @@ Terms of laws stand for friction :math:`s(v)\,N^a f(|v|)`: :math:`s` is the dire
 the load over its geometric mean. Blocks are speeds, and loads where there are several: what is left
 out is what will be asked. The measured curve is piecewise linear over :math:`\log |v|` with knots
 at the speeds, between them and beyond them, its bending penalised: a smoothing spline, whose prior
-opens the band between the readings and beyond them; or its steps, where friction jumps.
+opens the band between the readings and beyond them. Beside it friction may jump between two speeds.
 """
 
 import math
@@ -41,8 +41,6 @@ EXPONENTS = (0.2, 1.5)
 """Range of the power of the speed, which is that of `stickslip.friction`."""
 BENDING = (0.01, 0.03, 0.1, 0.3, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
-STEPPING = (1e-2, 3e-2)
-"""Penalties of its steps instead, with which it follows friction that jumps."""
 RUN_SPREADS = (3.0, 10.0, 30.0)
 """Spreads of runs, in units of the noise."""
 BEYOND = (math.log(10.0), math.log(10.0))
@@ -133,9 +131,9 @@ class Frame:
     """Root mean square of the friction [N]."""
     knots: Array
     """Logarithms of the speeds at which the measured curve bends (k,)."""
-    bases: tuple[Array, Array]
-    """Eigenvectors of its steps and of its bending (k, k)."""
-    penalties: tuple[Array, Array]
+    basis: Array
+    """Eigenvectors of its bending (k, k)."""
+    bending: Array
     """Their eigenvalues (k,)."""
     means: Mapping[str, float]
     """Means of the inputs."""
@@ -174,15 +172,15 @@ class TableProblem(Problem):
         slowest = float(speed.min())
         logs = np.log(np.maximum(rows.speed, slowest / 10.0))
         knots = _knots(_apart(np.log(speed)))
-        steps, bending = _differences(knots)
+        bending, basis = _bending(knots)
         self.frame = Frame(
             slowest=slowest,
             fastest=float(speed.max()),
             load=float(np.exp(np.mean(np.log(rows.load)))),
             size=float(np.sqrt(np.mean(self.response**2))) or 1.0,
             knots=knots,
-            bases=(steps[1], bending[1]),
-            penalties=(steps[0], bending[0]),
+            basis=basis,
+            bending=bending,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
         )
         self.loaded = bool(np.ptp(rows.load) > 1e-9 * rows.load.max())
@@ -203,15 +201,11 @@ class TableProblem(Problem):
         loads = (*LOAD_EXPONENTS, BOTH, HERSEY) if self.loaded else (1.0,)
         sides = (0.0, 1.0) if both_ways(rows) else (0.0,)
         self.references = [
-            (("curve", (penalty, a, side, kind)),)
-            for kind, penalties in enumerate((STEPPING, BENDING))
-            for penalty in penalties
-            for a in loads
-            for side in sides
+            (("curve", (penalty, a, side)),) for penalty in BENDING for a in loads for side in sides
         ]
         # a curve that bends as little as it can beside a jump does not smear it
         self.references += [
-            (("curve", (penalty, 1.0, 0.0, 1)), ("jump", (place,)))
+            (("curve", (penalty, 1.0, 0.0)), ("jump", (place,)))
             for penalty in BENDING[2:]
             for place in _gaps(rows.speed)
         ]
@@ -466,27 +460,22 @@ def _knots(logs: Array) -> Array:
     return np.concatenate([inside[0] - below[::-1], inside, inside[-1] + above])
 
 
-def _differences(knots: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return eigenvalues (k,) and vectors (k, k) of the steps and the bending of a curve."""
+def _bending(knots: Array) -> tuple[Array, Array]:
+    """Return eigenvalues (k,) and vectors (k, k) of the bending of a curve."""
     gaps = np.maximum(np.diff(knots), 1e-6)
     slopes = np.diff(np.eye(len(knots)), axis=0) / gaps[:, None]
     between = 0.5 * (gaps[:-1] + gaps[1:])
-    first = slopes * np.sqrt(gaps)[:, None]
-    second = np.diff(slopes, axis=0) / np.sqrt(between)[:, None]
+    root = np.diff(slopes, axis=0) / np.sqrt(between)[:, None]
     edge = len(gaps) - 2
-    second[[0, 1, 2, edge - 2, edge - 1, edge]] *= LOOSE
-    return _modes(first), _modes(second)
+    root[[0, 1, 2, edge - 2, edge - 1, edge]] *= LOOSE
+    values, vectors = np.linalg.eigh(root.T @ root)
+    return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
 
 
 def _gaps(speed: Array) -> list[float]:
     """Return the middles between neighbouring speeds, two of which at least are on either side."""
     known = np.log(np.unique(speed))
     return np.exp(0.5 * (known[1:-2] + known[2:-1])).tolist() if len(known) > 3 else []
-
-
-def _modes(root: Array) -> tuple[Array, Array]:
-    values, vectors = np.linalg.eigh(root.T @ root)
-    return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
 
 
 def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
@@ -507,7 +496,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
     def curve(r: Rows, shape: Shape) -> Array:
         over = r.load / frame.load if shape[1] == HERSEY else 1.0
         logs = np.log(np.maximum(r.speed / over, frame.slowest * 1e-3))
-        bent = _hats(logs, frame.knots) @ frame.bases[int(shape[3])]
+        bent = _hats(logs, frame.knots) @ frame.basis
         powers = (1.0, 0.0) if shape[1] == BOTH else (1.0,) if shape[1] == HERSEY else shape[1:2]
         hats = np.hstack([weight(r, a)[:, None] * bent for a in powers])
         return np.hstack([hats, r.direction[:, None] * hats]) if shape[2] else hats
@@ -576,9 +565,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             name="curve", role="curve", columns=curve, shapes=(),
             precision=lambda shape: shape[0]
             * frame.load**2  # of a force, as the noise is
-            * np.tile(
-                frame.penalties[int(shape[3])], (1 + int(shape[2])) * (1 + (shape[1] == BOTH))
-            ),
+            * np.tile(frame.bending, (1 + int(shape[2])) * (1 + (shape[1] == BOTH))),
             title=TITLES["curve"], cost=2,
         ),
     ]  # fmt: skip
