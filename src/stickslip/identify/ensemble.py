@@ -151,6 +151,14 @@ class Ensemble:
         rng = np.random.default_rng(self.seed + 5)
         return curves + self.learned.draws(rows, len(curves), rng)
 
+    def scatter(self, rng: np.random.Generator, count: int = THRESHOLDS.ensemble) -> Array:
+        """Return draws (count,) of the scatter that drawn laws leave, in the order of `curves`."""
+        found = []
+        for draw in self.draws(count):
+            fit, n = self.fit(draw.structure), len(draw.coefficients)
+            found.append(fit.scatter / np.sqrt(rng.chisquare(fit.freedom, n) / fit.freedom))
+        return np.concatenate(found)
+
     def _length(self, columns: Columns) -> int:
         return len(columns.of(self.comparison.curve[0]))
 

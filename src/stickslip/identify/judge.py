@@ -258,12 +258,6 @@ class Judgement:
         far = np.flatnonzero(z > THRESHOLDS.outlying)
         return {int(row): float(z[row]) for row in far}
 
-    @cached_property
-    def freedom(self) -> float:
-        """Degrees of freedom of the noise."""
-        count = len(self.problem.response)
-        return float(max(count - self.problem.parameters(self.comparison.structures[0]), 2))
-
     def noise(self, rows: Any) -> Array:
         """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
         return noise_at(self.regression, rows)
@@ -285,7 +279,7 @@ class Judgement:
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
 
-        Of independent readings noise is normal, with a scale that residuals tell. Dense rows have
+        Of independent readings noise is normal, with the scale that each law leaves. Dense rows have
         what laws leave of one part of the measurement that is predicted from the others, at
         rows of about the same speed: with its tails, its scatter by speed, and what differs from
         part to part.
@@ -294,8 +288,8 @@ class Judgement:
         rng = np.random.default_rng(self.ensemble.seed + 3)
         if not self.problem.independent:
             return curves + self._resampled(rows, len(curves), rng)
-        scale = np.sqrt(rng.chisquare(self.freedom, (len(curves), 1)) / self.freedom)
-        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) / scale)
+        scatter = self.ensemble.scatter(rng)[:, None]
+        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) * scatter)
 
     def _resampled(self, rows: Any, count: int, rng: np.random.Generator) -> Array:
         """Return what readings at rows leave (count, n), drawn from rows of like speed."""

@@ -308,6 +308,8 @@ class Fitted:
     """Their covariance (p, p)."""
     freedom: float
     """Degrees of freedom of Student's t."""
+    scatter: float = 1.0
+    """Standard deviation of weighted residuals, where rows are independent."""
     root: Array | None = None
     """A root (k, p) of the covariance, where it is known: root.T @ root is the covariance."""
 

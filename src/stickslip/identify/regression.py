@@ -314,11 +314,12 @@ class BlockRegression:
         shaped = problem.parameters(structure) - sum(
             problem.terms[name].cost for name, _ in structure
         )
-        root = None
+        root, scatter = None, 1.0
         if problem.independent:
             spare = len(y) - float(np.trace(inverse @ gram)) - shaped
             freedom = max(spare, FEW)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
+            scatter = math.sqrt(variance)
             if spare < FEW:  # a fit through all rows says nothing of their noise
                 variance = max(variance, float(np.mean((w * self.held_out(structure)) ** 2)))
             covariance = inverse * variance
@@ -341,6 +342,7 @@ class BlockRegression:
             coefficients=c / size,
             covariance=covariance / np.outer(size, size),
             freedom=freedom,
+            scatter=scatter,
             root=root,
         )
 
