@@ -151,6 +151,7 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         lower_soft_stop: _SoftStop | None = ...,
         upper_soft_stop: _SoftStop | None = ...,
         drive_on: _Literal['both', 'inner mass'] = ...,
+        squeeze: _Given = ...,
     ) -> None: ...
 
 @final
