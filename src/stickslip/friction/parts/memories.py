@@ -421,7 +421,7 @@ class Relaxing(Memory):
     argument = "number"
     compared = False
     dissipates = relaxes = True
-    tex = r"\left(\sigma_0 z + \textstyle\sum_{i=1}^{{0}} k_i q_i\right)"
+    tex = r"\left(\sigma_0 z + \textstyle\sum_i k_i q_i\right)"
     tex_where = (
         r"\dot z = v - \frac{|v|}{g} \left(\sigma_0 z + \textstyle\sum_i k_i q_i\right), \quad"
         r" \dot q_i = \dot z - q_i / \tau_i"
