@@ -63,7 +63,8 @@ TISSUES: Mapping[str, Tissue] = MappingProxyType(
         "intestine": Tissue(
             composition="level + logarithmic + viscous",
             meaning="Friction under the squeeze of a bowel, which grows with the speed, and drag.",
-            sources=("woo2011", "guo2020"),
+            sources=("sledsonbowel2013", "woo2011", "guo2020"),
+            ranges={"kinetic_coefficient": (0.007, 0.054)},
         ),
         "folds": Tissue(
             composition="(level + logarithmic) * ripple[position] + viscous",
