@@ -80,7 +80,20 @@ class Drive(Parametrised, ABC):
         """
 
     def shaped(self, linear: Scalar, t: Scalar) -> Scalar:  # pieces are a phase for some
-        """Return the value from what the pieces give, and the time."""
+        """Return the value from what the pieces give, and the time.
+
+        Parameters
+        ----------
+        linear : float or array
+            Value of the piece that holds then.
+        t : float or array
+            Time [s].
+
+        Returns
+        -------
+        float or array
+            Value of the drive.
+        """
         return linear + self.smooth(t)
 
     @abstractmethod
