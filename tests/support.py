@@ -34,12 +34,14 @@ from stickslip import (
     TwoFeet,
     TwoLinkArm,
     TwoMassAxis,
+    TwoMassCapsule,
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
 from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import (
+    InnerMass,
     Lining,
     Link,
     Mechanism,
@@ -330,6 +332,21 @@ capsules = st.builds(
     damping=st.just(0.0) | nearly(0, 2),
     incline=inclines,
 )
+inner_masses = st.builds(
+    InnerMass,
+    mass=decade(-1, 0),
+    angle=st.just(0.0) | nearly(-1.0, 1.0),
+    drive=motors,
+    stiffness=st.just(0.0) | decade(0, 2),
+    damping=st.just(0.0) | nearly(0, 2),
+)
+two_mass_capsules = st.builds(
+    TwoMassCapsule,
+    capsule_mass=decade(-1, 1),
+    first=inner_masses,
+    second=inner_masses,
+    incline=inclines,
+)
 block_chains = st.builds(
     BlockChain,
     blocks=st.integers(1, 4),
@@ -419,6 +436,7 @@ RIGS: Mapping[str, st.SearchStrategy[Any]] = {
     "pendulum": pendulums,
     "pendulum-cart": pendulum_carts,
     "capsule": capsules,
+    "two-mass-capsule": two_mass_capsules,
     "block-chain": block_chains,
     "clutch-train": clutch_trains,
     "disc-brake": disc_brakes,
@@ -448,6 +466,17 @@ EXAMPLES: Mapping[str, Mechanism] = {
     "capsule": Capsule(
         capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=5.0, frequency=1.5)),
         stiffness=40.0, damping=0.2,
+    ),
+    "two-mass-capsule": TwoMassCapsule(
+        capsule_mass=0.6,
+        first=InnerMass(
+            mass=0.2, stiffness=40.0, damping=0.2,
+            drive=Torque(drive=Sine(amplitude=5.0, frequency=1.5)),
+        ),
+        second=InnerMass(
+            mass=0.1, angle=0.8, stiffness=30.0, damping=0.2,
+            drive=Torque(drive=Sine(amplitude=1.0, frequency=1.5, phase=1.0)),
+        ),
     ),
 }  # fmt: skip
 """One of each mechanism with one contact by registry name."""

@@ -98,6 +98,7 @@ from stickslip.mechanisms import TowedBlock as TowedBlock
 from stickslip.mechanisms import TwoFeet as TwoFeet
 from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
+from stickslip.mechanisms import TwoMassCapsule as TwoMassCapsule
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
 from stickslip.simulation import ensemble as ensemble
@@ -172,6 +173,7 @@ __all__ = [
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
+    "TwoMassCapsule",
     "Viscous",
     "WarmViscous",
     "__version__",

@@ -13,7 +13,7 @@ from tests.support import RIGS, SHOWN, Generated, example_of, examples, informed
 from stickslip import simulate
 from stickslip.drives import Drive
 from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS, Motor, slip_of, stops_of
+from stickslip.mechanisms import MECHANISMS, InnerMass, Motor, slip_of, stops_of
 
 each_mechanism = pytest.mark.parametrize("name", MECHANISMS)
 each_example = pytest.mark.parametrize("rig", SHOWN.values(), ids=SHOWN)
@@ -51,7 +51,7 @@ def held_in(part):
         value = getattr(part, field.name)
         if isinstance(value, Drive):
             yield value
-        elif isinstance(value, Motor):
+        elif isinstance(value, (InnerMass, Motor)):
             yield from held_in(value)
 
 

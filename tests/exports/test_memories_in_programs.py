@@ -9,11 +9,12 @@ from tests.exports.compiled import library, numbers
 from tests.exports.fmus import made, need_tools
 from tests.exports.test_fmu import compare
 from tests.friction.test_memories import GMS, MAXWELL, PUSH, RESET, axis
+from tests.friction.test_tissue import OWN
 
 from stickslip import export, simulate
 from stickslip.errors import InputError
 
-LAWS = {"gms": GMS, "maxwell": MAXWELL, "reset": RESET}
+LAWS = {"gms": GMS, "maxwell": MAXWELL, "reset": RESET, "relaxing": OWN}
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -65,6 +66,8 @@ def test_models_in_modelica_have_no_latches():
     assert "maxwell_step" in export(MAXWELL, "c", name="maxwell").files["maxwell.h"]
 
 
-def test_an_fmu_has_the_bits_of_the_engine(tmp_path: Path):
+@pytest.mark.parametrize("name", ["gms", "relaxing"])
+def test_an_fmu_has_the_bits_of_the_engine(name: str, tmp_path: Path):
     need_tools()
-    compare(made(tmp_path, "gms", axis(PUSH), GMS), tmp_path, axis(PUSH), GMS)
+    own = LAWS[name]
+    compare(made(tmp_path, name, axis(PUSH), own), tmp_path, axis(PUSH), own)

@@ -58,6 +58,7 @@ FREE = (
     "gms[2](level + stribeck) + viscous",
     "reset(level + lorentz) + viscous",
     "bliman_sorine(both_ways[levels](level)) + power",
+    "relaxing[2](both_ways[levels](level + stribeck)) + viscous",
     "level + viscous * exponential[temperature]",
     "(level + stribeck) * linear[gravity] + viscous * exponential[temperature]",
     "level * ripple[position] * linear[temperature] + power * linear[pressure]",
@@ -95,7 +96,7 @@ FLOWS = (
 AROUND = (
     "{}", "both_ways({})", "both_ways[levels]({})", "({}) * linear[temperature]", "tanh({})",
     "root({})", "dahl({})", "lugre({})", "lugre_fading({})", "elasto_plastic({})", "bouc_wen({})",
-    "maxwell[3]({})", "gms[2]({})", "reset({})", "bliman_sorine({})",
+    "maxwell[3]({})", "gms[2]({})", "reset({})", "bliman_sorine({})", "relaxing[2]({})",
     "dahl(both_ways[levels]({}))", "lugre(both_ways({}))",
 )  # fmt: skip
 

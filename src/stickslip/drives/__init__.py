@@ -4,6 +4,7 @@ from stickslip.lazy import attach
 
 HOMES = {
     "Drive": "base",
+    "HalfSine": "elementary",
     "Piece": "base",
     "PiecewiseAffine": "elementary",
     "PiecewiseLinear": "elementary",

@@ -7,6 +7,7 @@ from stickslip.drives.base import Drive as Drive
 from stickslip.drives.base import Piece as Piece
 from stickslip.drives.base import Straight as Straight
 from stickslip.drives.base import Sum as Sum
+from stickslip.drives.elementary import HalfSine as _HalfSine
 from stickslip.drives.elementary import PiecewiseAffine as PiecewiseAffine
 from stickslip.drives.elementary import PiecewiseLinear as PiecewiseLinear
 from stickslip.drives.elementary import Pulse as _Pulse
@@ -26,6 +27,18 @@ from stickslip.drives.registry import DRIVES as DRIVES
 from stickslip.drives.registry import PROFILES as PROFILES
 from stickslip.quantities import Given as _Given
 from typing import Literal as _Literal
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HalfSine(_HalfSine):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        period: _Given,
+        duty: _Given = ...,
+        start: _Given = ...,
+    ) -> None: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -156,6 +169,7 @@ class TimedThreePhase(_TimedThreePhase):  # type: ignore[misc]  # final but for 
 
 __all__ = [
     "Drive",
+    "HalfSine",
     "Piece",
     "PiecewiseAffine",
     "PiecewiseLinear",

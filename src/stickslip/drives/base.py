@@ -47,6 +47,8 @@ class Drive(Parametrised, ABC):
     wanted: ClassVar[str] = "a drive such as Sine(...)"
     moves: ClassVar[bool] = False
     """Whether the value is the acceleration of a motion, which no force or torque can be."""
+    adds: ClassVar[bool] = True
+    """Whether its value is its smooth part and its linear part together."""
 
     @override
     @classmethod
@@ -77,6 +79,23 @@ class Drive(Parametrised, ABC):
         A drive that repeats itself gives those that begin up to `until` [s], and perhaps more.
         """
 
+    def shaped(self, linear: Scalar, t: Scalar) -> Scalar:  # pieces are a phase for some
+        """Return the value from what the pieces give, and the time.
+
+        Parameters
+        ----------
+        linear : float or array
+            Value of the piece that holds then.
+        t : float or array
+            Time [s].
+
+        Returns
+        -------
+        float or array
+            Value of the drive.
+        """
+        return linear + self.smooth(t)
+
     @abstractmethod
     def smooth_bound(self) -> tuple[Scalar, Scalar]:
         """Return the least and the largest value of the smooth part."""
@@ -101,7 +120,7 @@ class Drive(Parametrised, ABC):
         """
         pieces = self.pieces(t)
         linear, _ = _at(pieces, [piece.start for piece in pieces], t)
-        return float(self.smooth(t) + linear)
+        return float(self.shaped(linear, t))
 
     def __add__(self, other: "Drive") -> "Sum":
         """Add two drives."""
@@ -156,6 +175,11 @@ class Sum(Drive):
             if cure or not isinstance(part, Drive):
                 raise ParameterError(
                     f"Sum.parts must contain drives such as Sine(...), got {part!r}. {cure}".strip()
+                )
+            if not part.adds:
+                raise ParameterError(
+                    f"Sum.parts cannot contain {type(part).__name__}, whose pieces are a phase."
+                    " Give it alone."
                 )
 
     @override

@@ -91,6 +91,68 @@ class Square(Straight):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class HalfSine(Drive):
+    """Pulses that are the half of a sine, one in each cycle, and 0 between them.
+
+    Its pieces are the phase of the pulse, so that both ends are met exactly.
+
+    Examples
+    --------
+    >>> blows = HalfSine(amplitude=3.0, period=0.4, duty=0.25)
+    >>> [round(blows.value(t), 9) for t in (0.05, 0.1, 0.3, 0.45)], round(blows.mean, 9)
+    ([3.0, 0.0, 0.0, 3.0], 0.477464829)
+    """
+
+    adds: ClassVar[bool] = False
+
+    amplitude: Annotated[float, Quantity("P", "N", or_unit="N m")]
+    """Largest value."""
+    period: Annotated[float, Quantity("T", "s", above=0)]
+    """Duration of a cycle."""
+    duty: Annotated[float, Quantity("D", above=0, high=1)] = 0.5
+    """Share of the period that the pulse lasts."""
+    start: Annotated[float, Quantity("t_0", "s")] = 0.0
+    """When the first cycle begins."""
+
+    @property
+    def mean(self) -> float:
+        """Mean value of a cycle."""
+        return 2.0 * self.duty * self.amplitude / math.pi
+
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return 0.0
+
+    @override
+    def shaped(self, linear: Scalar, t: Scalar) -> Scalar:
+        return self.amplitude * sin(linear)
+
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        width = self.duty * self.period
+        cycle = (
+            Piece(self.start, 0.0, math.pi / width),
+            Piece(self.start + width, 0.0, 0.0),
+        )
+        span = until - least(self.start) + least(self.period)
+        return repeated(type(self).__name__, cycle, self.period, span)
+
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        # beside the phase, which is from 0 to pi: wider than the values are
+        return -abs(self.amplitude), abs(self.amplitude)
+
+    @override
+    def repeats(self) -> float:
+        return self.period
+
+    @override
+    def time_scale(self) -> float:
+        return self.duty * self.period
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Ramp(Straight):
     """Grows at a constant rate from a given time.
 

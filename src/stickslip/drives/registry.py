@@ -4,7 +4,15 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from stickslip.drives.base import Drive
-from stickslip.drives.elementary import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
+from stickslip.drives.elementary import (
+    HalfSine,
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sampled,
+    Sine,
+    Square,
+)
 from stickslip.drives.motion_profiles import (
     Profile,
     Rotation,
@@ -18,6 +26,7 @@ from stickslip.drives.motion_profiles import (
 
 DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
     {
+        "half-sine": HalfSine,
         "piecewise-linear": PiecewiseLinear,
         "pulse": Pulse,
         "ramp": Ramp,

@@ -365,6 +365,6 @@ def symbols_of(
         value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
         drives[name] = se.Symbol(f"d{k}")
         linear = value + slope * (t - start)
-        inputs[drives[name]] = linear + expression(drive.smooth(Traced(t, board)))
+        inputs[drives[name]] = expression(drive.shaped(Traced(linear, board), Traced(t, board)))
     given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
     return Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, given, constants)

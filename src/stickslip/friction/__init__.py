@@ -74,6 +74,8 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
+    "TISSUES": "tissue",
+    "Tissue": "tissue",
     "Typical": "base",
     "bound": "base",
     "contained_laws": "registry",

@@ -52,6 +52,8 @@ from stickslip.friction.registry import usual_specifications as usual_specificat
 from stickslip.friction.registry import with_typical_values as with_typical_values
 from stickslip.friction.sources import CITATIONS as CITATIONS
 from stickslip.friction.sources import SOURCES as SOURCES
+from stickslip.friction.tissue import TISSUES as TISSUES
+from stickslip.friction.tissue import Tissue as Tissue
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
 from typing_extensions import override as _override
@@ -1211,9 +1213,11 @@ __all__ = [
     "Simscape",
     "Stribeck",
     "StribeckPower",
+    "TISSUES",
     "TanhCoulomb",
     "TanhStribeck",
     "Threlfall",
+    "Tissue",
     "Tustin",
     "Typical",
     "Viscous",

@@ -15,7 +15,9 @@ from stickslip.friction.base import (
     BOUND,
     BristleLaw,
     FrictionLaw,
+    Passivity,
     SetValuedLaw,
+    anywhere,
     bound,
     is_bound,
 )
@@ -36,6 +38,7 @@ from stickslip.friction.notation import (
 )
 from stickslip.friction.parts.base import (
     Extra,
+    Factor,
     Flow,
     Level,
     Memory,
@@ -585,8 +588,8 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind.on_request = bool(space.get("on_request", True))
     kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
     kind.contained = Contained(c, _by_parts)
-    if kind.passivity is None and all(one.part.opposes for one in c.term.parts()):
-        kind.passivity = ALWAYS
+    if kind.passivity is None:
+        kind.passivity = _passivity(c)
     if "formula" not in space:
         kind.formula = formula_of(c)
     abc.update_abstractmethods(kind)
@@ -595,6 +598,28 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
         if key in equations and (c.memory is not None or not made.directional):
             setattr(made, key, for_floats(made, key, equations[key], arguments))
     return made  # type: ignore[no-any-return]  # a class made by a call
+
+
+def _passivity(c: Composition) -> Passivity | None:
+    """Return when the parts of a composition take energy alone; None where they do not tell."""
+    parts = [one.part for one in c.term.parts()]
+    doubtful = [one for one in parts if not (one.opposes or getattr(one, "dissipates", False))]
+    conditions = {getattr(one, "positive_if", "") for one in doubtful}
+    # an input that changes scales stiffness too, and with it what springs hold already
+    if (c.memory and c.inputs) or "" in conditions:
+        return None
+    if not doubtful:
+        return ALWAYS
+
+    def holds(law: Any, _load: float) -> bool:
+        given = anywhere(law)
+        return all(
+            cast(Factor, leaf.part).positive(leaf.told(given, STILL, way)[0])
+            for leaf in c.factors.values()
+            for way in (lambda forward, _: forward, lambda _, backward: backward)
+        )
+
+    return Passivity(condition=" and ".join(sorted(conditions)), holds=holds)
 
 
 def class_of(term: Term) -> type[FrictionLaw]:

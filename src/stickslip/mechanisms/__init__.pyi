@@ -87,6 +87,8 @@ from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as _TwoMassAxis
+from stickslip.mechanisms.two_mass_capsule import InnerMass as _InnerMass
+from stickslip.mechanisms.two_mass_capsule import TwoMassCapsule as _TwoMassCapsule
 from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
 from stickslip.mechanisms.urdf import has_macros as has_macros
 from stickslip.mechanisms.urdf import read_urdf as read_urdf
@@ -151,6 +153,7 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         lower_soft_stop: _SoftStop | None = ...,
         upper_soft_stop: _SoftStop | None = ...,
         drive_on: _Literal['both', 'inner mass'] = ...,
+        squeeze: _Given = ...,
     ) -> None: ...
 
 @final
@@ -183,6 +186,22 @@ class DiscBrake(_DiscBrake):  # type: ignore[misc]  # final but for this
         stiffness: _Given = ...,
         damping: _Given = ...,
         drive: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class InnerMass(_InnerMass):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        angle: _Given = ...,
+        drive: _Motor = ...,
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
     ) -> None: ...
 
 @final
@@ -474,6 +493,22 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class TwoMassCapsule(_TwoMassCapsule):  # type: ignore[misc]  # final but for this
+    first: InnerMass
+    second: InnerMass
+    def __init__(
+        self,
+        *,
+        capsule_mass: _Given,
+        first: _InnerMass,
+        second: _InnerMass,
+        gravity: _Given = ...,
+        incline: _Given = ...,
+        squeeze: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class VelocityLoop(_VelocityLoop):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
@@ -493,6 +528,7 @@ __all__ = [
     "DCMotor",
     "DiscBrake",
     "Guide",
+    "InnerMass",
     "LOOPS",
     "Lining",
     "Link",
@@ -520,6 +556,7 @@ __all__ = [
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
+    "TwoMassCapsule",
     "VelocityLoop",
     "gear_inputs",
     "given_inputs",

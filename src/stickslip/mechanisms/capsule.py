@@ -118,6 +118,8 @@ class Capsule(BoundedMechanism):
     """Elastic stop above; none if not given."""
     drive_on: Literal["both", "inner mass"] = "both"
     """Where a force drives it: between the two, or from outside on the inner mass alone."""
+    squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
+    """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
 
     @override
     def __post_init__(self) -> None:
@@ -216,7 +218,8 @@ class Capsule(BoundedMechanism):
         >>> {name: round(one, 6) for name, one in capsule.dimensionless_numbers(0.2).items()}
         {'gamma': 4.0, 'xi': 0.013693}
         """
-        friction = coefficient * self.gravity * (self.capsule_mass + self.inner_mass)
+        weight = self.gravity * (self.capsule_mass + self.inner_mass)
+        friction = coefficient * (weight + self.squeeze)
         natural = math.sqrt(self.stiffness / self.inner_mass)
         found = {
             "gamma": self.capsule_mass / self.inner_mass,
@@ -245,7 +248,7 @@ class Capsule(BoundedMechanism):
         springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
         for stop, side, events in self._soft_stops():
             springs = springs + stop.energy(q["xi"], side, events)
-        return self.gravity * (capsule + inner) + springs
+        return self.gravity * (capsule + inner) + self.squeeze * q["y"] + springs
 
     def _soft_stops(self) -> list[tuple[SoftStop, int, tuple[str, str]]]:
         """Return the soft stops with their sides and the names of their events."""

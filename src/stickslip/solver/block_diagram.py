@@ -285,7 +285,7 @@ class Diagram(BlockDiagram):
         if state.law is None:
             n, names = self.coordinates, self.mechanism.coordinates
             straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
-            drives = {name: one.smooth(t) + linear for (name, one), linear in straight}
+            drives = {name: one.shaped(linear, t) for (name, one), linear in straight}
             q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
             (contact,) = self.mechanism.contacts()
             told = self.mechanism.contact_inputs(t, q, q_dot, drives)

@@ -180,7 +180,9 @@ def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float
         turning = law.rates(0.0, load, z)
     with Latches():
         rates = law.rates(v, load, beyond)
-    if any(rate != 0.0 for rate in turning):
+    made = getattr(law, "made_of", None)
+    relaxes = made is not None and made.memory is not None and made.memory.part.relaxes
+    if not relaxes and any(rate != 0.0 for rate in turning):
         yield "the bristle deflections change at rest"
     later = tuple(one + 1e-6 * abs(one / v) * rate for one, rate in zip(beyond, rates, strict=True))
     with Latches():

@@ -149,10 +149,16 @@ class Factor(Part, ABC):
     role: ClassVar[str] = "factor"
     argument: ClassVar[str] = "input"
     opposes: ClassVar[bool] = False
+    positive_if: ClassVar[str] = ""
+    """For which values it does not fall below 0, whatever the input; empty where that is open."""
 
     @abstractmethod
     def factor(self, p: Values, s: Slip) -> Scalar:
         """Return the number, 1 where the input has no effect."""
+
+    def positive(self, p: Values) -> bool:  # most depend on the input
+        """Whether `positive_if` is so: it does not fall below 0, whatever the input."""
+        return self.opposes
 
 
 class Flow(Part, ABC):
@@ -194,6 +200,10 @@ class Memory(Part, ABC):
     """Whether its force falls at once where a state reaches its limit."""
     limited: ClassVar[bool] = False
     """Whether its states stop at limits, which the level at rest sets."""
+    dissipates: ClassVar[bool] = False
+    """Whether it only takes energy up, whatever its values and the level around which it is."""
+    relaxes: ClassVar[bool] = False
+    """Whether its states go on while nothing slips."""
     usual: ClassVar[str] = "level"
     """The level curve that its title does not mention."""
 

@@ -53,6 +53,7 @@ class Ripple(Factor):
     """One harmonic of the input, as of cogging and tooth mesh."""
 
     name = "ripple"
+    positive_if = "if a^2 + b^2 <= 1 of each ripple"
     tex = r"(1 + a_{1} \cos(m_{1} {0}) + b_{1} \sin(m_{1} {0}))"
     vanishes = {"cosine": 0.0, "sine": 0.0}
     cosine: Annotated[
@@ -76,3 +77,7 @@ class Ripple(Factor):
         (x,) = s.inputs
         phase = p.harmonic * x
         return 1.0 + p.cosine * cos(phase) + p.sine * sin(phase)
+
+    @override
+    def positive(self, p: Values) -> bool:
+        return bool(p.cosine**2 + p.sine**2 <= 1.0)

@@ -1,12 +1,14 @@
 """Contacts that remember: states around a curve of levels."""
 
+import functools
 import math
+from dataclasses import MISSING
 from typing import Annotated, final
 
 from typing_extensions import Doc, override
 
 from stickslip.friction.coefficients import BristleDamping, BristleStiffness
-from stickslip.friction.parts.base import Becomes, Memory, Slip, Values
+from stickslip.friction.parts.base import Becomes, Memory, Parameter, Slip, Values
 from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, sqrt, where
 from stickslip.quantities import Quantity
 
@@ -403,3 +405,81 @@ class BlimanSorine(Memory):
         b, eta = p.surplus_share + LEAST, p.distance_ratio
         x = log((1.0 + b) / (b * eta)) / (ABOVE_ONE - eta)  # where the force falls again
         return 1.0 + b * (1.0 - eta) * exp(-eta * x)
+
+
+@final
+class Relaxing(Memory):
+    """A spring that yields, with springs beside it that relax: stretched tissue.
+
+    Each of these is a spring in line with a dashpot. What yields takes the share of the slip that
+    the whole force has of the level, so that the force times this share is never below 0: with
+    the energies of the springs, and what the dashpots take, the part is passive for any values.
+    """
+
+    name = "relaxing"
+    title = "relaxing tissue"
+    argument = "number"
+    compared = False
+    dissipates = relaxes = True
+    tex = r"\left(\sigma_0 z + \textstyle\sum_i k_i q_i\right)"
+    tex_where = (
+        r"\dot z = v - \frac{|v|}{g} \left(\sigma_0 z + \textstyle\sum_i k_i q_i\right), \quad"
+        r" \dot q_i = \dot z - q_i / \tau_i"
+    )
+    bristle_stiffness: BristleStiffness
+
+    def __init__(self, count: int = 1) -> None:
+        self.count = count
+
+    @override
+    def of(self, argument: str) -> "Relaxing":
+        return Relaxing(int(argument)) if argument.isdecimal() else self
+
+    @functools.cached_property
+    @override
+    def parameters(self) -> tuple[Parameter, ...]:
+        found = list(super().parameters)
+        for i in range(self.count):
+            stiffness = Quantity(
+                f"k_{i + 1}", "1/m", low=0, scale="stiffness", bounds=(0.0, 1e3), start=1.0
+            )
+            time = Quantity(
+                f"tau_{i + 1}", "s", above=0, scale="none", bounds=(1e-3, 1e2), start=1.0
+            )
+            hints = {
+                f"relaxing_stiffness_{i + 1}": Annotated[
+                    float, stiffness, Doc("Stiffness that relaxes, over the normal force.")
+                ],
+                f"relaxation_time_{i + 1}": Annotated[
+                    float, time, Doc("Time in which its force falls to 1/e.")
+                ],
+            }
+            found += [Parameter(name=k, hint=v, default=MISSING) for k, v in hints.items()]
+        return tuple(found)
+
+    @property
+    @override
+    def becomes(self) -> tuple[Becomes, ...]:  # type: ignore[override]  # of as many
+        none = {f"relaxing_stiffness_{i + 1}": 0.0 for i in range(self.count)}
+        return (
+            Becomes(name="dahl", values={**none, "yield_exponent": 1.0}),
+            Becomes(name="", values={**none}, limits=("bristle_stiffness",)),
+        )
+
+    @override
+    def states(self, argument: str) -> tuple[str, ...]:
+        return ("z", *(f"q{i + 1}" for i in range(int(argument))))
+
+    @override
+    def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        z_dot = s.along - abs(s.along) / g * self.force(p, s, z, g)
+        times = (getattr(p, f"relaxation_time_{i + 1}") for i in range(self.count))
+        return (z_dot, *(z_dot - q / time for q, time in zip(z[1:], times, strict=True)))
+
+    @override
+    def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        springs = (getattr(p, f"relaxing_stiffness_{i + 1}") for i in range(self.count))
+        found = p.bristle_stiffness * z[0]
+        for k, q in zip(springs, z[1:], strict=True):
+            found = found + k * q
+        return found

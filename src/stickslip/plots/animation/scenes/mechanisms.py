@@ -30,6 +30,7 @@ from stickslip.mechanisms import (
     TwoFeet,
     TwoLinkArm,
     TwoMassAxis,
+    TwoMassCapsule,
     joint_places,
 )
 from stickslip.plots.animation.scenes.shapes import (
@@ -596,6 +597,32 @@ def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
 
 
+def two_mass_capsule(mechanism: TwoMassCapsule, run: Trajectory) -> Picture:
+    """Return the capsule with both masses on their lines, which cross in its middle."""
+    reach = max(float(np.abs(run[name]).max()) for name in ("xi", "zeta")) or 0.1
+    half = 1.5 * reach
+    inner = (("xi", mechanism.first), ("zeta", mechanism.second))
+
+    def shapes(now: Moment) -> list[Shape]:
+        x = now["x"]
+        found: list[Shape] = [
+            Ground(touched=((x - half, x + half),)),
+            Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
+        ]
+        for name, one in inner:
+            along, up = math.cos(one.angle), math.sin(one.angle)
+            ends = [(x + side * reach * along, half + side * reach * up) for side in (-1.0, 1.0)]
+            found.append(Rod(points=(ends[0], ends[1]), width=0.6))
+            middle = (x + along * now[name], half + up * now[name])
+            if one.stiffness > 0:
+                found.append(Coil(start=ends[0], end=middle, radius=0.1 * reach, turns=6))
+            found.append(Ball(centre=middle, radius=0.25 * reach))
+        found += _plumb(mechanism.incline, (x, 3.0 * half), half)
+        return [*found, *standing_forces(now, x, 1.8 * half, normal=True)]
+
+    return Picture(shapes=shapes, names={})
+
+
 SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
     {
         SpringBlock.name: spring_block,
@@ -605,6 +632,7 @@ SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
         Pendulum.name: pendulum,
         PendulumCart.name: pendulum_cart,
         Capsule.name: capsule,
+        TwoMassCapsule.name: two_mass_capsule,
         BlockChain.name: block_chain,
         ClutchTrain.name: clutch_train,
         DiscBrake.name: disc_brake,
