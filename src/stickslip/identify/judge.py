@@ -279,8 +279,8 @@ class Judgement:
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
 
-        Of independent readings noise is normal, with the scale that each law leaves. Dense rows have
-        what laws leave of one part of the measurement that is predicted from the others, at
+        Of independent readings noise is normal, with the scale that each law leaves. Dense rows
+        have what laws leave of one part of the measurement, predicted from the others, at
         rows of about the same speed: with its tails, its scatter by speed, and what differs from
         part to part.
         """
