@@ -15,7 +15,6 @@ from stickslip import (
     select,
 )
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.identification.records.route_choice import RouteChoice
 
 AXIS = Axis(inertia=5.0)
 SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
@@ -76,7 +75,6 @@ def test_a_single_law_may_be_selected_from(law):
     [
         {"route": "shooting"},
         {"route": "features"},
-        {"route": RouteChoice(route="shooting", settings=RecordSettings())},
         {"settings": RecordSettings(starts=2)},
     ],
     ids=lambda given: "-".join(map(str, given)),

@@ -1,14 +1,10 @@
-"""Bounds that follow from a guess give way; those of the quantity stand, and are named."""
-
-import dataclasses
+"""Bounds of quantities stand, and are named."""
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
+from stickslip import Axis, CoulombViscous, Measurement, fit, simulate
 from stickslip.drives import Sampled
-from stickslip.identification.estimation.levenberg_marquardt import AGREE
-from stickslip.identification.series import start_values
 
 TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
 NOISE = 1e-4
@@ -49,20 +45,6 @@ def test_a_short_record_of_one_direction_is_explained_to_its_noise(motion, first
         assert abs(estimate.value - truth) < estimate.high - estimate.low
 
 
-def test_a_bound_that_was_guessed_too_low_gives_way(motion, monkeypatch):
-    record = cut(motion, 0, 500)
-    usual = fit(Axis(inertia=5.0), TRUTH, record, settings=RecordSettings(starts=1))
-    # levels and slopes of at most a hundredth of what regression finds, which a search must leave
-    monkeypatch.setattr(start_values, "REACH", 0.01)
-    start = CoulombViscous(kinetic_coefficient=0.01, viscous_coefficient=0.01)
-    found = fit(Axis(inertia=5.0), start, record, settings=RecordSettings(starts=1))
-    assert found.at_bounds == {}
-    # the same least residual, as far as starts are said to agree
-    assert found.rms == pytest.approx(usual.rms, rel=AGREE)
-    held_out = found.build(record, None)
-    assert held_out.free_parameters.items[0].high > found.law.kinetic_coefficient
-
-
 def test_a_bound_that_is_a_limit_of_the_quantity_stays_and_is_named():
     v = np.linspace(-1.0, 1.0, 81)
     # friction that falls with speed, which no viscous coefficient of 0 or more can do
@@ -87,8 +69,9 @@ def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(
     found = fit(
         Axis(inertia=4.0),
         CoulombViscous,
-        cut(motion, 0, 100),
+        cut(motion, 0, 80),
         vary=["friction.*", "mechanism.inertia"],
+        route="shooting",
     )
     level = found.estimate("kinetic_coefficient")
     half = found.inference.half_widths[0]
@@ -98,19 +81,3 @@ def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(
     assert level.reason.endswith(" N")
     assert any(level.reason in line for line in found.sentences)
     assert found.estimate("viscous_coefficient").bounded
-
-
-def test_a_mass_is_found_outside_bounds_about_a_poor_start(motion, monkeypatch):
-    t, x, force = motion
-    record = Measurement(time=t, position=x, force=force)
-    wanted = {"vary": ["friction.*", "mechanism.inertia"], "route": "inverse-dynamics"}
-    usual = fit(Axis(inertia=5.0), CoulombViscous, record, **wanted).mechanism.inertia
-    regressed = start_values.inverse_dynamics(Axis(inertia=5.0), record, robust=True)
-    off = regressed.values.copy()
-    off[regressed.names.index("inertia")] = 8.0
-    poor = dataclasses.replace(regressed, values=off)
-    monkeypatch.setattr(start_values, "inverse_dynamics", lambda *_, **__: poor)
-    monkeypatch.setattr(start_values, "WIDE", 1.1)
-    found = fit(Axis(inertia=5.0), CoulombViscous, record, **wanted).mechanism.inertia
-    # the same least; the friction is derived with another mass first, and filtered alike
-    assert found == pytest.approx(usual, rel=1e-3)

@@ -71,7 +71,7 @@ def by_motion(emps):
 
     @functools.cache
     def fit_of(law):
-        return fit_record(AXIS, law, emps, unknown=("inertia",), settings=ONE)
+        return fit_record(AXIS, law, emps, unknown=("inertia",), route="shooting", settings=ONE)
 
     return fit_of
 

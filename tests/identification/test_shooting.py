@@ -66,7 +66,7 @@ def test_a_number_of_threads_that_is_none_is_refused(record, count, monkeypatch)
 
 def problem_of(record, law=CoulombViscous):
     scales = scales_of(RIG, record, ("inertia",))
-    start, items, _ = law_unknowns(law, scales)
+    start, items = law_unknowns(law, scales)
     more = mechanism_unknowns(RIG, start, ("inertia",), scales)
     segments = segments_of(RIG, record, length=1.0, resolution=200)
     return Shooting(law=start, free_parameters=joined(start, [*items, *more]), segments=segments)
@@ -192,7 +192,7 @@ def test_values_that_no_law_can_have_are_infinitely_wrong(record):
 def test_parameters_that_are_not_free_stay_as_they_were_given(record):
     law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=8.0)
     found = fit(
-        RIG, law, record, vary=["kinetic_coefficient"],
+        RIG, law, record, vary=["kinetic_coefficient"], route="shooting",
         settings=RecordSettings(resolution=200, starts=1),
     )  # fmt: skip
     assert found.law.viscous_coefficient == 8.0

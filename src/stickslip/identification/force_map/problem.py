@@ -16,7 +16,7 @@ from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.start_values import (
     StartEstimate,
     looked_for,
-    screened_starts,
+    screened_start,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
@@ -71,10 +71,9 @@ def force_map(
     """
     stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
-    problem, starts = map_along(
+    return map_along(
         law, stretches, few, free=free, held=held, known=known, beside=constant_of(mechanism)
     )
-    return replace(problem, free_parameters=problem.free_parameters.starting_at(starts[0]))
 
 
 def constant_of(mechanism: Mechanism) -> ConstantForce:
@@ -102,8 +101,8 @@ def map_along(
     linear: Sequence[FreeParameter] = (),
     derived: Sequence[float] = (),
     mass: float = 0.0,
-) -> tuple[ForceMap, tuple[Array, ...]]:
-    """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
+) -> ForceMap:
+    """Return the problem as `force_map` does, along stretches.
 
     Start values of a law that knows no history come from stretches of fewer samples.
     """
@@ -143,8 +142,9 @@ def map_along(
         whole, coarse = (replace(one, linear=own) for one in (whole, coarse))
     problem = replace(whole, free_parameters=free_parameters)
     if not isinstance(law, type):
-        return problem, (free_parameters.start,)
-    return problem, screened_starts(problem, replace(coarse, free_parameters=free_parameters))
+        return problem
+    start = screened_start(problem, replace(coarse, free_parameters=free_parameters))
+    return replace(problem, free_parameters=free_parameters.starting_at(start))
 
 
 def _with_defaults(

@@ -47,12 +47,6 @@ ROUNDS = 4
 STIFF = "stiffness"
 FIRST = 4
 """First column of the regressors of parameters of the mechanism."""
-KEPT = 3
-"""Starts that are returned at most."""
-WORSE = 4.0
-"""Sum of squares over the least, above which an end of these is no start."""
-APART = 0.7
-"""Distance of logarithms (a factor of two) from which two ends are two starts."""
 FAST = 0.5
 """Share of the largest speed (its 99th percentile) above which slip counts as steady."""
 MOVING = 0.05
@@ -76,8 +70,8 @@ WHOLE = (0.02, 10.0)
 """Exponents that are looked at, if allowed."""
 
 
-def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
-    """Return values (p,) from which the search of a force map should begin, the best first.
+def screened_start(problem: ForceMap, coarse: ForceMap) -> Array:
+    """Return values (p,) from which the search of a force map should begin.
 
     Examples
     --------
@@ -88,7 +82,7 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     >>> table = Measurement(velocity=v, friction=truth.force(v, 1.0))
     >>> problem = force_map(Stribeck, Axis(inertia=1.0), table)
     >>> best = dict(
-    ...     zip(problem.free_parameters.paths, screened_starts(problem, problem)[0], strict=True)
+    ...     zip(problem.free_parameters.paths, screened_start(problem, problem), strict=True)
     ... )
     >>> bool(abs(best["friction.stribeck_velocity"] / 3e-3 - 1.0) < 0.2)
     True
@@ -96,11 +90,11 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     memory = _has_memory(problem)
     points = _grid_points(problem.free_parameters, memory=memory)
     if len(points) < 2:
-        return (problem.free_parameters.start,)
+        return problem.free_parameters.start
     seen, compare = (problem, _rated_with_memory) if memory else (coarse, _rated_without)
     rated = _best_of_each(compare(seen, points), points, problem.free_parameters)
-    ends = sorted((_polished(seen, one) for one in rated), key=lambda one: one.cost)
-    return _distinct(problem.free_parameters, ends)
+    best = min((_polished(seen, one) for one in rated), key=lambda one: one.cost)
+    return best.values if np.isfinite(best.cost) else problem.free_parameters.start
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,19 +299,6 @@ def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
     return _Rated(end.values, end.cost)
 
 
-def _distinct(free_parameters: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, ...]:
-    """Return the values of ends that are not much worse than the best and not the same as one."""
-    log = [k for k, item in enumerate(free_parameters.items) if item.log]
-    kept: list[Array] = []
-    for one in ends:
-        if not np.isfinite(one.cost) or one.cost > WORSE * ends[0].cost or len(kept) == KEPT:
-            break
-        near = [np.abs(np.log(one.values[log] / other[log])) for other in kept]
-        if all(np.max(gap, initial=0.0) > APART for gap in near):
-            kept.append(one.values)
-    return tuple(kept) or (free_parameters.start,)
-
-
 @dataclass(frozen=True, kw_only=True)
 class StartEstimate:
     """What friction against motion says at a glance.
@@ -502,7 +483,6 @@ class StartEstimate:
             low=max(low, quantity.low),
             high=min(high, quantity.high),
             log=log,
-            guessed=signed,
         )
 
 

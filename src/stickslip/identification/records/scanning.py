@@ -5,6 +5,7 @@ takes milliseconds.
 """
 
 import itertools
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -24,8 +25,8 @@ from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
-MOTOR: Final = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
-"""Paths of the constants of a motor."""
+Array = NDArray[np.float64]
+
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
 ROWS: Final = 200
@@ -42,10 +43,6 @@ SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
 KEPT: Final = 3
 """Starts that are kept of these."""
-CONSTANTS: Final = (1 / 16, 1 / 4, 1.0, 4.0, 16.0)
-"""Constants of a motor over those given that are tried, all alike: torque per voltage stays ..."""
-PUSHES: Final = (0.5, 1.0, 2.0)
-"""... and torques per voltage over that given."""
 LONGEST: Final = 1e9
 """Length of a segment that no record has [s]."""
 
@@ -108,84 +105,58 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     )
 
 
-def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
-    """Return starts (p,) with the levels at rest that fit best, tried one by one.
+def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
+    """Return which of several start values (p,) leaves least."""
+    if len(tried) == 1:
+        return tried[0]
+    return min(tried, key=lambda values: problem.linearise(values, slopes=False).cost)
+
+
+def surplus_starts(free: FreeParameters) -> list[Array]:
+    """Return starts (p,) with several levels at rest beside several of sliding.
 
     Such a level decides at each rest whether the body breaks away or not, so that residuals jump
     with it, and no slope leads from one side to the other.
     """
-    free_parameters = problem.free_parameters
-    above = [item.path for item in free_parameters.items if item.above]
+    above = [item.path for item in free.items if item.above]
     if not above:
-        return ()
-    rest = free_parameters.paths.index(above[0])
-    level = free_parameters.paths.index(free_parameters.items[rest].above)
+        return []
+    rest = free.paths.index(above[0])
+    level = free.paths.index(free.items[rest].above)
     found = []
     for near, surplus in itertools.product(NEAR, SURPLUSES):
-        values = free_parameters.start.copy()
+        values = free.start.copy()
         values[level] *= near
         values[rest] = surplus * values[level]
-        found.append((problem.linearise(values, slopes=False).cost, values))
-    found.sort(key=lambda one: one[0])
-    return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))
+        found.append(values)
+    return found
 
 
-def motor_starts(problem: Shooting) -> tuple[NDArray[np.float64], ...]:
-    """Return starts (p,) with the constants of a motor that fit best, tried one by one.
-
-    Torque per voltage is told at once, but R and k_t that are both small leave no back-EMF, and
-    other friction in its place makes a valley there.
-    """
-    paths = problem.free_parameters.paths
-    places = [paths.index(path) for path in MOTOR if path in paths]
-    if not places:
-        return ()
-    both = len(places) == len(MOTOR)
-    found = []
-    for constants, push in itertools.product(CONSTANTS if both else (1.0,), PUSHES):
-        values = problem.free_parameters.start.copy()
-        values[places] *= constants
-        values[places[-1]] *= push
-        values = problem.free_parameters.values(problem.free_parameters.coordinates(values))
-        found.append(((problem.few or problem).linearise(values, slopes=False).cost, values))
-    found.sort(key=lambda one: one[0])
-    start = problem.free_parameters.start
-    return tuple(
-        values
-        for cost, values in found[:KEPT]
-        if np.isfinite(cost) and not np.array_equal(values, start)
-    )
-
-
-def lengthened_starts(problem: Shooting) -> tuple[Shooting, tuple[NDArray[np.float64], ...]]:
-    """Return a problem with better initial states, and starts (p,), from its first part on.
+def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
+    """Return a problem with better initial states, and a start (p,), from its first part on.
 
     After some impacts a run depends so much on friction and on its initial state that the sum of
     squares has a valley for each sequence of impacts, and the way down leads into the nearest.
-    Before them it has few: levels are tried one by one there, and the best ends are followed while
+    Before them it has few: levels are tried one by one there, and the best end is followed while
     ever more of the record is taken in.
     """
-    free_parameters = problem.free_parameters
-    levels = [item.quantity.scale == "level" for item in free_parameters.items]
+    free = problem.free_parameters
+    levels = [item.quantity.scale == "level" for item in free.items]
     if not any(levels):
-        return problem, ()
+        return problem, []
     part = problem.shortened(SHARES[0])
     tried = [
-        free_parameters.values(
-            free_parameters.coordinates(np.where(levels, factor, 1.0) * free_parameters.start)
+        part.linearise(
+            free.values(free.coordinates(np.where(levels, factor, 1.0) * free.start)), slopes=False
         )
         for factor in SPREAD
     ]
-    ends = [part.linearise(values, slopes=False) for values in tried]
-    costs = [np.inf, *(one.cost for one in ends), np.inf]
-    ends = [one for i, one in enumerate(ends, 1) if costs[i] <= min(costs[i - 1], costs[i + 1])]
+    end = min(tried, key=lambda one: one.cost)
     for share in SHARES:
-        part = problem.shortened(share)
-        ends = [_end(part, one) for one in sorted(ends, key=lambda one: one.cost)[:KEPT]]
-    ends = sorted((one for one in ends if np.isfinite(one.cost)), key=lambda one: one.cost)
-    if not ends:
-        return problem, ()
-    return problem.starting_from(ends[0]), tuple(one.values for one in ends)
+        end = _end(problem.shortened(share), end)
+    if not np.isfinite(end.cost):
+        return problem, []
+    return problem.starting_from(end), [end.values]
 
 
 def _end(problem: Shooting, near: ResidualJacobian) -> ResidualJacobian:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, usual_top_speed
-from stickslip.formatting import number, quantity
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import (
     FreeParameter,
@@ -48,10 +48,6 @@ REACH = 100.0
 CREDIBLE = 1.0 / REACH
 """Share of the force from which a regressed level is one to start from: bounds go beyond the force.
 Below it, such as below 0, regression has mistaken the level for mass or slope."""
-GUESSED = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
-"""Scales whose upper bound follows from the regression alone. Bounds of others follow from what the
-record covers: the speeds, the stroke, the level. Those of a change with an input are guesses too:
-they are numbers over the unit of the input, whatever its size."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
 UNEXPLAINED = 0.8
@@ -64,29 +60,25 @@ def inertia_of(
 ) -> FreeParameter | None:
     """Return the mass of a mechanism where it is looked for, to start from by robust regression."""
     check_is_mass(unknown)
-    names = [name.rpartition(".")[2] for name in unknown]
-    if not names:
+    if not unknown:
         return None
     known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
-    path = full_path(names[0], known)
-    found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
-    value = found["inertia"]
-    if value <= 0.0 and _says_little(found):
-        value = mass_of(mechanism)
-    if value <= 0.0:
-        raise InputError(
-            f"inverse dynamics gives {quantity(value, 'kg')} for {path}: check the sign of the"
-            " force (gain -1) and that the motion accelerates."
-        )
-    return FreeParameter(
-        path=path,
-        quantity=known[path],
-        start=value,
-        low=value / WIDE,
-        high=value * WIDE,
-        log=True,
-        guessed=True,
+    path = full_path(unknown[0].rpartition(".")[2], known)
+    both, apart = (
+        _regressed(mechanism, measurement, vary=["inertia"], directional=side)
+        for side in (False, True)
     )
+    check_signs(both, driven=driven(measurement))
+    value = apart["inertia"] if apart["inertia"] > 0.0 else mass_of(mechanism)
+    return FreeParameter(
+        path=path, quantity=known[path], start=value, low=value / WIDE, high=value * WIDE, log=True
+    )
+
+
+def _regressed(
+    mechanism: Mechanism, measurement: Measurement, vary: Sequence[str], *, directional: bool
+) -> InverseDynamics:
+    return inverse_dynamics(mechanism, measurement, vary=vary, directional=directional, robust=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +105,6 @@ class Scales:
     """Range of positions [m]."""
     two_sided: bool = True
     """Whether the record slips both ways."""
-    nominal: float | None = None
-    """Mass [kg] as it was given, where regression tells no level: it may be off as much."""
 
     @classmethod
     def of_level(
@@ -140,18 +130,11 @@ def scales_of(
     """Return the sizes that robust linear regression of forces finds."""
     free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
 
-    def solved(*, directional: bool) -> InverseDynamics:
-        return inverse_dynamics(
-            mechanism,
-            measurement,
-            vary=free,
-            directional=directional,
-            robust=True,
-        )
-
-    both, apart = solved(directional=False), solved(directional=True)
+    both, apart = (
+        _regressed(mechanism, measurement, free, directional=side) for side in (False, True)
+    )
     size = float(np.median(np.abs(both.friction)))
-    _check_signs(both, driven=driven(measurement))
+    check_signs(both, driven=driven(measurement))
     positions = [np.ptp(positions_of(record)) for record in measurement.records()]
     ahead = float(np.mean(both.velocity > 0.0))
     speed = max(usual_top_speed(both.velocity), 1e-12)
@@ -166,7 +149,6 @@ def scales_of(
         speed=speed,
         stroke=max(float(max(positions)), 1e-12),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
-        nominal=mass_of(mechanism) if free and both["level"] <= CREDIBLE * size else None,
     )
 
 
@@ -175,7 +157,7 @@ def _level(regressed: float, size: float) -> float:
     return regressed if regressed > CREDIBLE * size else 0.5 * size
 
 
-def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
+def check_signs(found: InverseDynamics, *, driven: bool) -> None:
     """Refuse a force that acts against the motion it should cause."""
     if _says_little(found) and not (found["level"] < 0.0 and found["viscous"] < 0.0):
         return
@@ -238,8 +220,8 @@ def law_unknowns(
     scales: Scales,
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
-) -> tuple[FrictionLaw, tuple[FreeParameter, ...], tuple[Mapping[str, float], ...]]:
-    """Return a law to start from, its unknowns, and further starts by path."""
+) -> tuple[FrictionLaw, tuple[FreeParameter, ...]]:
+    """Return a law to start from, and its unknowns."""
     kind = law if isinstance(law, type) else type(law)
     known = known or {}
     names = [name for name in kind.fit_order if name not in known]
@@ -278,11 +260,9 @@ def law_unknowns(
                 high=max(high, 2.0 * values[name]),
                 log=log,
                 above=f"friction.{above}" if above else "",
-                guessed=signed or (quantity.scale in GUESSED and not above),
             )
         )
-    further = _further(kind, scales) if isinstance(law, type) else ()
-    return start, tuple(free_parameters), further
+    return start, tuple(free_parameters)
 
 
 def _made(
@@ -334,25 +314,6 @@ def _sizes(s: Scales) -> Sizes:
     return Sizes(typical=typical, reach=reach)
 
 
-def _further(kind: type[FrictionLaw], s: Scales) -> tuple[Mapping[str, float], ...]:
-    """Return starts that differ in what no linear regression finds."""
-    found: list[Mapping[str, float]] = []
-    for velocity, length in ((0.03, 1e-4), (0.3, 1e-2)):
-        sizes = {
-            "speed": velocity * s.speed,
-            "stiffness": s.level / s.load / (length * s.stroke),
-            "displacement": length * s.stroke,
-        }
-        values = {
-            f"friction.{name}": sizes[quantity.scale]
-            for name, quantity in fields_of(kind).items()
-            if quantity.scale in sizes
-        }
-        if values:
-            found.append(values)
-    return tuple(found)
-
-
 def mechanism_unknowns(
     mechanism: Mechanism,
     law: FrictionLaw,
@@ -394,7 +355,6 @@ def mechanism_unknown(path: str, quantity: Quantity, start: float, level: float)
         low=1e-3 * start if log else max(quantity.low, -most),
         high=1e3 * start if log else min(quantity.high, most),
         log=log,
-        guessed=True,
     )
 
 
